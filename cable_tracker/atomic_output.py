@@ -269,3 +269,25 @@ def write_bytes(path: Path, content: bytes) -> None:
             part.write_bytes(content)
     except OSError as error:
         raise write_failure(path, error) from error
+
+
+def write_text(path: Path, text: str, *, waits: bool = True) -> None:
+    """Write a text file, in place of an earlier one and with its permissions; see `atomic_file`.
+
+    Parameters
+    ----------
+    path : Path
+        Path to write to; a link is followed.
+    waits : bool
+        Whether to wait until it is on the disk, not only in its cache.
+
+    Raises
+    ------
+    OSError
+        It cannot be written; what lay there is as it was.
+    """
+    target = path.resolve()
+    with atomic_file(target, by_many=True, waits=waits) as part:
+        part.write_text(text, encoding="utf-8", newline="")
+        if target.exists():
+            part.chmod(target.stat().st_mode & 0o7777)

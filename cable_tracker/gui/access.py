@@ -15,7 +15,9 @@ Receive: TypeAlias = Callable[[], Awaitable[Message]]
 Send: TypeAlias = Callable[[Message], Awaitable[None]]
 Application: TypeAlias = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-COOKIE = "cable_tracker_token"
+COOKIE = "cable_tracker_token_"
+"""Start of the cookie's name. The port follows: browsers send a host's cookies to all its ports."""
+
 REFUSED_BY_CLOSING = 1008
 """WebSocket's code for a violation of policy (RFC 6455, 7.4.1)."""
 
@@ -66,7 +68,7 @@ class AccessGuard:
             await _refuse(scope, receive, send)
             return
         if self._token is not None and scope["type"] == "http":
-            send = _with_cookie(send, self._token)
+            send = _with_cookie(send, _cookie_name(headers.get("host", "")), self._token)
         await self._application(scope, receive, send)
 
     def _is_allowed(self, scope: Scope, headers: MutableMapping[str, str]) -> bool:
@@ -75,27 +77,33 @@ class AccessGuard:
         if origin is not None and urlsplit(origin).netloc != host:
             return False
         if self._token is None:
-            return is_loopback(_name_of(host))
+            return is_loopback(_parts_of(host)[0])
         given = [*parse_qs(scope["query_string"].decode("latin-1")).get("token", ())]
-        given += _cookie_of(headers)
+        given += _cookie_of(headers, _cookie_name(host))
         return any(secrets.compare_digest(word.encode(), self._token.encode()) for word in given)
 
 
-def _name_of(host: str) -> str:
+def _parts_of(host: str) -> tuple[str, str]:
+    """Return name and port of a Host header; the port is empty where it names none."""
     name, colon, port = host.rpartition(":")
-    return (name if colon and port.isdigit() else host).strip("[]")
+    is_port = bool(colon) and port.isascii() and port.isdigit()
+    return (name.strip("[]"), port) if is_port else (host.strip("[]"), "")
 
 
-def _cookie_of(headers: MutableMapping[str, str]) -> list[str]:
+def _cookie_name(host: str) -> str:
+    return COOKIE + _parts_of(host)[1]
+
+
+def _cookie_of(headers: MutableMapping[str, str], name: str) -> list[str]:
     try:
-        cookie = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
+        cookie = SimpleCookie(headers.get("cookie", "")).get(name)
     except CookieError:
         return []
     return [cookie.value] if cookie is not None else []
 
 
-def _with_cookie(send: Send, token: str) -> Send:
-    value = f"{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict".encode("latin-1")
+def _with_cookie(send: Send, name: str, token: str) -> Send:
+    value = f"{name}={token}; Path=/; HttpOnly; SameSite=Strict".encode("latin-1")
 
     async def send_with_cookie(message: Message) -> None:
         if message["type"] == "http.response.start":

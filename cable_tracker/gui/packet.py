@@ -11,8 +11,6 @@ import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from cable_tracker.arrays import FloatArray
 
 ALIGNMENT = 4
@@ -92,26 +90,3 @@ def pack(description: Mapping[str, object], sections: Sequence[Section]) -> byte
     ).encode()
     text += b" " * (-len(text) % ALIGNMENT)
     return b"".join((struct.pack("<I", len(text)), text, *blocks))
-
-
-def unpack(message: bytes) -> tuple[dict[str, object], dict[str, bytes | FloatArray]]:
-    """Take a packet apart again, as the browser does; for tests and for other viewers.
-
-    Returns
-    -------
-    dict, dict
-        The description, and the sections by name: bytes of ``jpeg``, arrays of ``float32``.
-    """
-    (length,) = struct.unpack_from("<I", message)
-    description = json.loads(message[4 : 4 + length])
-    start = 4 + length
-    sections: dict[str, bytes | FloatArray] = {}
-    for entry in description.pop("sections"):
-        begin = start + entry["offset"]
-        data = message[begin : begin + entry["size"]]
-        sections[entry["name"]] = (
-            np.frombuffer(data, "<f4").astype(np.float64).reshape(entry["shape"])
-            if entry["kind"] == "float32"
-            else data
-        )
-    return description, sections

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
 from cable_tracker.gui.parameter_groups import CABLE_GROUPS, Groups, grouped
 from cable_tracker.gui.subject import CABLE, Subject
@@ -23,7 +24,8 @@ def value_from_field(spec: ParameterSpec, given: object) -> object:
     """Turn what stands in a field into a value; what is none stays text, and is refused later."""
     if spec.kind is str or not isinstance(given, str):
         return given
-    text = given.strip().replace(",", ".")
+    # A comma is a decimal one; in a whole number it can only part thousands.
+    text = given.strip() if spec.kind is int else given.strip().replace(",", ".")
     if spec.kind is bool:
         return WORDS_FOR_TRUTH.get(text.lower(), given)
     for convert in (int, float):
@@ -115,20 +117,27 @@ def values_from_text(
         raise ParameterError(f"{name}: {error}") from error
 
 
+class ExistingFileError(GuiError):
+    """A file lies there already; it is replaced if the user says so."""
+
+
 def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
-    """Write the file.
+    """Write the file, as a whole or not at all.
 
     Raises
     ------
-    GuiError
+    ExistingFileError
         There is one already, and it must not be overwritten.
+    GuiError
+        There is a folder or a device of this name.
     OutputError
-        It cannot be written.
+        It cannot be written; what lay there is as it was.
     """
+    if path.exists() and not path.is_file():
+        raise GuiError(f"{path}: is a folder or a device; name a file")
+    if path.exists() and not overwrite:
+        raise ExistingFileError(f"{path}: exists already; save once more to replace it")
     try:
-        with path.open("w" if overwrite else "x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError as error:
-        raise GuiError(f"{path}: exists already; save once more to replace it") from error
+        write_text(path, text)
     except OSError as error:
         raise write_failure(path, error) from error

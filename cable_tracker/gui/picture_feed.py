@@ -7,8 +7,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from cable_tracker.errors import CableTrackerError, one_line
 from cable_tracker.gui.frame_channel import FrameChannel
-from cable_tracker.gui.picture_packet import make_packet
+from cable_tracker.gui.picture_packet import make_packet, without_picture
 from cable_tracker.gui.session import AnySnapshot, Session
 from cable_tracker.gui.tracking_history import TrackingHistory
 
@@ -96,7 +97,12 @@ class PictureFeed:
                 self._count += 1
                 history = self._history.table(snapshot.stamp, is_whole=is_whole)
                 fps = self._rate()
-            packet = make_packet(snapshot, history, is_whole=is_whole, fps=fps)
+            try:
+                packet = make_packet(snapshot, history, is_whole=is_whole, fps=fps)
+            except (CableTrackerError, ValueError) as error:
+                # The next frame may be as good as any: the thread goes on.
+                shown = without_picture(snapshot, f"cannot be shown: {one_line(error)}")
+                packet = make_packet(shown, history, is_whole=is_whole, fps=fps)
             self.channel.publish(packet)
 
     def _has_to_act(self) -> bool:

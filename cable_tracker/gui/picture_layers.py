@@ -19,6 +19,12 @@ from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.target.model.estimate import box_corners
 from cable_tracker.tracking.image_frame import to_page
+from cable_tracker.visualisation.drawable import (
+    drawn_spread,
+    heaviest_rows,
+    likely_states,
+    within_reach,
+)
 from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, css, status_colour
 
 Layer: TypeAlias = dict[str, object]
@@ -30,18 +36,12 @@ LARGEST_CLOUD = 2000
 MOST_OPAQUE = 0.6
 """Opacity of the heaviest particle."""
 
-LEAST_PROBABILITY = 0.05
-"""Hypotheses below this are not drawn."""
-
 BAND_POINTS = 21
 
 ELLIPSE_POINTS = 33
 
 CROSS_SHARE = 0.004
 """Length of an arm of the cross that stands for a particle, as a share of the picture's width."""
-
-LARGEST_SIGMA = 1e6
-"""Standard deviation that stands for unknown; wider bands fill the picture anyway [px, rad]."""
 
 
 def layers_of(snapshot: Snapshot) -> list[Layer]:
@@ -51,8 +51,9 @@ def layers_of(snapshot: Snapshot) -> list[Layer]:
     colour = css(status_colour(snapshot.status))
     state = snapshot.state
     is_drawn = state is not None and state.is_finite()
-    if state is not None and is_drawn and snapshot.sigma is not None:
-        layers.append(_band(state, snapshot.sigma, colour, size))
+    spread = drawn_spread(snapshot.sigma) if snapshot.sigma is not None else None
+    if state is not None and is_drawn and spread is not None:
+        layers.append(_band(state, spread, colour, size))
     others = snapshot.hypotheses[1:] if is_drawn else snapshot.hypotheses
     layers.append(_lines("hypotheses", _hypotheses(others, size), css(HYPOTHESES), 1.5, size))
     if state is not None and is_drawn:
@@ -66,9 +67,8 @@ def layers_of(snapshot: Snapshot) -> list[Layer]:
 
 def heaviest(cloud: FloatArray) -> FloatArray:
     """Return the particles that are sent, lightest first; weights, last, over the largest."""
-    usable = np.isfinite(cloud).all(axis=1) & (cloud[:, -1] > 0.0)
-    chosen = cloud[usable]
-    chosen = chosen[np.argsort(chosen[:, -1], kind="stable")][-LARGEST_CLOUD:]
+    usable = np.asarray(np.isfinite(cloud).all(axis=1))
+    chosen = cloud[heaviest_rows(cloud[:, -1], usable, LARGEST_CLOUD)]
     if len(chosen):
         chosen = np.column_stack((chosen[:, :-1], chosen[:, -1] / chosen[-1, -1]))
     return chosen
@@ -110,22 +110,21 @@ def _lines(
 
 def _to_page(points: FloatArray, size: tuple[int, int]) -> list[float]:
     """Turn points (N, 2) of the image frame into x, y, x, y ... from the upper left corner."""
-    limit = 20.0 * max(size)
-    places = to_page(points[:, 0], points[:, 1], size)
-    page = np.clip(np.column_stack(places), -limit, limit)
+    places = np.column_stack(to_page(points[:, 0], points[:, 1], size))
+    page = within_reach(places, size)
     return [round(number, 2) for number in page.ravel().tolist()]
 
 
 def _hypotheses(hypotheses: Sequence[Hypothesis], size: tuple[int, int]) -> Iterable[Segment]:
-    for hypothesis in hypotheses:
-        if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite():
-            yield from centreline_segments(hypothesis.state, size)
+    for state in likely_states(hypotheses):
+        yield from centreline_segments(state, size)
 
 
-def _band(state: CableState, sigma: FloatArray, colour: str, size: tuple[int, int]) -> Layer:
+def _band(
+    state: CableState, spread: tuple[float, float], colour: str, size: tuple[int, int]
+) -> Layer:
     """Return where the centreline lies within two standard deviations of distance and angle."""
-    spread = np.minimum(np.nan_to_num(sigma[:2], nan=LARGEST_SIGMA), LARGEST_SIGMA)
-    rim = band_about(state, (float(spread[0]), float(spread[1])), size, BAND_POINTS)
+    rim = band_about(state, spread, size, BAND_POINTS)
     points = _to_page(rim, size)
     return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.22, "points": points}
 
@@ -135,8 +134,10 @@ def target_layers(snapshot: TargetSnapshot) -> list[Layer]:
     size = (snapshot.image.shape[1], snapshot.image.shape[0])
     layers: list[Layer] = []
     colour = css(status_colour(snapshot.status))
-    if snapshot.state is not None and snapshot.sigma is not None:
-        layers.append(_ellipse(snapshot.state[:2], snapshot.sigma[:2], colour, size))
+    state = snapshot.state
+    spread = drawn_spread(snapshot.sigma) if snapshot.sigma is not None else None
+    if state is not None and spread is not None and np.isfinite(state[:2]).all():
+        layers.append(_ellipse(state[:2], spread, colour, size))
     if len(snapshot.outline):
         layers.append(_closed("contour", snapshot.outline, css(AMBER), 1.5, size))
     if snapshot.box is not None:
@@ -171,17 +172,17 @@ def _closed(
     name: str, corners: FloatArray, colour: str, width: float, size: tuple[int, int]
 ) -> Layer:
     """Return the sides of a polygon (K, 2) that counts from the top left corner."""
-    limit = 20.0 * max(size)
-    usable = np.clip(corners[np.isfinite(corners).all(axis=1)], -limit, limit)
+    usable = within_reach(corners[np.isfinite(corners).all(axis=1)], size)
     ends = np.stack((usable, np.roll(usable, -1, axis=0)), axis=1)
     points = [round(number, 2) for number in ends.ravel().tolist()]
     return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
 
 
-def _ellipse(centre: FloatArray, sigma: FloatArray, colour: str, size: tuple[int, int]) -> Layer:
+def _ellipse(
+    centre: FloatArray, spread: tuple[float, float], colour: str, size: tuple[int, int]
+) -> Layer:
     """Return where a centre lies within two standard deviations."""
     turns = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_POINTS)
-    spread = 2.0 * np.minimum(np.nan_to_num(sigma, nan=LARGEST_SIGMA), LARGEST_SIGMA)
-    rim = centre + np.column_stack((np.cos(turns), np.sin(turns))) * spread
+    rim = centre + np.column_stack((np.cos(turns), np.sin(turns))) * (2.0 * np.array(spread))
     points = _to_page(rim, size)
     return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.3, "points": points}

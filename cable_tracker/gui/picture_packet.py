@@ -21,6 +21,7 @@ from cable_tracker.gui.picture_layers import (
     target_particles,
 )
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encoded_pictures import encode_jpeg
@@ -30,6 +31,8 @@ from cable_tracker.visualisation.palette import PARTICLES, css, status_colour
 LARGEST_WIDTH = 1280
 """Wider pictures are reduced to this for the browser [px]."""
 
+LARGEST_HEIGHT = 4 * LARGEST_WIDTH
+"""Taller pictures are reduced to this; a JPEG has at most 65500 rows [px]."""
 
 DEGREE = math.degrees(1.0)
 TO_DISPLAY = np.array([1.0, DEGREE] * (STATE_SIZE // 2))
@@ -147,6 +150,13 @@ def make_packet(
         Whether that is all of it.
     fps : float or None
         Frames per second that are tracked; None while none are.
+
+    Raises
+    ------
+    FrameError
+        The picture cannot be encoded.
+    ValueError
+        A number of a layer is not finite.
     """
     if isinstance(snapshot, TargetSnapshot):
         view = _view_of_target(snapshot)
@@ -184,6 +194,12 @@ def make_packet(
     return pack(description, sections)
 
 
+def without_picture(snapshot: AnySnapshot, reason: str) -> AnySnapshot:
+    """Return what is shown of a frame that cannot be packed: its status, and why."""
+    facts = (snapshot.number, snapshot.frame, snapshot.stamp)
+    return type(snapshot)(*facts, stand_in(), snapshot.status, reason)
+
+
 def finite(value: float | None) -> float | None:
     """Return a number that JSON can say; None stands for any other."""
     return value if value is not None and math.isfinite(value) else None
@@ -202,7 +218,8 @@ def _display(values: FloatArray | None, factors: FloatArray) -> list[float | Non
 
 def _reduced(picture: Image) -> Image:
     height, width = picture.shape[:2]
-    if width <= LARGEST_WIDTH:
+    if width <= LARGEST_WIDTH and height <= LARGEST_HEIGHT:
         return picture
-    size = (LARGEST_WIDTH, max(1, round(height * LARGEST_WIDTH / width)))
+    scale = min(LARGEST_WIDTH / width, LARGEST_HEIGHT / height)
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
     return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)

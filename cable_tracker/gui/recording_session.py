@@ -179,7 +179,9 @@ class RecordingSession(SnapshotFeed):
         Raises
         ------
         FrameError
-            It is not finite, or lies outside the picture.
+            The state of a cable is not finite, or a target's box lies outside the picture.
+        GuiError
+            The tracker is off.
         """
         self._thread.call(lambda: self._tracked.initialise(start, is_still=not self._is_playing))
 

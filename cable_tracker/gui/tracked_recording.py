@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 
-from cable_tracker.errors import FrameError
+from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
 from cable_tracker.gui.tracker_memory import TrackerMemory
@@ -136,8 +136,18 @@ class TrackedRecording:
             self._memory.forget()
 
     def initialise(self, start: AnyStart, *, is_still: bool) -> None:
-        """Start from what the user says with the next frame, or with this one while it is still."""
-        if not is_still or not self.is_enabled:
+        """Start from what the user says with the next frame, or with this one while it is still.
+
+        Raises
+        ------
+        GuiError
+            The tracker is off; when it is switched on it starts anew.
+        """
+        if not self.is_enabled:
+            raise GuiError(
+                "the tracker is off, and starts anew when it goes on; switch it on first"
+            )
+        if not is_still:
             self.follower.initialise(start)
             self._memory.forget_from(self.position + 1)
             return

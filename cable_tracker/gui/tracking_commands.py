@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, replace
 
 from cable_tracker.gui.recording_session import RecordingSession
@@ -77,15 +78,22 @@ ZOOM_HELP = (
     ("Enter in a field", "set the parameter; Esc takes back what was typed"),
 )
 
+CLICK_HELP = ("click on the picture", "put the cable there, along the present direction")
+
 POINTER_HELP = {
     "line": (
-        ("click on the picture", "put the cable there, along the present direction"),
+        CLICK_HELP,
         ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),
+        *ZOOM_HELP,
+    ),
+    "live line": (
+        CLICK_HELP,
+        ("drag on the picture", "draw the centreline; Esc cancels"),
         *ZOOM_HELP,
     ),
     "box": (("drag on the picture", "draw a box around the target; Esc cancels"), *ZOOM_HELP),
 }
-"""Help on the pointer for each shape that the user draws."""
+"""Help on the pointer for each shape that the user draws; a live node is told no width."""
 
 
 def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[KeyBinding, ...]:
@@ -134,8 +142,9 @@ def command_player(player: RecordingSession, name: str, value: object = None) ->
 def _seek(player: RecordingSession, name: str, value: object) -> None:
     if name == "first":
         player.seek(0)
-    elif name == "last" and player.frame_count:
-        player.seek(player.frame_count - 1)
+    elif name == "last":
+        # How many frames there are may be known only at the end.
+        player.seek(sys.maxsize)
     elif isinstance(value, int) and value >= 0:
         player.seek(value)
 

@@ -12,7 +12,7 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.errors import GuiError
+from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
@@ -148,8 +148,10 @@ def start_at(session: Session, state: CableState) -> None:
     Raises
     ------
     FrameError
-        The state is not finite.
+        The state is not finite, or its width is not positive.
     """
+    if state.width <= 0.0:
+        raise FrameError(f"w = {state.width:g} px is no width of a cable; give a positive one")
     session.initialise(GivenState.around(state))
 
 

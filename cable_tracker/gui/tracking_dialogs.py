@@ -8,10 +8,11 @@ from pathlib import Path
 
 from nicegui import run, ui
 
-from cable_tracker.errors import CableTrackerError
-from cable_tracker.gui.parameter_sheet import write_parameter_file
+from cable_tracker.errors import CableTrackerError, GuiError
+from cable_tracker.gui.parameter_sheet import ExistingFileError, write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.tracking_commands import KeyBinding
+from cable_tracker.gui.typed_paths import typed_path
 
 CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"
 TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
@@ -23,6 +24,7 @@ CABLE_FIELDS = (
     ("w px", 40.0),
     ("beta deg", 0.0),
 )
+LIVE_CABLE_FIELDS = CABLE_FIELDS[:2]
 TARGET_FIELDS = tuple((f"{side} px", 0.0) for side in ("left", "top", "right", "bottom"))
 """Numbers that say where to start, each with its value to begin with."""
 
@@ -59,8 +61,11 @@ class FormDialog:
 
     async def submit(self) -> None:
         """Do it, and close if it could be done."""
+        await self._attempt(self.do)
+
+    async def _attempt(self, action: Callable[[], Awaitable[None]]) -> None:
         try:
-            await self.do()
+            await action()
         except CableTrackerError as error:
             self.refuse(str(error))
             return
@@ -120,10 +125,10 @@ class OpenDialog(FormDialog):
         """Open it."""
         request = replace(
             self._template(),
-            path=Path(self._path.value.strip()).expanduser(),
+            path=typed_path(self._path.value),
             init=self._init.value.strip() or self._template().init,
             topic=self._topic.value.strip() or None,
-            truth=Path(self._truth.value.strip()) if self._truth.value.strip() else None,
+            truth=typed_path(self._truth.value) if self._truth.value.strip() else None,
         )
         await self._opening(request)
 
@@ -134,12 +139,12 @@ class SaveDialog(FormDialog):
     Parameters
     ----------
     text : callable
-        Returns what is to be saved.
+        Returns what is to be saved; raises CableTrackerError if it is not known.
     file_name : str
         To begin with.
     """
 
-    def __init__(self, text: Callable[[], str], file_name: str) -> None:
+    def __init__(self, text: Callable[[], Awaitable[str]], file_name: str) -> None:
         self._text = text
         self._file_name = file_name
         self._warned_of = ""
@@ -163,14 +168,20 @@ class SaveDialog(FormDialog):
     async def do(self) -> None:
         """Write the file; one that is there already only the second time."""
         given = self._path.value.strip()
-        overwrite, self._warned_of = given == self._warned_of, given
-        path = Path(given).expanduser()
-        await run.io_bound(write_parameter_file, path, self._text(), overwrite=overwrite)
+        overwrite, self._warned_of = given == self._warned_of, ""
+        path = typed_path(given)
+        try:
+            await run.io_bound(write_parameter_file, path, await self._text(), overwrite=overwrite)
+        except ExistingFileError:
+            self._warned_of = given
+            raise
         ui.notify(f"saved: {path.resolve()}")
 
-    def _download(self) -> None:
-        ui.download.content(self._text(), self._file_name, "application/yaml")
-        self.dialog.close()
+    async def _download(self) -> None:
+        await self._attempt(self._send)
+
+    async def _send(self) -> None:
+        ui.download.content(await self._text(), self._file_name, "application/yaml")
 
 
 class NumberDialog(FormDialog):
@@ -213,7 +224,11 @@ class NumberDialog(FormDialog):
 
     async def do(self) -> None:
         """Start there."""
-        await self._start([number.value or 0.0 for number in self._numbers])
+        values = [number.value for number in self._numbers]
+        for (label, _), value in zip(self._fields, values, strict=True):
+            if value is None:
+                raise GuiError(f"{label}: no number is given; type one")
+        await self._start(values)
 
 
 class HelpDialog:

@@ -70,14 +70,21 @@ def _components(subject: Subject) -> dict[str, object]:
 
 
 class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER):
-    """The picture, and where the user draws what is followed: event `draw`."""
+    """The picture, and where the user draws what is followed: event `draw`.
 
-    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+    Parameters
+    ----------
+    widens : bool
+        Whether the user says how wide it is where a line is drawn.
+    """
+
+    def __init__(self, channel: FrameChannel, subject: Subject, *, widens: bool) -> None:
         layers = [
             {"name": name, "title": title, "colour": palette.css(colour), "opacity": opacity}
             for name, title, colour, opacity in subject.layers
         ]
-        super().__init__(channel, {"layers": layers, "shape": subject.shape, "stale": False})
+        props = {"layers": layers, "shape": subject.shape, "widens": widens, "stale": False}
+        super().__init__(channel, props)
 
 
 class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER):

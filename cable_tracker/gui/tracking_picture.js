@@ -26,7 +26,7 @@ export default {
           @change="toggle(layer.name)" />
         <i :style="{ background: layer.colour, opacity: layer.opacity ?? 1 }"></i>{{ layer.title }}
       </label>
-      <span v-if="shape === 'box'" class="ct-right"></span>
+      <span v-if="!widens" class="ct-right"></span>
       <label v-else class="ct-right" title="Width of a cable that you draw. Empty: that of the estimate. The wheel changes it while you draw.">
         start width
         <input type="text" inputmode="decimal" class="ct-short" v-model="startWidth" placeholder="auto"
@@ -36,7 +36,7 @@ export default {
     </div>
   </section>`,
   emits: ["draw"],
-  props: { channel: String, layers: Array, shape: String, stale: Boolean },
+  props: { channel: String, layers: Array, shape: String, widens: Boolean, stale: Boolean },
   data: () => ({
     connected: true, status: "", statusColour: "#aaa", presence: null, reason: "", words: "No picture yet", age: 0,
     hidden: [], startWidth: "", hint: "",
@@ -112,7 +112,8 @@ export default {
         start: point, end: point, width: this.widthToStart(),
         screen: [event.clientX, event.clientY], number: this.view.description.number,
       };
-      this.hint = this.isBox ? "Draw a box around the target; Esc cancels" : "Draw along the cable; the wheel changes its width, Esc cancels";
+      const wheel = this.widens ? "the wheel changes its width, " : "";
+      this.hint = this.isBox ? "Draw a box around the target; Esc cancels" : `Draw along the cable; ${wheel}Esc cancels`;
     },
     move(event) {
       if (this.grasped) {
@@ -145,14 +146,15 @@ export default {
       return [x - 50 * Math.sin(angle), y - 50 * Math.cos(angle)];
     },
     cancel() {
-      this.drawn = null;
+      this.drawn = this.grasped = null;
       this.hint = "";
       this.view.redraw();
     },
     turn(event) {
       event.preventDefault();
       const isUp = event.deltaY < 0;
-      if (this.drawn && !this.drawn.isDone && !this.isBox) {
+      if (this.drawn && !this.drawn.isDone) {
+        if (!this.widens) return;
         this.drawn.width = Math.max(LEAST_WIDTH, this.drawn.width * (isUp ? WIDTH_STEP : 1 / WIDTH_STEP));
         this.view.redraw();
       } else if (this.view.description) {

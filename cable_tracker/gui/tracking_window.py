@@ -11,7 +11,7 @@ from nicegui import run, ui
 from nicegui.events import GenericEventArguments
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import CableTrackerError
+from cable_tracker.errors import CableTrackerError, GuiError
 from cable_tracker.gui.parameter_sheet import (
     groups_for_page,
     parameter_text,
@@ -40,6 +40,7 @@ from cable_tracker.gui.tracking_desk import (
 from cable_tracker.gui.tracking_dialogs import (
     CABLE_FIELDS,
     CABLE_START,
+    LIVE_CABLE_FIELDS,
     TARGET_FIELDS,
     TARGET_START,
     FormDialog,
@@ -137,10 +138,14 @@ class TrackingPage:
             )
             if is_target
             else NumberDialog(
-                "Start where the cable is", CABLE_FIELDS, self._start_at, self._present_cable
+                "Start where the cable is",
+                LIVE_CABLE_FIELDS if is_live else CABLE_FIELDS,
+                self._start_at,
+                self._present_cable,
             )
         )
-        self._help_dialog = HelpDialog(commands, POINTER_HELP[desk.subject.shape])
+        shape = "live line" if is_live and not is_target else desk.subject.shape
+        self._help_dialog = HelpDialog(commands, POINTER_HELP[shape])
         self._build_head(is_live)
         self._panels = ui.element("main").classes("ct-desk" + (" ct-live" if is_live else ""))
         with self._panels:
@@ -173,7 +178,9 @@ class TrackingPage:
 
     def _build_panels(self, session: Session) -> None:
         channel, subject = self._desk.feed.channel, self._desk.subject
-        self._picture = TrackingPicture(channel, subject)
+        # The topic that tells a live node where the cable is says nothing of its width.
+        widens = subject is not TARGET and self._desk.player is not None
+        self._picture = TrackingPicture(channel, subject, widens=widens)
         self._picture.on("draw", self._draw)
         if self._desk.player is not None:
             self._transport = TransportBar(channel, list(SPEEDS))
@@ -300,8 +307,9 @@ class TrackingPage:
         return state.distance, math.degrees(state.angle), state.width, math.degrees(state.skew)
 
     async def _start_at(self, numbers: Sequence[float]) -> None:
-        """Start from d, alpha, w, beta [px, deg]."""
-        d, alpha, w, beta = numbers
+        """Start from d, alpha, w, beta [px, deg], or from the first two of a live node."""
+        rest = [value for _, value in CABLE_FIELDS[len(numbers) :]]
+        d, alpha, w, beta = (*numbers, *rest)
         state = CableState(d, math.radians(alpha), w, math.radians(beta))
         await run.io_bound(start_at, self._desk.need_session(), state)
 
@@ -358,6 +366,10 @@ class TrackingPage:
         self._reference = name
         await self._apply()
 
-    def _text_to_save(self) -> str:
-        desk = self._desk
-        return parameter_text(self._values, desk.need_session().name, desk.subject)
+    async def _text_to_save(self) -> str:
+        """Return the file with the values in force now, which may not be those that are shown."""
+        session = self._desk.need_session()
+        values = await run.io_bound(session.parameters)
+        if not values:
+            raise GuiError(f"{session.name} has told no parameters; try again")
+        return parameter_text(values, session.name, self._desk.subject)

@@ -10,6 +10,9 @@ const ICONS = {
   end: "M14 4h2v12h-2zM4 4l9 6-9 6z",
 };
 
+/** Keys that mean something to a slider in focus. */
+const OWN_KEYS = new Set(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown", " "]);
+
 export default {
   template: `
   <section class="ct-panel ct-transport" aria-label="Playing">
@@ -19,7 +22,7 @@ export default {
       <svg viewBox="0 0 20 20" width="18" height="18" aria-hidden="true"><path :d="button.icon" fill="currentColor" /></svg>
     </button>
     <input ref="slider" class="ct-slider" type="range" min="0" :max="last" step="1" aria-label="Frame" data-test="slider"
-      @input="seek($event.target.value)" @keydown.stop="noSpace" />
+      @input="seek($event.target.value)" @keydown="keepKeys" />
     <input class="ct-short" type="text" inputmode="numeric" aria-label="Go to frame" data-test="frame-field" ref="field"
       @change="seek($event.target.value); $event.target.blur()" @keydown.escape="$event.target.blur()" />
     <span class="ct-of">/ {{ count ? last : "?" }}</span>
@@ -73,8 +76,9 @@ export default {
       this.asked = performance.now();
       this.$emit("command", { name: "seek", value: frame });
     },
-    /** The arrows move the slider itself; the space bar still plays. */
-    noSpace(event) {
+    /** What moves the slider itself is no command; the space bar still plays. */
+    keepKeys(event) {
+      if (OWN_KEYS.has(event.key)) event.stopPropagation();
       if (event.key !== " ") return;
       event.preventDefault();
       this.$emit("command", { name: "toggle" });

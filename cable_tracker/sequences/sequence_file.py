@@ -64,7 +64,8 @@ class Label:
         return self.filename if self.frame is None else f"{self.filename}:{self.frame}"
 
 
-def _wrapped(state: CableState) -> CableState:
+def wrapped_if_outside(state: CableState) -> CableState:
+    """Return a state with its angle in (-pi/2, pi/2]; one that has it there stays as it is."""
     if -math.pi / 2 < state.angle <= math.pi / 2:
         return state
     return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
@@ -106,7 +107,7 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
         raise ValueError(f"alpha is {values[1]:g} rad")
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
-    return Label(_wrapped(CableState(*values)), filename, frame, line)
+    return Label(wrapped_if_outside(CableState(*values)), filename, frame, line)
 
 
 def _read_lines(path: Path) -> Iterator[str]:

@@ -20,6 +20,12 @@ from cable_tracker.cable.model.segments import (
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import image_to_pixel
+from cable_tracker.visualisation.drawable import (
+    drawn_spread,
+    heaviest_rows,
+    likely_states,
+    within_reach,
+)
 from cable_tracker.visualisation.palette import (
     ESTIMATE,
     HYPOTHESES,
@@ -33,12 +39,6 @@ from cable_tracker.visualisation.palette import (
 
 LARGEST_CLOUD = 100
 """Largest number of particles that are drawn: those of highest weight."""
-
-LEAST_PROBABILITY = 0.05
-"""Hypotheses below this are not drawn."""
-
-LARGEST_SIGMA = 1e6
-"""Standard deviation that stands for unknown; wider bands fill the image anyway [px, rad]."""
 
 BAND_POINTS = 41
 
@@ -181,17 +181,15 @@ def _scaled_sigma(
     sigma: Sequence[float] | FloatArray | None, scale: float
 ) -> tuple[float, float] | None:
     """Return the deviations of distance and angle in the enlarged image, if they are numbers."""
-    if sigma is None or not np.isfinite(sigma[:2]).all():
-        return None
-    return min(float(sigma[0]), LARGEST_SIGMA) * scale, min(float(sigma[1]), LARGEST_SIGMA)
+    spread = drawn_spread(sigma) if sigma is not None else None
+    return (spread[0] * scale, spread[1]) if spread is not None else None
 
 
 def _to_fixed(points: FloatArray, image_size: tuple[int, int]) -> Image:
     """Turn points (..., 2) of the image frame into OpenCV's fixed-point pixels."""
     pixels = image_to_pixel(points, image_size)
     # Far beyond the image the end of a line makes no difference, but must fit into an int.
-    limit = 20.0 * max(image_size)
-    return np.rint(np.clip(pixels, -limit, limit) * (1 << SHIFT)).astype(np.int32)
+    return np.rint(within_reach(pixels, image_size) * (1 << SHIFT)).astype(np.int32)
 
 
 def _draw_segments(
@@ -206,11 +204,9 @@ def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> No
     """Draw centrelines faintly, those of high weight more clearly."""
     reach = float(np.hypot(*pen.image_size)) / 2
     distances = cloud[:, StateColumn.DISTANCE] * scale
-    usable = np.isfinite(cloud[:, :2]).all(axis=1) & (cloud[:, -1] > 0)
-    usable &= np.abs(distances) < reach
+    usable = np.isfinite(cloud[:, :2]).all(axis=1) & (np.abs(distances) < reach)
     # Lightest first, so that a heavier one is drawn over it.
-    chosen = np.flatnonzero(usable)
-    chosen = chosen[np.argsort(cloud[chosen, -1], kind="stable")][-LARGEST_CLOUD:]
+    chosen = heaviest_rows(cloud[:, -1], usable, LARGEST_CLOUD)
     if chosen.size == 0:
         return
     angles, ends = cloud[chosen, StateColumn.ANGLE], np.array([-reach, reach])
@@ -241,9 +237,8 @@ def _draw_hypotheses(
 ) -> None:
     segments = [
         segment
-        for hypothesis in hypotheses
-        if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite()
-        for segment in centreline_segments(_scaled(hypothesis.state, scale), pen.image_size)
+        for state in likely_states(hypotheses)
+        for segment in centreline_segments(_scaled(state, scale), pen.image_size)
     ]
     _draw_segments(canvas, segments, HYPOTHESES, pen.thin, pen)
 

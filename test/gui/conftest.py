@@ -1,10 +1,12 @@
 """A real headless Chromium, and the commands as processes of their own."""
 
+import json
 import os
 import re
 import select
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -12,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 
 from cable_tracker.sequences.encodings import raw_from_array
@@ -29,6 +32,29 @@ START_TIMEOUT = 300.0
 """Seconds until a command must have printed its address, on a busy machine, compiling included."""
 PAGE_TIMEOUT = 300_000
 """Milliseconds that Playwright waits for anything on a page."""
+
+
+def unpack(message):
+    """Take a packet apart again, as the browser does.
+
+    Returns
+    -------
+    dict, dict
+        The description, and the sections by name: bytes of ``jpeg``, arrays of ``float32``.
+    """
+    (length,) = struct.unpack_from("<I", message)
+    description = json.loads(message[4 : 4 + length])
+    start = 4 + length
+    sections = {}
+    for entry in description.pop("sections"):
+        begin = start + entry["offset"]
+        data = message[begin : begin + entry["size"]]
+        sections[entry["name"]] = (
+            np.frombuffer(data, "<f4").astype(np.float64).reshape(entry["shape"])
+            if entry["kind"] == "float32"
+            else data
+        )
+    return description, sections
 
 
 @pytest.fixture(scope="module")

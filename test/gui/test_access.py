@@ -68,18 +68,32 @@ class TestWithToken:
         assert not passes(TOKEN, kind=kind, host="boat:8080")
 
     def test_the_cookie_will_do(self, kind):
-        assert passes(TOKEN, kind=kind, cookie=f"a=b; {COOKIE}={TOKEN}")
-        assert not passes(TOKEN, kind=kind, cookie=f"{COOKIE}=wrong")
+        assert passes(TOKEN, kind=kind, cookie=f"a=b; {COOKIE}8080={TOKEN}")
+        assert not passes(TOKEN, kind=kind, cookie=f"{COOKIE}8080=wrong")
         assert not passes(TOKEN, kind=kind, cookie="\x00;=;;")
 
     def test_pages_of_other_hosts_are_refused_all_the_same(self, kind):
-        request = {"kind": kind, "cookie": f"{COOKIE}={TOKEN}"}
+        request = {"kind": kind, "cookie": f"{COOKIE}8080={TOKEN}"}
         assert not passes(TOKEN, origin="http://evil.example", **request)
 
 
 def test_the_page_brings_the_cookie():
     headers = answers(TOKEN, query="token=right")[0]["headers"]
     assert any(key == b"set-cookie" and TOKEN.encode() in value for key, value in headers)
+
+
+def test_servers_on_two_ports_of_a_host_have_cookies_of_their_own():
+    """As `gui` and `label` on one machine, in one browser."""
+    hosts = ("boat:8080", "boat:8081")
+    cookies = [
+        dict(answers(word, host=host, query=f"token={word}")[0]["headers"])[b"set-cookie"]
+        for word, host in zip(("first", "second"), hosts, strict=True)
+    ]
+    jar = dict(cookie.decode().split(";")[0].split("=") for cookie in cookies)
+    both = "; ".join("=".join(item) for item in jar.items())
+    assert passes("first", host=hosts[0], cookie=both)
+    assert passes("second", host=hosts[1], cookie=both)
+    assert not passes("second", host=hosts[0], cookie=both)
 
 
 def test_a_refused_page_says_what_to_do():

@@ -79,6 +79,15 @@ def test_a_live_node_is_watched_and_tuned(window):
     window.locator("#p-input_timeout").wait_for()
 
 
+def test_only_what_the_node_is_told_is_asked_for(window):
+    assert window.locator("[data-test=start-width]").count() == 0
+    window.keyboard.press("i")
+    dialog = window.get_by_role("dialog")
+    dialog.wait_for()
+    assert dialog.get_by_role("spinbutton").count() == 2
+    window.keyboard.press("Escape")
+
+
 def test_the_node_is_switched_off_and_on(window):
     window.get_by_role("button", name="switch off").click()
     window.wait_for_function(f"{PICTURE}.status === 'DISABLED'")

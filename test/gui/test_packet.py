@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from cable_tracker.gui.packet import ALIGNMENT, float_section, jpeg_section, pack, unpack
+from cable_tracker.gui.packet import ALIGNMENT, float_section, jpeg_section, pack
+
+from .conftest import unpack
 
 TABLES = arrays.arrays(
     np.float32,

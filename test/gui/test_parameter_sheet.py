@@ -1,3 +1,6 @@
+import os
+from pathlib import Path
+
 import pytest
 
 from cable_tracker.cable.parameters.parameters import (
@@ -27,6 +30,8 @@ def test_every_parameter_of_the_filter_is_in_one_named_group():
     ("name", "text", "value"),
     [
         ("particle_count", " 300 ", 300),
+        ("particle_count", "1,000", "1,000"),
+        ("seed", "1,5", "1,5"),
         ("tempering", "0,05", 0.05),
         ("tempering", "5e-2", 0.05),
         ("tempering", "much", "much"),
@@ -77,5 +82,22 @@ def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
     assert path.read_text() == "one"
     write_parameter_file(path, "two", overwrite=True)
     assert path.read_text() == "two"
+    for other in (tmp_path, Path("/dev/null")):
+        with pytest.raises(GuiError, match="is a folder or a device; name a file"):
+            write_parameter_file(other, "two", overwrite=True)
     with pytest.raises(OutputError, match="cannot be written"):
         write_parameter_file(tmp_path / "none" / "tracker.yaml", "", overwrite=False)
+
+
+def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch):
+    path = tmp_path / "tracker.yaml"
+    path.write_text("precious")
+
+    def full(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError, match="No space left"):
+        write_parameter_file(path, "two", overwrite=True)
+    assert path.read_text() == "precious"
+    assert list(tmp_path.iterdir()) == [path]

@@ -7,9 +7,10 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 
 from starlette.websockets import WebSocketDisconnect
 
-from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.session import Snapshot
+
+from .conftest import unpack
 
 TIMEOUT = 300.0
 
@@ -55,10 +56,9 @@ class Shown:
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
 
-    def show(self, number):
-        self.latest = Snapshot(
-            number, number, number * 40_000_000, np.zeros((24, 32), np.uint8), "TRACKING"
-        )
+    def show(self, number, **given):
+        given = {"grey": np.zeros((24, 32), np.uint8), "status": "TRACKING"} | given
+        self.latest = Snapshot(number, number, number * 40_000_000, **given)
         for listener in self._listeners:
             listener(self.latest)
 
@@ -127,6 +127,21 @@ def test_who_comes_gets_the_whole_history(feed, session):
         assert len(sections["history"]) == 299
 
     looking(feed, visit, visit)
+
+
+def test_a_frame_that_cannot_be_shown_is_said_and_the_next_one_comes(feed, session):
+    session.show(1, grey=np.zeros((0, 8), np.uint8))
+
+    async def visit(browser):
+        description, _ = await browser.picture()
+        assert description["number"] == 1
+        assert description["status"] == "TRACKING"
+        assert "cannot be encoded as JPEG" in description["reason"]
+        session.show(2)
+        await browser.has_drawn()
+        assert (await browser.picture())[0]["number"] == 2
+
+    looking(feed, visit)
 
 
 def test_another_session_takes_the_place_of_the_first(feed, session):

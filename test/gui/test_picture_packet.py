@@ -6,7 +6,6 @@ import pytest
 
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_layers import (
     LARGEST_CLOUD,
     MOST_OPAQUE,
@@ -16,9 +15,11 @@ from cable_tracker.gui.picture_layers import (
     target_layers,
     target_particles,
 )
-from cable_tracker.gui.picture_packet import LARGEST_WIDTH, make_packet
+from cable_tracker.gui.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
+
+from .conftest import unpack
 
 CABLE = CableState(10.0, math.radians(5.0), 20.0, 0.0, 3.0)
 GREY = np.full((48, 64), 90, np.uint8)
@@ -85,6 +86,13 @@ def test_a_wide_picture_is_reduced_and_the_numbers_stay_those_of_the_frame():
     assert description["size"] == [2 * LARGEST_WIDTH, 100]
 
 
+def test_so_is_one_that_is_taller_than_any_jpeg():
+    description, sections = packed(snapshot(grey=np.zeros((65_501, 8), np.uint8)))
+    picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert picture.shape == (LARGEST_HEIGHT, 1)
+    assert description["size"] == [8, 65_501]
+
+
 def test_lines_lie_where_the_cable_is():
     upright = CableState(10.0, 0.0, 20.0)
     points = layer(layers_of(snapshot(state=upright)), "centreline")["points"]
@@ -99,6 +107,11 @@ def test_the_band_is_as_wide_as_two_sigma_in_the_middle():
     )
     x = np.array(band["points"]).reshape(-1, 2)[:, 0]
     assert np.ptp(x[[10, 31]]) == pytest.approx(12.0)
+
+
+def test_without_a_number_for_sigma_there_is_no_band():
+    unknown = layers_of(snapshot(state=CABLE, sigma=np.full(8, math.nan)))
+    assert "band" not in [layer["name"] for layer in unknown]
 
 
 def test_only_what_is_known_is_drawn():
@@ -188,6 +201,12 @@ def test_a_target_that_is_not_claimed_leaves_the_picture_bare():
     lost = followed(**nothing, outline=np.empty((0, 2)))
     assert target_layers(lost) == []
     assert packed(lost)[0]["state"] is None
+
+
+def test_a_target_whose_place_is_no_number_is_not_drawn():
+    nowhere = followed(state=np.full(6, math.nan), box=None, outline=np.full((4, 2), math.nan))
+    assert packed(nowhere)[0]["state"] == [None] * 6
+    assert [each["points"] for each in target_layers(nowhere)] == [[]]
 
 
 def test_particles_of_a_target_are_crosses_about_their_places():

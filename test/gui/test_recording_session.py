@@ -12,6 +12,7 @@ from cable_tracker.errors import FrameError, GuiError, ParameterError, Recording
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.tracked_recording import LONGEST_RUN
+from cable_tracker.gui.tracking_commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
@@ -103,6 +104,15 @@ def test_the_first_frame_is_shown_and_tracked_without_being_asked(watch):
     first = watch().at(0)
     assert first.cloud.shape == (120, 9)
     assert first.truth is not None
+
+
+def test_the_last_frame_is_found_where_the_recording_does_not_count_its_frames(watch):
+    watched = watch()
+    watched.at(0)
+    watched.session._frames.source.frame_count = None
+    assert command_player(watched.session, "last")
+    assert watched.at(LAST).frame == LAST
+    assert watched.session.frame_count == LAST + 1
 
 
 def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):

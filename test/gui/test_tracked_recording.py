@@ -2,6 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from cable_tracker.errors import GuiError
 from cable_tracker.gui.tracked_recording import LONGEST_RUN, TrackedRecording
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
@@ -36,6 +37,9 @@ class Path:
 
     def begin(self):
         self.way = ("start",)
+
+    def initialise(self, start):
+        self.way = (start,)
 
     def look(self, frame):
         pass
@@ -111,6 +115,19 @@ def test_what_is_still_is_tracked_again_after_a_reset(run):
     assert len(shown) == count
     tracked.go_to(3, never)
     assert shown[-1][1:] == (3, (3,))
+
+
+@pytest.mark.parametrize("is_still", [True, False])
+def test_what_is_drawn_while_the_tracker_is_off_is_refused_in_words(run, is_still):
+    tracked, shown = run
+    tracked.enable(False, is_still=True)
+    count = len(shown)
+    with pytest.raises(GuiError, match="switch it on first"):
+        tracked.initialise("here", is_still=is_still)
+    assert len(shown) == count
+    tracked.enable(True, is_still=True)
+    tracked.initialise("here", is_still=True)
+    assert shown[-1][1:] == (0, ("here", 0))
 
 
 def test_a_disabled_tracker_takes_no_frames(run):

@@ -5,10 +5,10 @@ import pytest
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import GuiError, RecordingError
+from cable_tracker.errors import FrameError, GuiError, RecordingError
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.tracking_commands import COMMANDS, SPEEDS, command_player, speed_words
-from cable_tracker.gui.tracking_desk import TrackingDesk, drawn_state
+from cable_tracker.gui.tracking_desk import TrackingDesk, drawn_state, start_at
 
 SIZE = (320, 240)
 
@@ -73,6 +73,12 @@ def test_speeds_go_up_and_down_and_stay_in_their_range(desk, dive):
     command_player(player, "speed", "2")
     assert player.speed == 2.0
     assert not command_player(player, "dance")
+
+
+def test_a_cable_without_a_width_is_no_start(desk, dive):
+    desk.open(RecordingRequest(dive))
+    with pytest.raises(FrameError, match="no width of a cable"):
+        start_at(desk.need_session(), CableState(0.0, 0.0, 0.0))
 
 
 def test_every_key_does_one_thing():

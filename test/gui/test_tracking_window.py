@@ -1,15 +1,19 @@
 """The tracking window in a real browser: nothing here knows how the page is made inside."""
 
+import asyncio
 import importlib.util
 import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.errors import CableTrackerError, GuiError, RosError
+from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.tracking_commands import SPEEDS
 from cable_tracker.sequences.source import open_source
 from cable_tracker.tracking.parameter_files import (
@@ -165,6 +169,39 @@ def test_the_slider_seeks_and_what_was_seen_comes_back(window):
     assert window.picture()["state"] == seen
     window.press("-", "-")
     window.page.wait_for_function("document.querySelector('[data-test=speed]').value === '1'")
+
+
+def test_keys_that_mean_nothing_to_the_slider_work_after_a_click_on_it(window):
+    window.at("slider").click()
+    window.press("?")
+    dialog = window.page.get_by_role("dialog")
+    dialog.get_by_text("play or pause").wait_for()
+    window.press("Escape")
+    dialog.wait_for(state="hidden")
+    window.go_to(3)
+    window.at("slider").focus()
+    window.press("ArrowRight")
+    window.shows(frame=4)
+
+
+def test_a_cancelled_pointer_no_longer_moves_the_picture(window):
+    """As when a pen goes away, or a finger becomes a gesture of the system."""
+    area = window.page.locator(".ct-stage canvas").bounding_box()
+    x, y = area["x"] + area["width"] / 2, area["y"] + area["height"] / 2
+    mouse, middle = window.page.mouse, "document.querySelector('canvas').frameView.middle"
+    mouse.move(x, y)
+    mouse.wheel(0, -100)
+    window.page.keyboard.down("Shift")
+    mouse.down()
+    window.page.keyboard.up("Shift")
+    window.page.evaluate(
+        "document.querySelector('.ct-stage canvas').dispatchEvent(new Event('pointercancel'))"
+    )
+    before = window.page.evaluate(middle)
+    mouse.move(x + 40, y + 40)
+    assert window.page.evaluate(middle) == before
+    mouse.up()
+    window.press("0")
 
 
 def test_the_filter_takes_a_changed_parameter(window):
@@ -379,6 +416,37 @@ def test_a_recording_is_opened_from_the_page_and_the_server_may_go(visit, run_co
         command.stop()
         page.locator("[data-test=cut]").wait_for()
         assert command.process.returncode == 0
+
+
+def result_of(coroutine):
+    """Await in a thread of its own: Playwright keeps a loop running in this one."""
+    with ThreadPoolExecutor(1) as executor:
+        return executor.submit(asyncio.run, coroutine).result()
+
+
+@pytest.mark.parametrize("answer", [RosError("the node has not answered"), {}])
+def test_parameters_that_are_not_known_are_not_saved(answer):
+    window = pytest.importorskip("cable_tracker.gui.tracking_window")
+    desk = window.TrackingDesk(None)
+    page = window.TrackingPage(desk)
+    with pytest.raises(GuiError, match="no recording is open"):
+        result_of(page._text_to_save())
+
+    class Silent(SnapshotFeed):
+        name = "/boat/tracker"
+
+        def parameters(self):
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+
+        def close(self):
+            pass
+
+    desk.watch(Silent())
+    with pytest.raises(CableTrackerError, match=r"has not answered|has told no"):
+        result_of(page._text_to_save())
+    desk.close()
 
 
 def run_to_its_end(*arguments):

@@ -67,14 +67,6 @@ export function clipLine([angle, offset], [left, bottom, right, top]) {
   return [low, high].map((s) => [foot[0] + s * along[0], foot[1] + s * along[1]]);
 }
 
-/** The rectangle of an image of a size. */
-export const imageRectangle = ([width, height]) => [
-  -(width - 1) / 2,
-  -(height - 1) / 2,
-  (width - 1) / 2,
-  (height - 1) / 2,
-];
-
 /** How far along the cable, from its foot point, a point lies. */
 const alongOf = ([, alpha], point) => dot(point, upward(alpha));
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.gui.labelling.label_file import write_atomically
+from cable_tracker.gui.labelling.csv_rows import read_rows
+from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
+from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.csv_tables import csv_text
+from cable_tracker.sequences.sequence_file import Label, parse_place
 
-HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta")
+HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta", "file")
 SUFFIX = ".autosave"
 
 
@@ -21,19 +23,33 @@ def autosave_path(path: Path) -> Path:
     return path.with_name(path.name + SUFFIX)
 
 
-def write_autosave(path: Path, labels: Labels, stamps: Mapping[int, int]) -> None:
+def write_autosave(
+    path: Path, labels: Labels, stamps: Mapping[int, int], names: FrameNames
+) -> None:
     """Write labels; numbers read back are equal to the last bit.
+
+    Parameters
+    ----------
+    names : FrameNames
+        Names of the frames, by which they are found again.
 
     Raises
     ------
-    OSError
+    OSError, ValueError
         They cannot be written; what lay there is as it was.
     """
+    folder = path.absolute().parent
     rows = (
-        (frame, stamps.get(frame, ""), label.flag, *_places(label))
+        (
+            frame,
+            stamps.get(frame, ""),
+            label.flag,
+            *_places(label),
+            Label(NOWHERE, *names.name(frame, folder)),
+        )
         for frame, label in sorted(labels.items())
     )
-    write_atomically(path, csv_text(HEADER, rows), waits=False)
+    write_text(path, csv_text(HEADER, rows), waits=False)
 
 
 def _places(label: FrameLabel) -> Iterator[str]:
@@ -43,8 +59,11 @@ def _places(label: FrameLabel) -> Iterator[str]:
     return map(repr, (state.distance, state.angle, state.width, state.skew))
 
 
-def read_autosave(path: Path) -> tuple[dict[int, FrameLabel], dict[int, int]]:
+def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel], dict[int, int]]:
     """Read what `write_autosave` wrote.
+
+    Frames are found by their names, as those of a label file: pictures may have come or gone since.
+    Labels of frames that are gone are left out.
 
     Returns
     -------
@@ -54,36 +73,25 @@ def read_autosave(path: Path) -> tuple[dict[int, FrameLabel], dict[int, int]]:
     Raises
     ------
     RecordingError
-        The file cannot be read, or a line is malformed; the message names it.
+        The file cannot be read, a line is malformed, or it labels other recordings only; the
+        message names it.
     """
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(
-            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
-        ) from error
-    if not rows or tuple(rows[0]) != HEADER:
-        raise RecordingError(
-            f"{path}: line 1 is not the header {','.join(HEADER)}; remove the file"
-        )
+    rows = read_rows(path, HEADER, _parse)
     labels, stamps = {}, {}
-    for line, row in enumerate(rows[1:], start=2):
-        try:
-            frame, stamp, flag, *places = row
-            state = None if flag == NO_CABLE else _state(places)
-            number = int(frame)
-            if number < 0:
-                raise ValueError(f"there is no frame {frame}")
-            labels[number] = flagged_label(state, flag)
-            if stamp:
-                stamps[number] = int(stamp)
-        except ValueError as error:
-            raise RecordingError(
-                f"{path}: line {line} is malformed ({one_line(error)}); correct it, or remove"
-                " the file"
-            ) from error
+    frames = names.frames([place for _, _, place in rows], path)
+    for frame, (label, stamp, _) in zip(frames, rows, strict=True):
+        if frame is None:
+            continue
+        labels[frame] = label
+        if stamp is not None:
+            stamps[frame] = stamp
     return labels, stamps
+
+
+def _parse(fields: list[str]) -> tuple[FrameLabel, int | None, Label]:
+    _, stamp, flag, *places, name = fields
+    state = None if flag == NO_CABLE else _state(places)
+    return flagged_label(state, flag), int(stamp) if stamp else None, parse_place(name)
 
 
 def _state(places: list[str]) -> CableState:

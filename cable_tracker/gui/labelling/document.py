@@ -8,7 +8,15 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels, filled_gap, gap_at, gaps
+from cable_tracker.gui.labelling.labels import (
+    FrameLabel,
+    Gap,
+    Labels,
+    filled_gap,
+    gap_at,
+    gaps,
+    stranded,
+)
 
 Changes: TypeAlias = Mapping[int, FrameLabel | None]
 """New labels by the number of the frame; None takes the label away."""
@@ -35,7 +43,8 @@ class LabelDocument:
     """Labels by frame, with a memory of all edits. Knows no file and no window.
 
     Interpolated labels follow their key frames: a key frame that is moved, set or taken away
-    changes the interpolated labels beside it too, in the same step.
+    changes the interpolated labels beside it too, in the same step. Those that lie between no two
+    key frames with a cable any more are taken away with it.
 
     Parameters
     ----------
@@ -170,6 +179,8 @@ class LabelDocument:
                     for between, label in filled.items()
                     if self._is_interpolated(between) and between not in changes
                 )
+        left = stranded(self._labels, changes)
+        followers.update((between, None) for between in left if between not in changes)
         second = self._write(frame, followers)
         before = {**second.before, **first.before}
         return _Step(frame, before, {changed: self._labels.get(changed) for changed in before})

@@ -182,6 +182,7 @@ export default {
     this.asked = null;
     this.drag = null;
     this.queue = [];
+    this.ledTo = null;
     this.isHidden = false;
     this.places = `cable_tracker.label ${this.recording}`;
   },
@@ -240,8 +241,10 @@ export default {
       this.showLabel();
       if (this.flag === "none") this.proposeByItself();
     },
-    /** Another frame, as the server wants it. */
+    /** Another frame, as the server wants it. Strokes that wait were meant for the frame that was wanted. */
     goTo(frame) {
+      if (frame !== this.wanted) this.queue = [];
+      this.ledTo = frame;
       this.go(frame);
     },
     proposed({ frame, state, words }) {
@@ -256,8 +259,8 @@ export default {
       this.message = message;
     },
     received(description) {
+      const isOther = !this.hasPicture || description.frame !== this.frame;
       this.hasPicture = true;
-      const isOther = description.frame !== this.frame;
       // The same picture comes again after a reconnection: the hand on it goes on.
       if (isOther) this.cancelDrag();
       this.frame = description.frame;
@@ -268,7 +271,10 @@ export default {
         this.proposal = this.asked = null;
         this.dismissed = false;
         this.texts = {};
-        this.message = { text: description.note, kind: "warning" };
+        // Why the server has led here must be read first.
+        const isExplained = this.ledTo === this.frame && this.message.kind === "error";
+        if (!isExplained) this.message = { text: description.note, kind: "warning" };
+        this.ledTo = null;
       }
       this.showLabel();
       this.executeQueue();

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cable_tracker.atomic_output import atomic_file
+from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
+from cable_tracker.errors import OutputError, RecordingError, read_failure, write_failure
+from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,
     FrameLabel,
@@ -108,7 +108,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
         names the line.
     """
     read = read_any_labels(path, allow_outside=allow_outside)
-    flags = _read_flags(flags_path(path))
+    flags = read_rows(flags_path(path), FLAGS_HEADER, _parse_flag)
     # Names of both files are looked at together: a recording that was renamed is in both.
     frames = names.frames([*read, *(flag.place for flag in flags)], path)
     states, others = {}, []
@@ -132,35 +132,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
     return FileContent(labels, stamps, tuple(others), tuple(other_flags))
 
 
-def _read_flags(path: Path) -> list[Flag]:
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-    except FileNotFoundError:
-        return []
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(
-            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
-        ) from error
-    if not rows or tuple(rows[0]) != FLAGS_HEADER:
-        raise RecordingError(
-            f"{path}: line 1 is not the header {','.join(FLAGS_HEADER)}; correct or remove the file"
-        )
-    flags = []
-    for number, fields in enumerate(rows[1:], start=2):
-        try:
-            flags.append(_parse_flag(fields))
-        except ValueError as error:
-            raise RecordingError(
-                f"{path}: line {number} is malformed ({one_line(error)}); expected:"
-                f" {','.join(FLAGS_HEADER)}"
-            ) from error
-    return flags
-
-
 def _parse_flag(fields: list[str]) -> Flag:
-    if len(fields) != len(FLAGS_HEADER):
-        raise ValueError(f"{len(fields)} fields instead of {len(FLAGS_HEADER)}")
     frame, stamp, word, name = fields
     if word != NO_CABLE:
         Origin(word)
@@ -190,28 +162,6 @@ def format_label_file(
     return format_labels(labels, allow_outside=allow_outside), flags
 
 
-def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
-    """Write a text file with the permissions of an earlier one; see `atomic_file`.
-
-    Parameters
-    ----------
-    path : Path
-        Path to write to; a link is followed.
-    waits : bool
-        Whether to wait until it is on the disk, not only in its cache.
-
-    Raises
-    ------
-    OSError
-        It cannot be written; what lay there is as it was.
-    """
-    target = path.resolve()
-    with atomic_file(target, by_many=True, waits=waits) as part:
-        part.write_text(text, encoding="utf-8", newline="")
-        if target.exists():
-            part.chmod(target.stat().st_mode & 0o7777)
-
-
 def digest(path: Path) -> str | None:
     """Return what tells whether a label file or its flags have changed; None if there are none.
 
@@ -224,13 +174,15 @@ def digest(path: Path) -> str | None:
     found = False
     for part in (path, flags_path(path)):
         try:
-            data = part.read_bytes()
+            with part.open("rb") as file:
+                content = hashlib.file_digest(file, "sha256").digest()
         except FileNotFoundError:
-            data = None
+            hasher.update(b"-")
+            continue
         except OSError as error:
             raise read_failure(part, error) from error
-        found = found or data is not None
-        hasher.update(b"-" if data is None else b"+%d:" % len(data) + data)
+        found = True
+        hasher.update(b"+" + content)
     return hasher.hexdigest() if found else None
 
 
@@ -255,10 +207,12 @@ class LabelFile:
 
     def read(self) -> FileContent:
         """Read it; empty if there is none. See `read_label_file`."""
-        self._digest = digest(self.path)
         if not self.path.exists():
             self._digest = None
             return FileContent()
+        # A recording, which may be huge, is refused at its first line, before all of it is read.
+        read_any_labels(self.path, allow_outside=self._allow_outside)
+        self._digest = digest(self.path)
         return read_label_file(self.path, self._names, allow_outside=self._allow_outside)
 
     def write(self, content: FileContent, *, overwrite: bool = False) -> None:
@@ -276,9 +230,9 @@ class LabelFile:
         OutputError
             It cannot be written, or a file of another kind lies there; that is as it was.
         """
-        present = digest(self.path)
-        if present is not None and self._digest is None:
+        if self._digest is None:
             self._need_label_file()
+        present = digest(self.path)
         if not overwrite and present is not None and present != self._digest:
             raise OverwriteError(
                 f"{self.path} exists already; its labels would be lost"
@@ -294,18 +248,22 @@ class LabelFile:
                 allow_outside=self._allow_outside,
             )
             # Labels first: a label without its flag is still a label.
-            write_atomically(self.path, texts[0])
-            write_atomically(flags_path(self.path), texts[1])
+            write_text(self.path, texts[0])
+            try:
+                write_text(flags_path(self.path), texts[1])
+            finally:
+                self._digest = digest(self.path)
         except (OSError, ValueError) as error:
             raise write_failure(self.path, error) from error
-        self._digest = digest(self.path)
 
     def _need_label_file(self) -> None:
         """Refuse to replace a recording, a program, or whatever else a slip of the hand names."""
+        if not self.path.exists():
+            return
+        refusal = f"{self.path}: is no label file and is not replaced; choose another name"
+        if not self.path.is_file():
+            raise OutputError(refusal)
         try:
-            if self.path.exists():
-                read_any_labels(self.path, allow_outside=True)
+            read_any_labels(self.path, allow_outside=True)
         except RecordingError as error:
-            raise OutputError(
-                f"{self.path}: is no label file and is not replaced; choose another name"
-            ) from error
+            raise OutputError(refusal) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect, bisect_left
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -20,6 +21,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.sequence_file import wrapped_if_outside
 
 NO_CABLE = "no_cable"
 
@@ -94,7 +96,7 @@ def flagged_label(state: CableState | None, flag: str) -> FrameLabel:
     return WITHOUT_CABLE if state is None else FrameLabel(state, Origin(flag))
 
 
-def drawn_state(values: Iterable[object]) -> CableState:
+def state_from_page(values: Iterable[object]) -> CableState:
     """Return the state for d, alpha, w, beta that came from a browser.
 
     Parameters
@@ -122,11 +124,8 @@ def drawn_state(values: Iterable[object]) -> CableState:
         raise ParameterError(f"beta must be within ±{limit:g} deg, not {given:g}")
     if abs(distance) > LARGEST_LENGTH:
         raise ParameterError(f"d must be within ±{LARGEST_LENGTH:g} px, not {distance:g}")
-    state = CableState(*numbers)
     # Wrapping rounds; what was typed must stay as it is.
-    if -math.pi / 2 < state.angle <= math.pi / 2:
-        return state
-    return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
+    return wrapped_if_outside(CableState(*numbers))
 
 
 def interpolated_state(before: CableState, after: CableState, fraction: float) -> CableState:
@@ -185,6 +184,31 @@ def gap_at(labels: Labels, frame: int) -> Gap | None:
     """Return the gap in which a frame lies, or that ends or begins at it; None if there is none."""
     touching = [gap for gap in gaps(labels) if gap.before <= frame <= gap.after]
     return touching[0] if touching else None
+
+
+def stranded(labels: Labels, changed: Iterable[int]) -> list[int]:
+    """Return the interpolated frames that lie in no gap, of those beside changed frames.
+
+    Parameters
+    ----------
+    changed : iterable of int
+        Numbers of the frames whose labels were changed; only frames between the key frames beside
+        them are looked at.
+    """
+    keys = sorted(frame for frame, label in labels.items() if label.is_key)
+    ordered = sorted(changed)
+    found = []
+    for frame, label in labels.items():
+        if label.is_key:
+            continue
+        place = bisect(keys, frame)
+        first = keys[place - 1] if place > 0 else -math.inf
+        last = keys[place] if place < len(keys) else math.inf
+        is_beside = bisect_left(ordered, first) < bisect(ordered, last)
+        ends = [labels[end].state for end in (first, last) if isinstance(end, int)]
+        if is_beside and (len(ends) < 2 or None in ends):
+            found.append(frame)
+    return found
 
 
 def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int, FrameLabel]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 
-import numpy as np
-
 from cable_tracker.errors import FrameError
+from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame_access import FrameAccess
@@ -18,9 +17,6 @@ QUALITY = 92
 
 KEPT_BYTES = 64 << 20
 """Size of the JPEG files that are kept in memory."""
-
-STAND_IN_SIZE = (320, 240)
-"""Size of the picture that stands for a frame without one [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +82,10 @@ class Pictures:
         trouble = ""
         try:
             image = decode_bgr(frame.image)
+            jpeg = encode_jpeg(image, QUALITY)
         except FrameError as error:
             trouble = str(error)
-            image = np.full((STAND_IN_SIZE[1], STAND_IN_SIZE[0]), 40, np.uint8)
+            image = stand_in()
+            jpeg = encode_jpeg(image, QUALITY)
         size = (image.shape[1], image.shape[0])
-        return Picture(number, frame.stamp, size, encode_jpeg(image, QUALITY).data, trouble)
+        return Picture(number, frame.stamp, size, jpeg.data, trouble)

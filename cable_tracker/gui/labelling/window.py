@@ -17,11 +17,12 @@ from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.labelling.document import Changes
 from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, places
 from cable_tracker.gui.labelling.label_file import OverwriteError
-from cable_tracker.gui.labelling.labels import FrameLabel, Origin, drawn_state, flagged_label
+from cable_tracker.gui.labelling.labels import FrameLabel, Origin, flagged_label, state_from_page
 from cable_tracker.gui.labelling.pictures import Picture
 from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.packet import jpeg_section, pack
 from cable_tracker.gui.server import Channels, Listening, serve
+from cable_tracker.gui.typed_paths import typed_path
 from cable_tracker.sequences.estimates import format_stamp
 
 AUTOSAVE_DELAY = 1.0
@@ -190,7 +191,7 @@ class LabelPage:
         workspace = self._workspace
         return {
             "serial": self._serial,
-            "count": workspace.count or self._frame + 2,
+            "count": workspace.count,
             "path": str(workspace.path.absolute()),
             "name": workspace.path.name,
             "changed": workspace.is_changed,
@@ -226,8 +227,7 @@ class LabelPage:
             self._workspace.tell({frame: document.labels.get(frame)})
             return
         merges = bool(event.args["merges"])
-        changes = document.change(frame, {frame: label}, merges=merges)
-        self._workspace.tell({frame: label, **changes})
+        self._workspace.change(frame, label, merges=merges)
 
     async def _command(self, event: GenericEventArguments) -> None:
         frame = int(event.args["frame"])
@@ -342,7 +342,7 @@ class LabelPage:
                 ui.button(action, on_click=lambda: dialog.submit(field.value))
         given = await dialog
         dialog.delete()
-        return Path(given).expanduser() if given else None
+        return typed_path(given) if given else None
 
     async def _confirm(self, question: str, action: str) -> bool:
         with ui.dialog() as dialog, ui.card().classes("w-[520px] max-w-full"):
@@ -386,4 +386,4 @@ def _label_of(said: Mapping[str, object] | None) -> FrameLabel | None:
     flag, values = str(said["flag"]), said["state"]
     if flag == Origin.INTERPOLATED.value:
         raise ParameterError("only the server interpolates")
-    return flagged_label(drawn_state(values) if isinstance(values, list) else None, flag)
+    return flagged_label(state_from_page(values) if isinstance(values, list) else None, flag)

@@ -74,6 +74,9 @@ class Workspace:
         self._allow_outside = allow_outside
         self._pictures = Pictures(self.access)
         self._proposer = Proposer(self.access.frame, preset("default"))
+        # Times of frames as they were read here, and frames labelled anew of which none was.
+        self._times: dict[int, int] = {}
+        self._unseen: set[int] = set()
         self._listeners: set[Listener] = set()
         self.stopped = threading.Event()
         self.trouble = ""
@@ -93,14 +96,14 @@ class Workspace:
         self._file, self._content = file, content
         self.document = LabelDocument(content.labels, {**stamps, **content.stamps})
         self._saved: Labels = dict(content.labels)
+        self._unseen = set()
 
-    @staticmethod
-    def _unsaved(path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
+    def _unsaved(self, path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
         """Return the autosaved labels and their times, if they say other things than the file."""
         kept = autosave_path(path)
         if not kept.exists():
             return None, {}
-        labels, stamps = read_autosave(kept)
+        labels, stamps = read_autosave(kept, self._names)
         return (labels, stamps) if labels != content.labels else (None, {})
 
     def autosaved_words(self) -> str:
@@ -144,7 +147,12 @@ class Workspace:
     def picture(self, frame: int) -> Picture:
         """Return the picture of a frame; see `Pictures.picture`."""
         made = self._pictures.picture(frame)
-        self.document.stamps.setdefault(frame, made.stamp)
+        self._times[frame] = made.stamp
+        if frame in self._unseen:
+            self._unseen.discard(frame)
+            self.document.stamps[frame] = made.stamp
+        else:
+            self.document.stamps.setdefault(frame, made.stamp)
         return made
 
     def is_displaced(self, picture: Picture) -> bool:
@@ -171,16 +179,19 @@ class Workspace:
             if self.stopped.is_set():
                 break
             try:
-                stamps[frame] = self.access.frame(frame).stamp
+                stamps[frame] = self._times[frame] = self.access.frame(frame).stamp
+                self._unseen.discard(frame)
             except (IndexError, RecordingError):
                 break
         return stamps
 
     def missing_stamps(self, frames: Iterable[int]) -> list[int]:
-        """Return those frames whose times are not known yet."""
+        """Return those frames whose times are not known yet, or were those of earlier labels."""
         known, count = self.document.stamps, self.count
         return [
-            frame for frame in frames if frame not in known and (count is None or frame < count)
+            frame
+            for frame in frames
+            if (frame not in known or frame in self._unseen) and (count is None or frame < count)
         ]
 
     def need_frame(self, frame: int) -> None:
@@ -193,6 +204,26 @@ class Workspace:
         """
         if frame < 0 or (self.count is not None and frame >= self.count):
             raise ParameterError(f"there is no frame {frame}; choose one of the recording")
+
+    def change(self, frame: int, label: FrameLabel | None, *, merges: bool = False) -> None:
+        """Label a frame; see `LabelDocument.change`. The label is of the time that it has now."""
+        is_displaced = self._renew_time(frame)
+        changes = self.document.change(frame, {frame: label}, merges=merges)
+        if is_displaced:
+            # Interpolated labels that have followed were made for other frames, too.
+            for follower in changes.keys() - {frame}:
+                self._renew_time(follower)
+        self.tell({frame: label, **changes})
+
+    def _renew_time(self, frame: int) -> bool:
+        """Take the time that a frame has here, once it is read; returns whether it is another."""
+        time_here = self._times.get(frame)
+        if time_here is None:
+            self._unseen.add(frame)
+            return False
+        before = self.document.stamps.get(frame)
+        self.document.stamps[frame] = time_here
+        return before is not None and before != time_here
 
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
         """Fill gaps between key frames."""
@@ -245,11 +276,15 @@ class Workspace:
         ------
         RecordingError
             It is missing or cannot be read. Nothing has changed.
+        OutputError
+            What was not saved cannot be kept; it is still being worked on.
         """
         if not path.is_file():
             raise RecordingError(f"{path}: there is no such file; check the path")
         # What was not saved stays beside its own file, and is offered when that is opened again.
         self.autosave()
+        if self.trouble:
+            raise OutputError(f"{self.trouble}; save the labels elsewhere before you open others")
         self._open(path)
         self.tell(None)
 
@@ -274,11 +309,11 @@ class Workspace:
         path = autosave_path(self.path)
         try:
             if self.is_changed:
-                write_autosave(path, self.document.labels, self.document.stamps)
+                write_autosave(path, self.document.labels, self.document.stamps, self._names)
             else:
                 path.unlink(missing_ok=True)
             trouble = ""
-        except (OSError, OutputError) as error:
+        except (OSError, ValueError) as error:
             trouble = f"unsaved labels cannot be kept in {path} ({one_line(error)})"
         if trouble != self.trouble:
             self.trouble = trouble

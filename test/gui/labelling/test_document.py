@@ -10,6 +10,7 @@ from cable_tracker.gui.labelling.document import LabelDocument
 from cable_tracker.gui.labelling.labels import (
     WITHOUT_CABLE,
     FrameLabel,
+    Origin,
     filled_gap,
     gaps,
 )
@@ -120,6 +121,37 @@ def test_a_corrected_frame_becomes_a_key_frame_of_its_neighbours():
     assert distances(document) == pytest.approx({0: 0.0, 1: 50.0, 2: 100.0, 3: 70.0, 4: 40.0})
 
 
+def filled_document():
+    document = LabelDocument({0: key(0.0), 6: key(60.0)})
+    document.interpolate(0, document.gaps_to_fill(0))
+    return document
+
+
+def test_nothing_stays_interpolated_across_a_frame_without_cable():
+    document = filled_document()
+    changes = document.change(3, {3: WITHOUT_CABLE})
+    assert changes == {3: WITHOUT_CABLE, 1: None, 2: None, 4: None, 5: None}
+    assert sorted(document.labels) == [0, 3, 6]
+    document.undo()
+    assert sorted(document.labels) == list(range(7))
+
+
+@pytest.mark.parametrize("taken", [0, 6])
+def test_interpolated_labels_go_with_the_key_frame_that_ends_them(taken):
+    document = filled_document()
+    document.change(taken, {taken: None})
+    assert sorted(document.labels) == [6 - taken]
+    document.undo()
+    assert sorted(document.labels) == list(range(7))
+
+
+def test_interpolated_labels_elsewhere_stay_as_the_file_has_them():
+    left = FrameLabel(CableState(1.0, 0.1, 40.0), Origin.INTERPOLATED)
+    document = LabelDocument({0: key(), 2: left, 5: WITHOUT_CABLE, 9: key()})
+    document.change(9, {9: key(1.0)})
+    assert document.labels[2] == left
+
+
 def test_replacing_all_labels_can_be_undone():
     document = LabelDocument({0: key(1.0), 1: key(2.0)})
     document.replace({1: key(3.0), 2: key(4.0)})
@@ -166,6 +198,8 @@ class Editing(RuleBasedStateMachine):
     @invariant()
     def interpolated_labels_fit_their_key_frames(self):
         labels = self.document.labels
+        between = {frame for gap in gaps(labels) for frame in gap.frames}
+        assert all(label.is_key or frame in between for frame, label in labels.items())
         for gap in gaps(labels):
             filled = filled_gap(labels, gap, {})
             for frame in gap.frames:

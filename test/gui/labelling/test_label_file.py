@@ -1,10 +1,12 @@
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from label_strategies import label_maps
 
+from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.gui.labelling.label_file import (
@@ -215,6 +217,43 @@ def test_what_is_no_label_file_is_never_overwritten(video, names):
     with pytest.raises(OutputError, match="is no label file"):
         LabelFile(video, names).write(FileContent(LABELS, STAMPS), overwrite=True)
     assert video.read_bytes() == before
+
+
+@pytest.fixture
+def no_digest(monkeypatch):
+    """Fail where a file is read to its end."""
+
+    def read_whole(path):
+        raise AssertionError(f"{path} was read to its end")
+
+    monkeypatch.setattr("cable_tracker.gui.labelling.label_file.digest", read_whole)
+
+
+def test_a_recording_is_refused_before_all_of_it_is_read(video, names, no_digest):
+    with pytest.raises(OutputError, match="is no label file"):
+        LabelFile(video, names).write(FileContent(LABELS, STAMPS))
+    with pytest.raises(RecordingError):
+        LabelFile(video, names).read()
+
+
+def test_a_device_is_no_label_file(names, no_digest):
+    with pytest.raises(OutputError, match="is no label file"):
+        LabelFile(Path("/dev/null"), names).write(FileContent(LABELS, STAMPS))
+
+
+def test_labels_whose_flags_could_not_be_written_can_be_saved_again(file, path, names, monkeypatch):
+    def only_labels(target, text):
+        if target == flags_path(path):
+            raise OSError(28, "No space left on device")
+        write_text(target, text)
+
+    file.write(FileContent(LABELS, STAMPS))
+    with monkeypatch.context() as patch:
+        patch.setattr("cable_tracker.gui.labelling.label_file.write_text", only_labels)
+        with pytest.raises(OutputError, match="No space left"):
+            file.write(FileContent({0: LABELS[0]}, STAMPS))
+    file.write(FileContent({0: LABELS[0]}, STAMPS))
+    assert set(read_back(path, names).labels) == {0}
 
 
 def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch):

@@ -14,7 +14,7 @@ from cable_tracker.cable.model.geometry import (
 SIZE = (320, 240)
 IN_BROWSER = """async (states) => {
     const { labelGeometry: geometry } = await import("cable-tracker-browser");
-    const rectangle = geometry.imageRectangle([320, 240]);
+    const rectangle = [-159.5, -119.5, 159.5, 119.5];
     return states.map((state) => {
         const lines = geometry.linesOf(state);
         return {

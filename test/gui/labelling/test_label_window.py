@@ -532,6 +532,41 @@ def test_unsaved_labels_outlive_the_server(run_command, visit, folder, tmp_path)
     assert second.stop() == 0
 
 
+def test_strokes_for_a_frame_behind_the_damage_do_not_hit_the_one_before(
+    run_command, visit, folder, tmp_path
+):
+    (folder / "015.png").write_bytes(b"no picture")
+    (tmp_path / "dive.txt").write_text(label_line(OBLIQUE, 14))
+    with visit(run_command("label", folder).url) as page:
+        editor = Editor(page)
+        editor.manual()
+        editor.press("PageDown")
+        editor.at(1)
+        # At once, before the server can say that there is no such frame.
+        editor.ask("[editor.go(15), editor.command({ does: 'none' })]")
+        page.locator("[data-test=message]:has-text('015.png')").wait_for()
+        editor.at(14, "hand")
+        assert editor.ask("editor.queue.length") == 0
+
+
+def test_a_frame_of_another_time_is_told_until_it_is_labelled_anew(run_command, visit, video):
+    path = video.with_name("dive.avi.txt")
+    path.write_text("10.0 0.0 60.0 0.0 # dive.avi:0\n")
+    flags_path(path).write_text("frame,stamp,flag,file\n0,7,hand,dive.avi:0\n")
+    warning = "[data-test=message]:has-text('had another time')"
+    with visit(run_command("label", video).url) as page:
+        editor = Editor(page)
+        page.locator(warning).wait_for()
+        editor.press("ArrowRight")
+        editor.save()
+        assert not flags_path(path).read_text().splitlines()[1].startswith("0,7,")
+        editor.press("PageDown")
+        editor.at(1)
+        editor.press("PageUp")
+        editor.at(0)
+        assert page.locator(warning).count() == 0
+
+
 def test_what_is_being_typed_stays_while_news_come(edit):
     with edit(label_line((10.0, 0.0, 60.0, 0.0))) as editor:
         editor.at(0, "hand")

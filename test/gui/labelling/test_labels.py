@@ -15,12 +15,12 @@ from cable_tracker.gui.labelling.labels import (
     FrameLabel,
     Gap,
     Origin,
-    drawn_state,
     filled_gap,
     flagged_label,
     gap_at,
     gaps,
     interpolated_state,
+    state_from_page,
 )
 
 
@@ -50,11 +50,11 @@ def test_a_flag_that_does_not_fit_is_refused(state, flag):
 
 @given(states)
 def test_a_state_comes_back_from_the_browser_as_it_was(state):
-    assert drawn_state(state.to_array()[:4].tolist()) == state
+    assert state_from_page(state.to_array()[:4].tolist()) == state
 
 
 def test_a_state_from_the_browser_is_wrapped():
-    assert drawn_state([10, math.pi, 40, 0.1]) == CableState(-10.0, 0.0, 40.0, -0.1)
+    assert state_from_page([10, math.pi, 40, 0.1]) == CableState(-10.0, 0.0, 40.0, -0.1)
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_a_state_from_the_browser_is_wrapped():
 )
 def test_what_cannot_be_drawn_is_refused(values):
     with pytest.raises(ParameterError):
-        drawn_state(values)
+        state_from_page(values)
 
 
 @given(states, states)

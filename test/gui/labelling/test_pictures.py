@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.gui.labelling.pictures import Pictures
+from cable_tracker.gui.stand_in import STAND_IN_SIZE
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.source import open_source
 
@@ -30,6 +31,15 @@ def test_a_frame_without_a_picture_says_why(folder):
     picture = Pictures(FrameAccess(source)).picture(1)
     assert picture.trouble
     assert picture.jpeg
+
+
+def test_a_frame_that_no_jpeg_can_hold_says_so(tmp_path):
+    folder = tmp_path / "tall"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "0.png"), np.zeros((65_501, 8), np.uint8))
+    picture = Pictures(FrameAccess(open_source(folder))).picture(0)
+    assert "cannot be encoded" in picture.trouble
+    assert picture.size == STAND_IN_SIZE
 
 
 def test_there_is_no_picture_behind_the_end(folder):

@@ -7,6 +7,7 @@ from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
+from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
 from cable_tracker.sequences.source import open_source
 
@@ -137,8 +138,8 @@ def test_undoing_everything_ends_it_too(workspace, path):
     assert not autosave_path(path).exists()
 
 
-def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, path):
-    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {})
+def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, folder, path):
+    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {}, names_of(open_source(folder)))
     assert "older" not in start().autosaved_words()
     path.write_text("1 0.1 40 0 # dive/000.png\n")
     os.utime(autosave_path(path), (1, 1))
@@ -148,12 +149,28 @@ def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, pa
     )
 
 
-def test_unsaved_labels_that_say_the_same_are_not_offered(start, path):
+def test_unsaved_labels_that_say_the_same_are_not_offered(start, folder, path):
     first = start()
     edit(first)
     first.save()
-    write_autosave(autosave_path(path), {0: LABEL}, {})
+    write_autosave(autosave_path(path), {0: LABEL}, {}, names_of(open_source(folder)))
     assert start().autosaved is None
+
+
+def test_unsaved_labels_of_pictures_that_are_gone_keep_nothing_from_being_saved(
+    start, folder, path
+):
+    first = start()
+    edit(first, COUNT - 2)
+    edit(first, COUNT - 1)
+    first.autosave()
+    (folder / "000.png").unlink()
+    (folder / f"{COUNT - 1:03d}.png").unlink()
+    second = start()
+    second.resume()
+    assert dict(second.document.labels) == {COUNT - 3: LABEL}
+    second.save()
+    assert f"{COUNT - 2:03d}.png" in path.read_text()
 
 
 def test_damaged_unsaved_labels_are_told(start, path):
@@ -162,15 +179,22 @@ def test_damaged_unsaved_labels_are_told(start, path):
         start()
 
 
-def test_a_full_disk_is_told_and_labelling_goes_on(workspace, monkeypatch):
+@pytest.fixture
+def full_disk(monkeypatch):
+    """A disk on which there is no place for unsaved labels until the patch is undone."""
+
     def full(*_arguments, **_options):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("cable_tracker.gui.labelling.workspace.write_autosave", full)
+    return monkeypatch
+
+
+def test_a_full_disk_is_told_and_labelling_goes_on(workspace, full_disk):
     edit(workspace)
     workspace.autosave()
     assert "No space left" in workspace.trouble
-    monkeypatch.undo()
+    full_disk.undo()
     workspace.autosave()
     assert not workspace.trouble
 
@@ -219,6 +243,18 @@ def test_what_was_not_saved_waits_beside_its_own_file(start, workspace, tmp_path
     assert start().autosaved == {0: LABEL}
 
 
+def test_labels_that_cannot_be_kept_are_not_given_up_for_another_file(
+    workspace, path, tmp_path, full_disk
+):
+    other = tmp_path / "other.txt"
+    other.write_text("1 0.1 40 0 # dive/003.png\n")
+    edit(workspace)
+    with pytest.raises(OutputError, match="No space left"):
+        workspace.open(other)
+    assert workspace.path == path
+    assert dict(workspace.document.labels) == {0: LABEL}
+
+
 @pytest.mark.parametrize("lines", [None, "1 2 3 # dive/003.png\n"])
 def test_a_file_that_cannot_be_opened_changes_nothing(workspace, tmp_path, path, lines):
     other = tmp_path / "other.txt"
@@ -237,6 +273,30 @@ def test_labels_of_other_times_are_noticed(video, path):
     assert not workspace.is_displaced(picture)
     workspace.document.stamps[2] += 1
     assert workspace.is_displaced(picture)
+
+
+def test_a_frame_that_is_labelled_anew_has_the_time_that_it_has_now(video, path):
+    workspace = Workspace(open_source(video), path)
+    for frame in (2, 3):
+        workspace.document.stamps[frame] = 1
+    picture = workspace.picture(2)
+    workspace.change(2, LABEL)
+    workspace.change(3, LABEL)  # copied there before its picture has come
+    assert not workspace.is_displaced(picture)
+    assert workspace.missing_stamps([2, 3]) == [3]
+    assert not workspace.is_displaced(workspace.picture(3))
+    assert workspace.missing_stamps([2, 3]) == []
+
+
+def test_so_have_the_interpolated_frames_that_follow_it(video, path):
+    workspace = Workspace(open_source(video), path)
+    workspace.document.stamps.update(dict.fromkeys(range(5), 1))
+    for frame in (0, 4):
+        workspace.document.change(frame, {frame: LABEL})
+    workspace.interpolate(0, workspace.document.gaps_to_fill(0))
+    workspace.picture(4)
+    workspace.change(4, FrameLabel(true_state(9)))
+    assert workspace.missing_stamps(range(5)) == [1, 2, 3]
 
 
 def test_only_frames_are_labelled(workspace):
