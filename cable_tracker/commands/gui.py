@@ -101,8 +101,9 @@ def gui(  # noqa: PLR0917
     subjects = need_gui("subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
-    choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
-    if (target or ros is not None) and (vehicle is not None or choice.topics):
+    named = (camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+    choice = chosen_instruments(*named)
+    if (target or ros is not None) and any(each is not None for each in (vehicle, *named)):
         raise GuiError(
             "--vehicle and topics of instruments are for a cable in a recording; leave them out"
         )
