@@ -118,7 +118,7 @@ def loop(  # noqa: PLR0917
     several = len(chosen) * len(methods) > 1
     if not several:
         of_several = {
-            "--workers": workers,
+            "--workers": workers if workers != 1 else None,
             "--scheduler": scheduler,
             "--dashboard": dashboard,
             "--resume": resume,

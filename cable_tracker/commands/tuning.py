@@ -28,7 +28,8 @@ from cable_tracker.tracking.parameter_files import (
 )
 from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec
 
-VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)}
+OF_TARGETS = {"initial_target", "target_count", "target_size"}
+VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)} - OF_TARGETS
 
 ValueOption = Annotated[
     list[str] | None,
@@ -100,8 +101,15 @@ def _tuned(
     seed: int | None,
     of_node: Iterable[ParameterSpec],
 ) -> Parameters:
-    """Return a preset with values and seed; a note says which of the node's do nothing here."""
+    """Return a preset with values and seed; notes say what of the node's does nothing here."""
     parameters = filter_parameters(base, values, {spec.name for spec in of_node})
+    of_target = sorted(values.keys() & OF_TARGETS)
+    if of_target:
+        messages.print(
+            f"note: {', '.join(of_target)}: only nodes read these; a command follows one target,"
+            " and is told of it by --init and --target-size",
+            soft_wrap=True,
+        )
     of_vehicle = sorted(values.keys() & VEHICLE_NAMES)
     if of_vehicle:
         messages.print(

@@ -19,7 +19,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import ChosenRecording, Source, is_bag
+from cable_tracker.sequences.source import ChosenRecording, Source, is_bag, labels_near
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -246,6 +246,8 @@ def check_labels(source: Source, chosen: ChosenRecording) -> None:
     if truth is None or is_bag(truth):
         return
     labels = read_labels(truth, allow_outside=chosen.allow_outside)
+    folder = source.path if isinstance(source, ImageFolderSource) else source.path.parent
+    near = {label.line for label in labels_near(labels, truth, folder)}
     own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
     first_line: dict[str, int] = {}
     for label in labels:
@@ -256,7 +258,7 @@ def check_labels(source: Source, chosen: ChosenRecording) -> None:
                 " remove one of them"
             )
         first_line[name] = label.line
-        if own and label.filename not in own:
+        if label.line not in near or (own and label.filename not in own):
             continue
         reason = _mismatch(source, label)
         if reason:

@@ -133,11 +133,11 @@ def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
     OutputError
         It cannot be written; what lay there is as it was.
     """
-    if path.exists() and not path.is_file():
-        raise GuiError(f"{path}: is a folder or a device; name a file")
-    if path.exists() and not overwrite:
-        raise ExistingFileError(f"{path}: exists already; save once more to replace it")
     try:
+        if path.exists() and not path.is_file():
+            raise GuiError(f"{path}: is a folder or a device; name a file")
+        if path.exists() and not overwrite:
+            raise ExistingFileError(f"{path}: exists already; save once more to replace it")
         write_text(path, text)
     except OSError as error:
         raise write_failure(path, error) from error

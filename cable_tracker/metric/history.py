@@ -13,8 +13,8 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.succession import LATE
 
 KEPT = 2048
-"""Measurements kept: two seconds of an imu at 1 kHz. In a recording some are known that are half a
-second younger than the picture."""
+"""Measurements kept: two seconds of an imu at 1 kHz. In a recording those are known, too, that came
+a little after the picture."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +87,7 @@ class History:
         if after == 0:
             return None
         before_stamp, before = self._stamps[after - 1], self._values[after - 1]
-        if after == len(self._stamps):
+        if after == len(self._stamps) or stamp == before_stamp:
             return Reading(before, (stamp - before_stamp) / NANOSECONDS)
         share = (stamp - before_stamp) / (self._stamps[after] - before_stamp)
         # Between two infinite values the result is NaN, which callers check for.
@@ -97,6 +97,8 @@ class History:
     def around(self, stamp: int) -> list[FloatArray]:
         """Return what `at` interpolates between: one measurement or two, shape (k,) each."""
         after = bisect_right(self._stamps, stamp)
+        if after and self._stamps[after - 1] == stamp:
+            return [self._values[after - 1]]
         return [
             self._values[place] for place in (after - 1, after) if 0 <= place < len(self._stamps)
         ]

@@ -9,8 +9,8 @@ from cable_tracker.sequences.instrument_source import InstrumentMessage, Instrum
 from cable_tracker.sequences.instruments import Instrument
 
 LOOK_AHEAD = 250_000_000
-"""Time after a frame up to which messages are known when it is tracked [ns]. The fastest
-instruments are kept for twice this time."""
+"""Time after a frame up to which messages are known when it is tracked [ns]. Those of the fastest
+instruments are kept for much longer."""
 
 LOOK_BACK = 2_000_000_000
 """Time before a frame from which messages are read after a jump in the recording [ns]: nothing

@@ -28,6 +28,7 @@ from cable_tracker.metric.vehicle import (
 )
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag_storage import METADATA
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
@@ -231,7 +232,8 @@ def recorded_vehicle(
     """
     file = VehicleFile()
     path = recording.path
-    is_in_bag = isinstance(recording, BagSource) and path.is_file()
+    # A storage file that is named instead of its bag's folder.
+    is_in_bag = path.is_file() and (path.parent / METADATA).is_file()
     own = (path.parent if is_in_bag else path) / VEHICLE_FILE
     if vehicle_file is not None or own.is_file():
         file = read_vehicle_file(vehicle_file or own)

@@ -116,7 +116,7 @@ def _calibration(path: Path, content: Mapping[str, object], *, is_rectified: boo
         ) from error
     if len(matrix) != 9:
         raise ParameterError(f"{path}: camera_matrix has {len(matrix)} numbers; it needs 9")
-    if is_rectified:
+    if is_rectified and (PROJECTION in content or any(coefficients)):
         return Calibration.of_projection(size, _projection(path, content))
     return Calibration.of_matrices(size, model, matrix, coefficients)
 
@@ -160,7 +160,8 @@ def describe_vehicle(
     if source is not None:
         said, notes = _from_frames(source, camera_frame)
     said |= file.values
-    if source is not None and source.found.topics and not notes:
+    has_calibration = source is not None and Instrument.CAMERA_INFO in source.found.topics
+    if (has_calibration or file.calibration is not None) and not notes:
         notes += _note_on_mounting(said)
     return VehicleDescription(
         default_values() | said, file.calibration, tuple(notes), frozenset(said)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Generator, Iterator, Mapping
-from contextlib import closing, suppress
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -93,10 +93,15 @@ class Source(ABC):
         self.has_truth = bool(labels)
 
     def has_frame_at(self, stamps: Container[int]) -> bool:
-        """Tell whether a frame has one of some times [ns]; read up to the first, or to damage."""
-        with closing(self._read_chosen(stamps.__contains__)) as items, suppress(RecordingError):
-            return next(items, None) is not None
-        return False
+        """Tell whether a frame has one of some times [ns]; read up to the first.
+
+        So it may be, too, where the recording breaks off before it can be known.
+        """
+        try:
+            with closing(self._read_chosen(stamps.__contains__)) as items:
+                return next(items, None) is not None
+        except RecordingError:
+            return True
 
     def frames(self, start: int = 0) -> Iterator[Frame]:
         """Read the frames from the beginning, or from a later one on.

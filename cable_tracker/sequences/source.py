@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os.path
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
@@ -90,15 +91,11 @@ def _own_labels(labels: list[Label], truth: Path, folder: Path) -> list[Label]:
     RecordingError
         Two labelled files have one name, and nothing tells which of them is meant.
     """
-    parents = {PurePath(label.filename).parent for label in labels}
-    near = {parent: _nearness(parent, truth, folder) for parent in parents}
-    least = min(_MAY_BE_IN_FOLDER, max(near.values(), default=_IN_ANOTHER))
     candidates: dict[str, dict[int, list[Label]]] = {}
-    for label in labels:
+    for label in labels_near(labels, truth, folder):
         name = PurePath(label.filename)
-        if near[name.parent] >= least:
-            by_nearness = candidates.setdefault(name.name, {})
-            by_nearness.setdefault(near[name.parent], []).append(label)
+        by_nearness = candidates.setdefault(name.name, {})
+        by_nearness.setdefault(_nearness(name.parent, truth, folder), []).append(label)
     own: list[Label] = []
     for by_nearness in candidates.values():
         nearest = max(by_nearness)
@@ -110,6 +107,17 @@ def _own_labels(labels: list[Label], truth: Path, folder: Path) -> list[Label]:
             )
         own += by_nearness[nearest]
     return own
+
+
+def labels_near(labels: Sequence[Label], truth: Path, folder: Path) -> list[Label]:
+    """Return the labels of a file that may be of a folder: all of them if none seems to be.
+
+    Those of another folder are left out where others are of this one.
+    """
+    parents = {PurePath(label.filename).parent for label in labels}
+    near = {parent: _nearness(parent, truth, folder) for parent in parents}
+    least = min(_MAY_BE_IN_FOLDER, max(near.values(), default=_IN_ANOTHER))
+    return [label for label in labels if near[PurePath(label.filename).parent] >= least]
 
 
 def _nearness(parent: PurePath, truth: Path, folder: Path) -> int:
@@ -244,7 +252,7 @@ def _label_from_bag(source: Source, truth: Path) -> None:
     """Attach the ground truth of a bag: by time to a bag, by order to what has no time."""
     labels = read_bag_truth(truth)
     if isinstance(source, BagSource):
-        if not source.has_frame_at(labels):
+        if labels and not source.has_frame_at(labels):
             raise RecordingError(
                 f"{truth}: not one of its {len(labels)} labels has the time of a frame of"
                 f" {source.path}; give the truth that belongs to this recording"

@@ -7,7 +7,7 @@ how far to the left it has the cable, and how sure it is. What reaches beyond th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -112,10 +112,14 @@ class _Beside:
 
 
 def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
-    """Merge routes of one frame; those that share no way stay routes of their own."""
-    left = sorted(routes, key=lambda each: -float(each.route.along[-1]))
+    """Merge routes of one frame; those that share no way stay routes of their own.
+
+    So do stretches on which a dive has left the cable that it shares with others.
+    """
+    left = list(routes)
     merged = []
     while left:
+        left.sort(key=lambda each: -_length(each.route))
         axis = _axis_of(left[0].route)
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
@@ -127,8 +131,46 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
                 axis = _prolonged(axis, each.route)
             group += near
             left = [each for each in left if each not in near]
+        for number, each in enumerate(group[1:], start=1):
+            departed = _departed(axis, each)
+            group[number] = _without(each, departed)
+            left += departed
         merged.append(_merged(axis, group))
     return merged
+
+
+def _length(route: DiveRoute) -> float:
+    return float(route.along[-1] - route.along[0])
+
+
+def _departed(axis: FloatArray, placed: PlacedRoute) -> list[PlacedRoute]:
+    """Return the stretches on which a dive has left an axis, with their events."""
+    route = placed.route
+    away = ~_of_one_cable(axis, route, *_seen_from(axis, route.places))
+    return [
+        _stretch(placed, slice(first, last))
+        for first, last in true_runs(away)
+        if (last - first) * SPACING >= LEAST_OVERLAP
+    ]
+
+
+def _stretch(placed: PlacedRoute, part: slice) -> PlacedRoute:
+    route = placed.route
+    columns = {
+        name: getattr(route, name)[part]
+        for name in (each.name for each in fields(route))
+        if name not in {"start", "profile"}
+    }
+    cut = replace(route, **columns)
+    first, last = cut.along[0], cut.along[-1]
+    events = tuple(each for each in placed.events if first <= each.along <= last)
+    return PlacedRoute(placed.recording, cut, events)
+
+
+def _without(placed: PlacedRoute, stretches: Sequence[PlacedRoute]) -> PlacedRoute:
+    """Return a dive without the events of some of its stretches."""
+    moved = {id(event) for each in stretches for event in each.events}
+    return replace(placed, events=tuple(e for e in placed.events if id(e) not in moved))
 
 
 def _axis_of(route: DiveRoute) -> FloatArray:
@@ -249,9 +291,8 @@ def _beside(axis: FloatArray, placed: PlacedRoute, *, is_axis: bool) -> _Beside:
 
 def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
     beside = [_beside(axis, each, is_axis=each is group[0]) for each in group]
-    everywhere = np.array([each.asides for each in beside])
     counts = np.array([each.counts for each in beside])
-    asides = np.where(counts, everywhere, np.nan)
+    asides = np.where(counts, [each.asides for each in beside], np.nan)
     weights = 1.0 / np.array([each.variances for each in beside])
     weights[~np.isfinite(asides)] = np.nan
     total = np.nansum(weights, axis=0)
@@ -281,9 +322,8 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
         events=(),
         recordings=tuple(each.recording for each in group),
     )
-    beyond = (np.isfinite(everywhere) & ~counts).any(axis=0)
-    apart = ((count > 1) & (excess > DISAGREEMENT)) | beyond
-    disagreements = _disagreements(merged, apart, everywhere, beside)
+    apart = (count > 1) & (excess > DISAGREEMENT)
+    disagreements = _disagreements(merged, apart, asides, beside)
     events = [*_events_of(merged, group), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return _with_events(merged, tuple(events))

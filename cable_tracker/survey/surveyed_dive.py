@@ -127,6 +127,6 @@ def _event(content: dict[str, Any]) -> Event:
             **content,
             "kind": EventKind(content["kind"]),
             "place": (float(x), float(y)),
-            "others": tuple(content["others"]),
+            "others": tuple(content.get("others", ())),
         }
     )

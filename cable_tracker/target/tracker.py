@@ -72,6 +72,7 @@ class TargetTracker:
         self._zoom = 1.0
         self._is_proposed = False
         self._presence = 0.0
+        self._has_begun = False
 
     @property
     def parameters(self) -> TargetParameters:
@@ -182,6 +183,7 @@ class TargetTracker:
         frame = self._frame_mark(image, stamp)
         step = self._succession(frame)
         start, self._start = self._start, None
+        self._has_begun = False
         if step.event:
             self._engine = self._make_engine()
             self._status = StatusMachine()
@@ -202,6 +204,11 @@ class TargetTracker:
             return self._search(seen, event, apart)
         finding = self._engine.step(seen, step.dt, motion, apart)
         return self._estimate(finding, step.dt, event)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the last frame began with what was marked in it."""
+        return self._has_begun
 
     @property
     def is_searching(self) -> bool:
@@ -249,6 +256,7 @@ class TargetTracker:
         finding = engine.start(seen, mask, is_exact=not start.is_box)
         self._status = StatusMachine().confirm_with_next_frame()
         self._engine, self._is_proposed = engine, False
+        self._has_begun = True
         return self._estimate(finding, 1.0, event)
 
     def _nothing(self, event: str) -> TargetEstimate:

@@ -68,3 +68,9 @@ def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(
     assert "note" not in capsys.readouterr().err
     assert choose(None, {"camera_pitch": 70.0}, None) == plain
     assert "camera_pitch: only nodes read" in capsys.readouterr().err.replace("\n", " ")
+
+
+def test_where_a_target_is_said_to_begin_for_a_node_is_noted(capsys):
+    values = {"initial_target": "1,2,30,40", "target_size": 0.4}
+    assert chosen_target(None, values, None) == chosen_target(None, {}, None)
+    assert "initial_target, target_size: only nodes" in capsys.readouterr().err.replace("\n", " ")

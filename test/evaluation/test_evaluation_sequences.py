@@ -160,3 +160,14 @@ def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_p
     assert {sequence.frame_count() for sequence in sequences} == {7}
     assert not any(sequence.name.startswith("tune") for sequence in sequences)
     assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)
+
+
+def test_labels_of_another_folder_are_passed_over(pictures):
+    own = f"{pictures.name}/{next(iter(sorted(pictures.glob('*.png')))).name}"
+    truth = pictures.parent / "several.txt"
+    lines = [f"1 0.1 30 0 # {name}\n" for name in (own, "other/missing.png")]
+    truth.write_text("".join(lines))
+    assert RecordingSequence(pictures, truth=truth).frame_count() == 5
+    truth.write_text("".join([*lines, f"1 0.1 30 0 # {pictures.name}/missing.png\n"]))
+    with pytest.raises(RecordingError, match=r"line 3 labels .*holds no such picture"):
+        RecordingSequence(pictures, truth=truth).frame_count()

@@ -51,8 +51,11 @@ def test_a_message_that_was_overtaken_changes_nothing(history):
 
 
 def test_the_measurements_about_a_time(history):
-    at = {second: [float(v[0]) for v in history.around(second * SECOND)] for second in (9, 10, 15)}
-    assert at == {9: [1.0], 10: [1.0, 3.0], 15: [3.0]}
+    at = {
+        second: [float(v[0]) for v in history.around(int(second * SECOND))]
+        for second in (9, 10, 10.5, 15)
+    }
+    assert at == {9: [1.0], 10: [1.0], 10.5: [1.0, 3.0], 15: [3.0]}
 
 
 def test_the_same_stamp_counts_once(history):

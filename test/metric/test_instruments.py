@@ -75,6 +75,12 @@ def test_an_impossible_altitude_is_not_bridged_by_its_neighbours(instruments, se
     assert reason(told) is Reason.BAD_ALTITUDE
 
 
+def test_an_altitude_of_the_frames_own_time_counts_whatever_comes_next(instruments):
+    for stamp, each in ((10, 2.0), (11, math.inf)):
+        instruments.take_altitude(stamp * SECOND, each, LIMITS)
+    assert instruments.altitude_at(10 * SECOND, Attitude()).metres == 2.0
+
+
 @pytest.mark.parametrize("second", [8, 12])
 def test_an_altitude_of_another_time_is_stale(instruments, estimate, second):
     instruments.take_altitude(second * SECOND, 1.4, LIMITS)

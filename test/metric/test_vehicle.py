@@ -44,6 +44,18 @@ def test_rectified_images_are_calibrated_by_the_projection(tmp_path):
     assert calibration.coefficients == ()
 
 
+def test_a_calibration_of_rectified_images_without_distortion_is_its_own_projection(tmp_path):
+    text = f"image_is_rectified: true\n{CALIBRATION.replace('[0.1,', '[0,')}"
+    assert read_vehicle_file(written(tmp_path, text)).calibration.focal == (280.0, 281.0)
+
+
+def test_a_mounting_that_is_not_known_is_noted_where_there_are_metres(tmp_path):
+    plain = read_vehicle_file(written(tmp_path, CALIBRATION))
+    told = read_vehicle_file(written(tmp_path, f"camera_pitch: 90\n{CALIBRATION}"))
+    assert "mounting of the camera is not known" in describe_vehicle(None, "", plain).notes[0]
+    assert describe_vehicle(None, "", told).notes == describe_vehicle(None, "").notes == ()
+
+
 def test_raw_images_need_no_projection(tmp_path):
     text = f"image_is_rectified: false\n{CALIBRATION}projection_matrix: none\n"
     assert read_vehicle_file(written(tmp_path, text)).calibration.focal == (280.0, 281.0)

@@ -6,7 +6,7 @@ import pytest
 from survey_dives import Plan, make_dive
 
 from cable_tracker.survey.dive_route import PROFILE_SPACING, Profile
-from cable_tracker.survey.events import EventKind
+from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.merging import PlacedRoute, merge
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import SPACING
@@ -122,17 +122,23 @@ def test_short_ways_side_by_side_here_and_there_are_no_common_route():
 def test_a_dive_that_leaves_for_another_cable_does_not_bend_the_route():
     first = straight("a", (0.0, 0.0), (120.0, 0.0))
     second = joined("b", (0.0, 0.2), (40.0, 0.2), (70.0, 30.0), (95.0, 30.0))
-    (merged,) = merge([first, second])
+    merged, left = merge([first, second])
     beyond = merged.places[:, 0] > 42.0
     assert np.abs(merged.places[beyond, 1]).max() < 1e-9
     assert (merged.dives[beyond] == 1.0).all()
     assert merged.places[merged.places[:, 0] < 35.0, 1] == pytest.approx(0.1, abs=0.02)
-    (event,) = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]
-    assert event.along < 42.0 and event.end > 90.0 and "up to 30" in event.detail
+    assert left.recordings == ("b",)
+    assert left.places[0] == pytest.approx([40.0, 0.2], abs=1.0)
+    assert left.places[-1] == pytest.approx([95.0, 30.0])
 
 
-def test_a_dive_that_has_left_the_route_does_not_prolong_it():
+def test_what_a_dive_saw_where_it_has_left_the_route_is_there_and_not_on_the_route():
     first = straight("a", (0.0, 0.0), (100.0, 0.0))
     second = joined("b", (20.0, 0.0), (60.0, 0.0), (90.0, 30.0), (105.0, 30.0))
-    (merged,) = merge([first, second])
+    end, place = float(second.route.along[-1]), (105.0, 30.0)
+    seen = Event(EventKind.BURIED, end - 3.0, end - 1.0, place, 1, 7, "seen", "b")
+    merged, left = merge([first, replace(second, events=(seen,))])
     assert merged.along[-1] == pytest.approx(100.0)
+    assert merged.events == ()
+    assert [each.kind for each in left.events] == [EventKind.BURIED]
+    assert left.along[-1] == pytest.approx(end - 40.0, abs=1.0)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
@@ -78,7 +79,12 @@ def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel],
     """
     rows = read_rows(path, HEADER, _parse)
     labels, stamps = {}, {}
-    frames = names.frames([place for _, _, place in rows], path)
+    try:
+        frames = names.frames([place for _, _, place in rows], path)
+    except RecordingError as error:
+        raise RecordingError(
+            f"{path}: holds unsaved labels, but not of this recording; move it away, or remove it"
+        ) from error
     for frame, (label, stamp, _) in zip(frames, rows, strict=True):
         if frame is None:
             continue

@@ -274,8 +274,8 @@ export default {
         // Why the server has led here must be read first.
         const isExplained = this.ledTo === this.frame && this.message.kind === "error";
         if (!isExplained) this.message = { text: description.note, kind: "warning" };
-        this.ledTo = null;
       }
+      this.ledTo = null;
       this.showLabel();
       this.executeQueue();
       this.proposeByItself();

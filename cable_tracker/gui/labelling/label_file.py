@@ -207,7 +207,11 @@ class LabelFile:
 
     def read(self) -> FileContent:
         """Read it; empty if there is none. See `read_label_file`."""
-        if not self.path.exists():
+        try:
+            is_there = self.path.exists()
+        except OSError as error:
+            raise read_failure(self.path, error) from error
+        if not is_there:
             self._digest = None
             return FileContent()
         # A recording, which may be huge, is refused at its first line, before all of it is read.
@@ -258,11 +262,14 @@ class LabelFile:
 
     def _need_label_file(self) -> None:
         """Refuse to replace a recording, a program, or whatever else a slip of the hand names."""
-        if not self.path.exists():
-            return
         refusal = f"{self.path}: is no label file and is not replaced; choose another name"
-        if not self.path.is_file():
-            raise OutputError(refusal)
+        try:
+            if not self.path.exists():
+                return
+            if not self.path.is_file():
+                raise OutputError(refusal)
+        except OSError as error:
+            raise write_failure(self.path, error) from error
         try:
             read_any_labels(self.path, allow_outside=True)
         except RecordingError as error:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, SequenceFileSource
-from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.source import Source, labels_near
 
 FrameName = tuple[str, int | None]
 """File name, relative to the folder of the label file, and number of the frame in it if any."""
@@ -43,15 +44,15 @@ class FrameNames(ABC):
         RecordingError
             The file labels other recordings only.
         """
-        found = self._found(labels)
+        found = self._found(labels, file)
         if found and all(frame is None for frame in found):
             raise RecordingError(
                 f"{file}: holds labels, but none for {self._what}; name another file with --labels"
             )
         return found
 
-    def _found(self, labels: Sequence[Label]) -> list[int | None]:
-        """Return the frame of each label, if any."""
+    def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:
+        """Return the frame of each label of a file, if any."""
         return [self._numbers.get(str(label)) for label in labels]
 
 
@@ -70,6 +71,7 @@ def _plain(path: Path) -> Path:
     return absolute.resolve() if ".." in absolute.parts else absolute
 
 
+@lru_cache(maxsize=64)
 def _seen_from(folder: Path, path: Path) -> str | None:
     """Return the name of a file as a label file in a folder writes it; None if it is not inside."""
     path, folder = _plain(path), _plain(folder)
@@ -92,7 +94,7 @@ class NumberedNames(FrameNames):
         """
         return _seen_from(folder, self._recording) or _plain(self._recording).name, frame
 
-    def _found(self, labels: Sequence[Label]) -> list[int | None]:
+    def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:
         """Count labels of a single file of another name as of this one, which was then renamed."""
         own = _plain(self._recording).name
         names = {Path(label.filename).name for label in labels}
@@ -116,8 +118,12 @@ class PictureNames(FrameNames):
         elsewhere = f"{_plain(self._folder).name}/{picture}"
         return _seen_from(folder, self._folder / picture) or elsewhere, None
 
-    def _found(self, labels: Sequence[Label]) -> list[int | None]:
-        return [self._numbers.get(Path(str(label)).name) for label in labels]
+    def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:
+        own = set(map(id, labels_near(labels, file, self._folder)))
+        return [
+            self._numbers.get(Path(str(label)).name) if id(label) in own else None
+            for label in labels
+        ]
 
 
 class EntryNames(FrameNames):

@@ -252,17 +252,16 @@ class LabelPage:
             )
 
     async def _undo(self) -> None:
-        self._after_step(self._workspace.document.undo(), "nothing to undo")
+        self._after_step(self._workspace.undo(), "nothing to undo")
 
     async def _redo(self) -> None:
-        self._after_step(self._workspace.document.redo(), "nothing to redo")
+        self._after_step(self._workspace.redo(), "nothing to redo")
 
     def _after_step(self, step: tuple[int, Changes] | None, otherwise: str) -> None:
         if step is None:
             self._editor.say(otherwise)
             return
-        frame, changes = step
-        self._workspace.tell(changes)
+        frame, _ = step
         self._editor.go_to(frame)
 
     async def _interpolate(self, frame: int, everywhere: bool) -> None:

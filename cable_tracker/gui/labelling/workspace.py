@@ -92,9 +92,9 @@ class Workspace:
                     for number, entry in enumerate(self.source.entries)
                 }
             )
-        self.autosaved, stamps = self._unsaved(path, content)
+        self.autosaved, self._autosaved_stamps = self._unsaved(path, content)
         self._file, self._content = file, content
-        self.document = LabelDocument(content.labels, {**stamps, **content.stamps})
+        self.document = LabelDocument(content.labels, content.stamps)
         self._saved: Labels = dict(content.labels)
         self._unseen = set()
 
@@ -225,6 +225,32 @@ class Workspace:
         self.document.stamps[frame] = time_here
         return before is not None and before != time_here
 
+    def undo(self) -> tuple[int, Changes] | None:
+        """Take the last step back; see `LabelDocument.undo`."""
+        return self._stepped(self.document.undo())
+
+    def redo(self) -> tuple[int, Changes] | None:
+        """Do again what was taken back; see `LabelDocument.redo`."""
+        return self._stepped(self.document.redo())
+
+    def _stepped(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
+        """Give labels that are those of the file the times that stand there, others those of now.
+
+        A label that is as it was saved may be of another picture, whatever was drawn meanwhile.
+        """
+        if step is None:
+            return None
+        _, changes = step
+        for frame, label in changes.items():
+            in_file = self._content.stamps.get(frame)
+            if in_file is not None and label == self._saved.get(frame):
+                self.document.stamps[frame] = in_file
+                self._unseen.discard(frame)
+            else:
+                self._renew_time(frame)
+        self.tell(changes)
+        return step
+
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
         """Fill gaps between key frames."""
         self.tell(self.document.interpolate(frame, wanted))
@@ -292,6 +318,7 @@ class Workspace:
         """Take up the unsaved labels of an earlier run."""
         if self.autosaved is not None:
             self.document.replace(self.autosaved)
+            self.document.stamps.update(self._autosaved_stamps)
             self.autosaved = None
             self.tell(None)
 

@@ -170,6 +170,9 @@ class TargetTrackerNode(CameraNode):
         self._take_marks(size)
         motion = self._metric.camera_motion(stamp, size)
         estimates = self._group.process(picture, stamp, motion)
+        for number, tracker in enumerate(self._group.trackers):
+            if tracker.has_begun:
+                self._metric.forget(number)
         metres = self._metric.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
         answers = [
@@ -198,7 +201,6 @@ class TargetTrackerNode(CameraNode):
                 self._refuse_mark(number, error)
                 continue
             self._group.initialise(number, start)
-            self._metric.forget(number)
 
     def _refuse_mark(self, number: int, error: FrameError) -> None:
         reason = f"{self._prefixes[number]}initial_target refused: {error}"

@@ -20,7 +20,8 @@ from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.rates import over_time, share_over_time
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+from cable_tracker.tracking.rates import share_over_time
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
 """Prior of the likeness of a target's contour to the target: in colour, and in grey."""
@@ -29,11 +30,14 @@ SIZE_TAIL = 4.0
 """Degrees of freedom of the log scale about its running mean."""
 
 RESHAPED_EVERY = 3
-"""The template is updated every RESHAPED_EVERY adaptations, with rate 1 - (1 -
-shape_rate)**RESHAPED_EVERY."""
+"""The template is updated every RESHAPED_EVERY adaptations, with rate 1 - (1 - shape_rate)**k over
+the k reference frames since the last time."""
 
 SCORE_RATE = 0.05
-"""Share per frame at 25 frames per second with which the usual score follows."""
+"""Share per frame with which the usual score follows: its scatter is from frame to frame."""
+
+LONGEST_LEARNT = 0.2
+"""Time that one frame counts for at most where appearance and shape are learnt [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +60,8 @@ class KnownTarget:
         Density of the places where it comes into view.
     adaptations : int
         Number of frames that shape and appearance were adapted to.
+    unshaped : float
+        Reference frames since the shape last followed; at the beginning as if it were due.
     """
 
     template: Template
@@ -65,6 +71,7 @@ class KnownTarget:
     usual_log_scale: float
     births: Births
     adaptations: int = 0
+    unshaped: float = RESHAPED_EVERY - 1.0
 
     @property
     def is_coloured(self) -> bool:
@@ -229,33 +236,39 @@ def adapted_to_contour(
         Score of its region.
     """
     p = parameters
+    # After a pause one frame does not outweigh all before.
+    learnt = min(dt, LONGEST_LEARNT)
     appearance = known.appearance.adapted(
         shown.target,
         shown.around,
-        share_over_time(p.appearance_rate_of_target, dt),
-        share_over_time(p.appearance_rate_around, dt),
+        share_over_time(p.appearance_rate_of_target, learnt),
+        share_over_time(p.appearance_rate_around, learnt),
     )
-    score_rate = share_over_time(SCORE_RATE, dt)
-    template = known.template
+    template, unshaped = known.template, known.unshaped + learnt * REFERENCE_RATE
     if p.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
-        template = _reshaped(known.template, outline, angle, dt, p)
+        template = _reshaped(known.template, outline, angle, unshaped, p)
+        unshaped = 0.0
     return replace(
         known,
         appearance=appearance,
         template=template,
-        usual=known.usual.seen(score, score_rate),
-        usual_likeness=known.usual_likeness.seen(shown.likeness, score_rate),
+        usual=known.usual.seen(score, SCORE_RATE),
+        usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
         adaptations=known.adaptations + 1,
+        unshaped=unshaped,
     )
 
 
 def _reshaped(
-    template: Template, outline: Outline, angle: float, dt: float, parameters: TargetParameters
+    template: Template, outline: Outline, angle: float, frames: float, parameters: TargetParameters
 ) -> Template:
-    """Return the template moved towards the contour, both about their centroids."""
+    """Return the template moved towards the contour, both about their centroids.
+
+    As far as in a number of reference frames.
+    """
     distances = distances_about(
         outline.mask, centroid(outline.mask), math.sqrt(outline.area), angle
     )
-    share = 1.0 - over_time(1.0 - parameters.shape_rate, dt) ** RESHAPED_EVERY
+    share = 1.0 - (1.0 - parameters.shape_rate) ** frames
     blended = (1.0 - share) * template.distances + share * distances
     return make_template(blended.astype(np.float32), template.size, parameters.template_points)

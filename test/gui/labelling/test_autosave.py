@@ -34,7 +34,7 @@ def test_unsaved_labels_are_read_back_as_they_were(tmp_path, labels, names):
             "frame,stamp,flag,d,alpha,w,beta,file\n1,,hand,1,0,nan,0,a.avi:1\n",
             "line 2 .*not finite",
         ),
-        (f"{HEAD}1,,no_cable,,,,,b.png\n", "none for a frame"),
+        (f"{HEAD}1,,no_cable,,,,,b.png\n", "not of this recording"),
         (
             "frame,stamp,flag,d,alpha,w,beta,file\n1,,no_cable,,,,,a.avi:1\n2,x,hand,1,0,3,0,a.avi:2\n",
             "line 3",

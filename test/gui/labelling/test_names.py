@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.gui.labelling.names import names_of
+from cable_tracker.gui.labelling.names import PictureNames, names_of
 from cable_tracker.sequences.sequence_file import Label
 from cable_tracker.sequences.source import open_source
 
@@ -70,3 +70,10 @@ def test_a_file_about_other_recordings_only_is_refused(names):
     labels = [label("a/strange.png"), label("b/stranger.png")]
     with pytest.raises(RecordingError, match=r"labels\.txt: holds labels, but none for"):
         names.frames(labels, Path("labels.txt"))
+
+
+def test_labels_of_another_folder_are_of_no_picture_here(tmp_path):
+    names = PictureNames(tmp_path / "day1", ["0.png", "1.png"])
+    state = CableState(1.0, 0.0, 20.0)
+    labels = [Label(state, name) for name in ("day1/0.png", "day2/0.png", "day1/1.png")]
+    assert names.frames(labels, tmp_path / "truth.txt") == [0, None, 1]
