@@ -30,6 +30,19 @@ from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec
 
 OF_TARGETS = {"initial_target", "target_count", "target_size"}
 VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)} - OF_TARGETS
+UNREAD = (
+    (
+        OF_TARGETS,
+        "only nodes read these; a command follows one target, and is told of it by --init and"
+        " --target-size",
+    ),
+    (
+        VEHICLE_NAMES,
+        "only nodes read the vehicle's parameters here; for a recording they belong in"
+        " vehicle.yaml",
+    ),
+)
+"""Parameters of nodes that commands do not read, and where what they say is said instead."""
 
 ValueOption = Annotated[
     list[str] | None,
@@ -103,20 +116,10 @@ def _tuned(
 ) -> Parameters:
     """Return a preset with values and seed; notes say what of the node's does nothing here."""
     parameters = filter_parameters(base, values, {spec.name for spec in of_node})
-    of_target = sorted(values.keys() & OF_TARGETS)
-    if of_target:
-        messages.print(
-            f"note: {', '.join(of_target)}: only nodes read these; a command follows one target,"
-            " and is told of it by --init and --target-size",
-            soft_wrap=True,
-        )
-    of_vehicle = sorted(values.keys() & VEHICLE_NAMES)
-    if of_vehicle:
-        messages.print(
-            f"note: {', '.join(of_vehicle)}: only nodes read the vehicle's parameters here; for a"
-            " recording they belong in vehicle.yaml",
-            soft_wrap=True,
-        )
+    for names, words in UNREAD:
+        unread = sorted(values.keys() & names)
+        if unread:
+            messages.print(f"note: {', '.join(unread)}: {words}", soft_wrap=True)
     return parameters if seed is None else parameters.replaced({"seed": seed})
 
 

@@ -15,18 +15,23 @@ from cable_tracker.tracking.parameter_table import Parameters, parameter_table
 
 
 def variants(presets: Iterable[Parameters]) -> Iterator[Parameters]:
-    """Yield each preset, and what changing one word among its parameters makes of it.
+    """Yield presets, and what changing one word among their parameters makes of them.
 
     Words choose which code runs: with all of them compiled, a node need not compile anything when
-    one is changed while it runs.
+    one is changed while it runs. Parameters with the same words come once.
     """
+    seen: set[tuple[object, ...]] = set()
     for preset in presets:
-        yield preset
-        for spec in parameter_table(type(preset)):
-            for word in spec.choices:
-                changed = _replaced(preset, spec.name, word)
-                if changed is not None and changed != preset:
-                    yield changed
+        worded = [spec for spec in parameter_table(type(preset)) if spec.choices]
+        changes = [_replaced(preset, spec.name, word) for spec in worded for word in spec.choices]
+        for parameters in (preset, *changes):
+            if parameters is None:
+                continue
+            values = parameters.as_mapping()
+            words = tuple(values[spec.name] for spec in worded)
+            if words not in seen:
+                seen.add(words)
+                yield parameters
 
 
 def _replaced(preset: Parameters, name: str, word: str) -> Parameters | None:

@@ -299,30 +299,30 @@ def test_so_have_the_interpolated_frames_that_follow_it(video, path):
     assert workspace.missing_stamps(range(5)) == [1, 2, 3]
 
 
-def test_undo_gives_a_label_back_the_time_that_stands_in_its_file(video, path):
+@pytest.fixture
+def displaced(video, path):
+    """Return a workspace whose file holds a label of another time for frame 2."""
     workspace = Workspace(open_source(video), path)
     workspace.document.change(2, {2: LABEL})
     workspace.document.stamps[2] = 1
     workspace.save()
-    again = Workspace(open_source(video), path)
-    picture = again.picture(2)
-    again.change(2, FrameLabel(true_state(9)))
-    assert not again.is_displaced(picture)
-    again.undo()
-    assert again.is_displaced(picture)
-    again.redo()
-    assert not again.is_displaced(picture)
+    return Workspace(open_source(video), path)
 
 
-def test_a_label_that_is_resumed_has_the_time_at_which_it_was_drawn(video, path):
-    workspace = Workspace(open_source(video), path)
-    workspace.document.change(2, {2: LABEL})
-    workspace.document.stamps[2] = 1
-    workspace.save()
-    interrupted = Workspace(open_source(video), path)
-    picture = interrupted.picture(2)
-    interrupted.change(2, FrameLabel(true_state(9)))
-    interrupted.autosave()
+def test_undo_gives_a_label_back_the_time_that_stands_in_its_file(displaced):
+    picture = displaced.picture(2)
+    displaced.change(2, FrameLabel(true_state(9)))
+    assert not displaced.is_displaced(picture)
+    displaced.undo()
+    assert displaced.is_displaced(picture)
+    displaced.redo()
+    assert not displaced.is_displaced(picture)
+
+
+def test_a_label_that_is_resumed_has_the_time_at_which_it_was_drawn(displaced, video, path):
+    picture = displaced.picture(2)
+    displaced.change(2, FrameLabel(true_state(9)))
+    displaced.autosave()
     again = Workspace(open_source(video), path)
     again.resume()
     assert not again.is_displaced(picture)
