@@ -578,6 +578,8 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
     rates = torch.optim.lr_scheduler.OneCycleLR(
         optimiser, HIGHEST_RATE, total_steps=steps, pct_start=WARM_UP
     )
+    capabilities = torch.cpu.get_capabilities()
+    has_bfloat16 = bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))
     mean = math.nan
     with ThreadPoolExecutor(1) as aside:
         following = aside.submit(batch, frames, rng)
@@ -585,8 +587,8 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
             pictures, shares = following.result()
             if step + 1 < steps:
                 following = aside.submit(batch, frames, rng)
-            # Twice as fast where the processor has instructions for this type.
-            with torch.autocast("cpu", torch.bfloat16):
+            # Twice as fast where the processor has instructions for this type, else much slower.
+            with torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16):
                 log_odds = network(pictures.to(memory_format=torch.channels_last))[:, 0]
             loss = loss_of(log_odds.float(), shares)
             optimiser.zero_grad()

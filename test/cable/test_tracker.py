@@ -557,6 +557,22 @@ def test_hypotheses_of_thin_cables_are_as_wide_as_the_estimate(draw_strip):
     assert seen.hypotheses[0].state == seen.state
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_crisp_shadow_does_not_take_the_place_of_a_worn_bright_cable(draw_strip, seed):
+    size, cable = (320, 240), CableState(-20.0, 0.2, 20.0, 0.0)
+    shadow = replace(cable, distance=2.0, width=24.0)
+    shares = [draw_strip(each, size, strip=255.0, ground=0.0) / 255.0 for each in (cable, shadow)]
+    # Weed covers a third of the cable.
+    bare = 0.1 + 0.9 * (np.sin(np.arange(size[1]) / 9.0) < 0.4)
+    tracker, rng = told(cable, seed=seed), np.random.default_rng(seed)
+    for number in range(10):
+        levels = rng.normal(110.0, 6.0, size[::-1])
+        levels += 25.0 * shares[0] * bare[:, None] - 60.0 * shares[1]
+        picture = np.clip(levels, 0.0, 255.0).astype(np.uint8)
+        estimate = tracker.process(picture, START + number * FRAME)
+        assert estimate.state.distance == pytest.approx(cable.distance, abs=0.5 * cable.width)
+
+
 def test_presence_and_hypotheses_are_reported(draw_strip, noise_picture):
     tracker = told(STRIP)
     seen = run(tracker, repeated(draw_strip(STRIP, (160, 120)), 10))[-1]

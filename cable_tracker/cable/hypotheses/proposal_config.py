@@ -96,7 +96,7 @@ def proposal_config(
 def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
     """Return a configuration in which other strips count less: where the cable is, is known.
 
-    It is not taken for a shadow, either, and need not look like a cable: it is one.
+    A dark one is not taken for a shadow, either, and it need not look like a cable: it is one.
     """
     limits = config.evidence_limits._replace(
         evidence_limit=parameters.evidence_limit_known, is_known=True

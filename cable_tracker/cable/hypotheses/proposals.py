@@ -225,8 +225,9 @@ def _apply_shadow_losses(
     sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
 ) -> None:
     """Find shadows among the first `filled` particles, and lower their log-likelihoods."""
-    if config.evidence_limits.is_known:
-        return  # No strip is a shadow.
+    is_dark = inputs.polarity.log_dark > inputs.polarity.log_bright
+    if config.evidence_limits.is_known and is_dark:
+        return  # The known cable is no shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
     count = find_shadows(states, possible, sample.measured, config.shadows, sample.shadows)
     changed = fill_shadow_losses(
