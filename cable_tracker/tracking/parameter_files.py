@@ -19,6 +19,8 @@ from cable_tracker.tracking.parameter_table import (
 )
 
 ROS_KEY = "ros__parameters"
+EVERY_NODE = ("/**:", f"  {ROS_KEY}:")
+"""How a file for whichever node is started with it begins."""
 
 PLAIN_WORD = re.compile(r"(?!(?:true|false|yes|no|on|off|y|n|null|nan|inf)$)[a-z][a-z_]*")
 """A text that YAML does not take for anything else."""
@@ -154,8 +156,7 @@ def format_values(
         f"# {' '.join(title.split())}",
         "# Lengths are for an image 320 px wide, variances per frame at 25 frames per second;",
         "# docs/parameters.md explains each.",
-        "/**:",
-        f"  {ROS_KEY}:",
+        *EVERY_NODE,
     ]
     for spec in table:
         text = _scalar(values[spec.name])
@@ -172,8 +173,8 @@ def write_node_parameters(path: Path, parameters: Mapping[str, ParameterValue]) 
     OSError
         The file cannot be written.
     """
-    content = {"/**": {ROS_KEY: dict(parameters)}}
-    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    lines = [f"    {name}: {_scalar(value)}" for name, value in parameters.items()]
+    path.write_text("\n".join([*EVERY_NODE, *lines, ""]), encoding="utf-8")
 
 
 def _scalar(value: ParameterValue) -> str:

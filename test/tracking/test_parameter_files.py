@@ -18,6 +18,7 @@ from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_parameter_file,
     read_parameter_file,
+    write_node_parameters,
 )
 
 
@@ -79,6 +80,14 @@ def test_any_text_is_written_so_that_it_is_read_back(written, text):
     parameters = TrackerParameters(response_table=text)
     path = written(format_parameter_file(parameters, "Any."))
     assert read_parameter_file(path)["response_table"] == text
+
+
+@pytest.mark.parametrize("value", ["1.5e2", "true", "", "a: b", False, 7, 1e-05, -2.5])
+def test_the_values_of_a_node_are_read_back_with_their_types(tmp_path, value):
+    write_node_parameters(tmp_path / "node.yaml", {"before": 1, "name": value, "after": "word"})
+    values = read_parameter_file(tmp_path / "node.yaml")
+    assert values == {"before": 1, "name": value, "after": "word"}
+    assert type(values["name"]) is type(value)
 
 
 def test_a_text_that_is_left_out_is_refused(written):
