@@ -58,7 +58,9 @@ def written(dive: ForwardDive, path, datum=None):
 
 
 @pytest.mark.parametrize("datum", [None, DATUM])
-@pytest.mark.parametrize("block", [1, 7, 300])
+@pytest.mark.parametrize(
+    "block", [7, *(pytest.param(size, marks=pytest.mark.slow) for size in (1, 300))]
+)
 def test_block_by_block_is_bit_for_bit_as_all_at_once(tmp_path, block, datum):
     if block == 1:
         dives = [hard_dive(Disk(block=size), 12.0) for size in (block, WHOLE)]
@@ -94,6 +96,7 @@ def peak_of(dive, path) -> int:
     return peak
 
 
+@pytest.mark.slow
 def test_a_longer_dive_takes_little_more_memory(tmp_path):
     plans = (Plan(length=length) for length in (230.0, 230.0, 430.0))
     dives = [make_dive(plan, disk=Disk(block=100)) for plan in plans]
