@@ -100,7 +100,7 @@ def test_a_dark_cable_at_the_edge_of_a_bright_field_is_no_shadow(picture):
     assert count == 0
 
 
-def test_a_cable_that_is_known_is_no_shadow(picture):
+def test_nothing_is_a_shadow_where_no_evidence_is_enough(picture):
     image = picture((CABLE, BRIGHTER), (SHADOW, DARKER))
     count, _, _ = judged(image, rows(CABLE, SHADOW), RULES._replace(evidence=np.inf))
     assert count == 0
