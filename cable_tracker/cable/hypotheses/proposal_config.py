@@ -96,7 +96,7 @@ def proposal_config(
 def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
     """Return a configuration in which other strips count less: where the cable is, is known.
 
-    A dark one is not taken for a shadow, either, and it need not look like a cable: it is one.
+    It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
     """
     limits = config.evidence_limits._replace(
         evidence_limit=parameters.evidence_limit_known, is_known=True
