@@ -327,7 +327,15 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
         (("--seed", "-3"), "seed is -3"),
         (("--survey", "50", "--scenario", "S1"), "--survey and --scenario"),
         (("--survey", "50", "--photographs", "p"), "--photographs covers the bottom of a scenario"),
-        (("--survey", "50", "--format", "sequence"), "leave --format out"),
+        (("--survey", "50", "--format", "bag"), "--format can do nothing with --survey"),
+        (
+            ("--format", "sequence", "--storage", "mcap"),
+            "--storage can do nothing with --format sequence",
+        ),
+        (
+            ("--live", "--storage", "sqlite3", "--force"),
+            "--storage and --force can do nothing with --live",
+        ),
         (("--live", "--target", "buoy"), "--live and --target"),
         (
             ("--scenario", "S1", "--frames", "9", "--rate", "5"),

@@ -45,14 +45,16 @@ from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
 """Unless the user names others."""
 
-NUMBERS_OF = {
-    "": ("--frames", "--rate", "--clutter"),
+FILES = ("--format", "--storage", "--force")
+
+OPTIONS_OF = {
+    "": ("--frames", "--rate", "--clutter", *FILES),
     "--live": ("--rate",),
-    "--target": ("--frames", "--rate"),
-    "--survey": ("--rate", "--cable-seed"),
-    "--scenario": (),
+    "--target": ("--frames", "--rate", *FILES),
+    "--survey": ("--rate", "--cable-seed", "--storage", "--force"),
+    "--scenario": FILES,
 }
-"""Options that describe what is simulated, by the option that says what that is."""
+"""Options that have an effect, by the option that says what is simulated."""
 
 
 class SimulationFormat(str, Enum):
@@ -67,9 +69,9 @@ def simulate_command(  # noqa: PLR0917
         Path | None, typer.Argument(help="Folder to write; none with --live.")
     ] = None,
     output_format: Annotated[
-        SimulationFormat,
-        typer.Option("--format", help="A ROS 2 bag, or PNGs with a sequence file."),
-    ] = SimulationFormat.BAG,
+        SimulationFormat | None,
+        typer.Option("--format", help="A ROS 2 bag, or PNGs with a sequence file.  [default: bag]"),
+    ] = None,
     frames: Annotated[
         int | None, typer.Option(help=f"Number of frames.  [default: {FRAMES}]")
     ] = None,
@@ -116,7 +118,9 @@ def simulate_command(  # noqa: PLR0917
             help="With --survey: seed of the cable, the same for several dives.  [default: 0]"
         ),
     ] = None,
-    storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
+    storage: Annotated[
+        Storage | None, typer.Option(help="Format of the bag.  [default: mcap]")
+    ] = None,
     force: ForceOption = False,
     live: Annotated[
         bool,
@@ -129,13 +133,17 @@ def simulate_command(  # noqa: PLR0917
     image_size = parse_size(size)
     kind = _only_kind(live, target, survey, scenario)
     _check_photographs(kind, photographs)
-    numbers = {
+    options = {
         "--frames": frames, "--rate": rate, "--clutter": clutter, "--cable-seed": cable_seed,
+        "--format": output_format, "--storage": storage, "--force": force,
     }  # fmt: skip
-    unused = {name: value for name, value in numbers.items() if name not in NUMBERS_OF[kind]}
+    unused = {name: value for name, value in options.items() if name not in OPTIONS_OF[kind]}
     refuse_without_effect(
         unused, f"can do nothing with {kind}" if kind else "can do nothing without --survey"
     )
+    if output_format is SimulationFormat.SEQUENCE:
+        refuse_without_effect({"--storage": storage}, "can do nothing with --format sequence")
+    output_format, storage = output_format or SimulationFormat.BAG, storage or Storage.MCAP
     frames = FRAMES if frames is None else frames
     rate = RATE if rate is None else rate
     if live:
@@ -148,8 +156,6 @@ def simulate_command(  # noqa: PLR0917
         _simulate_target(output, seen, output_format, storage, force)
         return
     if survey is not None:
-        if output_format is not SimulationFormat.BAG:
-            raise ParameterError("--survey writes a bag, for the instruments; leave --format out")
         usual = usual_survey(survey, seed, cable_seed or 0)
         inspection = replace(usual, rate=rate, image_size=image_size)
         _simulate_survey(output, inspection, storage, force)
