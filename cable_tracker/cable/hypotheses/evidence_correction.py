@@ -5,10 +5,11 @@ the weight of each group as a whole. A group's log-likelihood ratio is log(poste
 mass), less that of the bottom at its place, times `thin_factor`. Where no cable is known half of it
 counts, the less the clearer the map is, and how much the group looks like a cable (`appearance`):
 the bottom has stronger borders than a faint cable. Of a surviving group only `evidence_repeated`
-times min(ratio, limit) is added: a furrow that is there in this frame is there in the next. Of a
-new group: that part of the reference group's ratio plus min(ratio - reference ratio, limit). The
-reference is the surviving group of largest prior mass. limit = `evidence_limit` plus the group's
-mean width penalty (<= 0): a width that is not the one of before lowers it.
+times min(ratio, highest) is added: a furrow that is there in this frame is there in the next. Of a
+new group: that part of the reference group's ratio plus ratio - reference ratio, clipped to
+the range from -`evidence_limit` to highest. The reference is the surviving group of largest prior
+mass. highest = `evidence_limit` plus the group's mean width penalty (<= 0): a width that is not the
+one of before lowers it.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ BACKGROUND_SHARE = 0.5
 Chosen on simulated worlds to tune on (`tune_*`)."""
 
 FAINT_MAP, CLEAR_MAP = 4.0, 8.0
-"""What the map of the frame says of the particle that it suits best, up to where that share is
-whole, and from where on it is 0 [nats]. Where the map is clear, the appearance says more than the
-borders, which the bottom has, too: of overgrown pipelines, to tune on, twice as many would be lost
+"""The share falls linearly from `BACKGROUND_SHARE` to 0 while the highest map log-ratio of any
+particle rises from FAINT_MAP to CLEAR_MAP [nats]: a clear map is more reliable than borders, which
+the bottom has, too. Without that, of overgrown pipelines, to tune on, twice as many would be lost
 to strips that share one border with them."""
 
 ORDINARY_APPEARANCE = 1.2
@@ -50,7 +51,9 @@ class EvidenceLimits(NamedTuple):
     Attributes
     ----------
     evidence_limit : float
-        Upper bound of the log-likelihood ratio of a group that counts [nats].
+        Upper bound of the log-likelihood ratio of a group that counts, before the width penalty
+        lowers it, and, negated, the lower bound of that of a new group against the reference
+        [nats].
     evidence_repeated : float
         Share of the ratio of a surviving group that counts, 0 to 1.
     thin_width : float
@@ -116,9 +119,8 @@ class GroupEvidence(NamedTuple):
     log_ratio : FloatArray
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
     counted : FloatArray
-        Share of `log_ratio` less what the map adds and that of the bottom at the place of the
-        group, times `thin_factor`, plus the share of the appearance above `ORDINARY_APPEARANCE`
-        [nats].
+        share x `thin_factor` x (`log_ratio` - map - background), plus, where no cable is known, the
+        appearance above `ORDINARY_APPEARANCE` [nats]; see `background_share`.
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
@@ -140,14 +142,14 @@ def corrected_log_weights(
 ) -> FloatArray:
     """Return log-weights (N,) with the log-likelihood ratio of each group corrected."""
     groups = measured.groups
-    found = group_evidence(particles, measured, limits)
-    leader = reference_group(found)
-    reference = found.counted[leader] if leader != NO_CLUSTER else 0.0
+    evidence = group_evidence(particles, measured, limits)
+    leader = reference_group(evidence)
+    reference = evidence.counted[leader] if leader != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
     for label in range(NO_CLUSTER, groups.number):
-        if found.log_ratio[label] != -np.inf:
-            counted = counted_log_ratio(found, label, reference, limits)
-            corrections[label] = counted - found.log_ratio[label]
+        if evidence.log_ratio[label] != -np.inf:
+            counted = counted_log_ratio(evidence, label, reference, limits)
+            corrections[label] = counted - evidence.log_ratio[label]
     corrected = np.empty(len(particles.log_posterior))
     for row in range(len(corrected)):
         corrected[row] = particles.log_posterior[row] + corrections[groups.labels[row]]
@@ -175,7 +177,7 @@ def group_evidence(
     """Sum up what the frame says of each group."""
     labels, count = measured.groups.labels, measured.groups.number + 1
     share = background_share(particles.map_log_ratios, limits)
-    found = GroupEvidence(
+    evidence = GroupEvidence(
         np.full(count, -np.inf),
         np.zeros(count),
         np.zeros(count),
@@ -188,18 +190,18 @@ def group_evidence(
             continue
         log_prior_mass = masked_log_sum_exp(particles.log_prior, labels, label)
         means = _means_of_group(particles, labels, label, log_prior_mass, log_posterior_mass)
-        found.log_ratio[label] = log_posterior_mass - log_prior_mass
+        evidence.log_ratio[label] = log_posterior_mass - log_prior_mass
         ratio = log_posterior_mass - log_prior_mass - means.map_log_ratio
         background, appearance = 0.0, 0.0
         if label != NO_CLUSTER:
             background = measured.backgrounds[label]
             appearance = measured.appearances[label] - ORDINARY_APPEARANCE
         counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
-        found.counted[label] = counted if limits.is_known else counted + appearance
-        found.survived_share[label] = min(means.survived_share, 1.0)
-        found.width_penalty[label] = means.width_penalty
-        found.log_prior_mass[label] = log_prior_mass
-    return found
+        evidence.counted[label] = counted if limits.is_known else counted + appearance
+        evidence.survived_share[label] = min(means.survived_share, 1.0)
+        evidence.width_penalty[label] = means.width_penalty
+        evidence.log_prior_mass[label] = log_prior_mass
+    return evidence
 
 
 class _GroupMeans(NamedTuple):
@@ -238,27 +240,28 @@ def _means_of_group(
 
 
 @compiled_loop
-def reference_group(found: GroupEvidence) -> int:
+def reference_group(evidence: GroupEvidence) -> int:
     """Return the label of the surviving group of largest prior mass; `NO_CLUSTER` if none is."""
     reference, heaviest = NO_CLUSTER, -np.inf
-    for label in range(len(found.log_prior_mass) - 1):
-        if found.survived_share[label] > SURVIVED and found.log_prior_mass[label] > heaviest:
-            reference, heaviest = label, found.log_prior_mass[label]
+    for label in range(len(evidence.log_prior_mass) - 1):
+        if evidence.survived_share[label] > SURVIVED and evidence.log_prior_mass[label] > heaviest:
+            reference, heaviest = label, evidence.log_prior_mass[label]
     return reference
 
 
 @compiled_loop
 def counted_log_ratio(
-    found: GroupEvidence, label: int, reference: float, limits: EvidenceLimits
+    evidence: GroupEvidence, label: int, reference: float, limits: EvidenceLimits
 ) -> float:
     """Return the log-likelihood ratio of a group that counts [nats].
 
     `reference` is the ratio above the background of the reference group, 0 without one [nats]. A
     group counts as surviving by its survived share, as new by the rest.
     """
-    limit, repeated = limits.evidence_limit, limits.evidence_repeated
-    highest, ratio = limit + found.width_penalty[label], found.counted[label]
+    repeated, lowest = limits.evidence_repeated, -limits.evidence_limit
+    highest = limits.evidence_limit + evidence.width_penalty[label]
+    ratio = evidence.counted[label]
     surviving = repeated * min(ratio, highest)
-    new = repeated * min(reference, highest) + min(max(ratio - reference, -limit), highest)
-    share = found.survived_share[label]
+    new = repeated * min(reference, highest) + min(max(ratio - reference, lowest), highest)
+    share = evidence.survived_share[label]
     return float(share * surviving + (1.0 - share) * new)
