@@ -21,9 +21,13 @@ from typing import NamedTuple
 
 from cable_tracker.compilation import compiled_inside
 
+LEAST_SHOWN, ENOUGH_SHOWN = 0.3, 0.5
+"""Length in view, as a share of the picture's height, up to which the clearness does not count, and
+from which it counts fully; linear between. Short edges of the bottom are clear, too."""
+
 
 class ScoreModel(NamedTuple):
-    """Model of score, margin and clearness of hypotheses, with a cable in view and without.
+    """Model of the `FrameScores` of hypotheses, with a cable in view and without.
 
     Attributes
     ----------
@@ -44,12 +48,8 @@ class ScoreModel(NamedTuple):
         Above `clearness` [nats per point in view] `clearness_slope` (c - `clearness`), times
         `shown_share`, is added to the log-likelihood ratio, c the clearness of the borders.
     clearness_range : float
-        With a clearness so far above `clearness`, times `shown_share`, looks say nothing against a
-        cable: no bottom has such borders.
-    least_shown, enough_shown : float
-        Length in view, as a share of the picture's height, up to which the clearness does not
-        count, and from which it counts fully; linear between. Short edges of the bottom are clear,
-        too.
+        With a clearness so far above `clearness`, times `shown_share`, the appearance says nothing
+        against a cable: no bottom has such borders.
     appearance_slope, appearance_given : float
         `appearance_slope` (a + `appearance_given`) is added to the log-likelihood ratio that the
         above make, a the appearance of the hypothesis [nats].
@@ -71,8 +71,6 @@ class ScoreModel(NamedTuple):
     clearness: float = 1.1
     clearness_slope: float = 16.0
     clearness_range: float = 0.3
-    least_shown: float = 0.3
-    enough_shown: float = 0.5
     appearance_slope: float = 1.2
     appearance_given: float = 0.0
     hidden_share: float = 0.5
@@ -97,7 +95,7 @@ BELOW_HIDDEN = 0.2
 
 
 class FrameScores(NamedTuple):
-    """Score, margin and clearness of a hypothesis in a frame.
+    """How a frame shows a hypothesis.
 
     Attributes
     ----------
@@ -134,10 +132,10 @@ def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
     shown = shown_share(scores.shown)
     ratio += model.clearness_slope * shown * clearer
     ratio = min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
-    looks = scores.appearance + model.appearance_given
-    if looks < 0.0:
-        looks *= 1.0 - shown * min(clearer / model.clearness_range, 1.0)
-    ratio += model.appearance_slope * looks
+    appearance = scores.appearance + model.appearance_given
+    if appearance < 0.0:
+        appearance *= 1.0 - shown * min(clearer / model.clearness_range, 1.0)
+    ratio += model.appearance_slope * appearance
     return min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
 
 
@@ -153,7 +151,7 @@ def least_log_ratio(model: ScoreModel) -> float:
 @compiled_inside
 def shown_share(shown: float) -> float:
     """Return the factor on the clearness of borders, 0 to 1; `shown` as in `BorderClearness`."""
-    share = (shown - MODEL.least_shown) / (MODEL.enough_shown - MODEL.least_shown)
+    share = (shown - LEAST_SHOWN) / (ENOUGH_SHOWN - LEAST_SHOWN)
     return min(max(share, 0.0), 1.0)
 
 

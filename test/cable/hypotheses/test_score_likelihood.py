@@ -4,7 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.score_likelihood import (
+    ENOUGH_SHOWN,
     KNOWN_MODEL,
+    LEAST_SHOWN,
     MODEL,
     FrameScores,
     ScoreModel,
@@ -60,9 +62,9 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
         shown=0.0,
         appearance=0.0,
     )
-    assert ratio_of(low._replace(shown=MODEL.enough_shown)) > 3.0
-    assert ratio_of(low._replace(shown=MODEL.least_shown)) < 0.0
-    assert ratio_of(low._replace(shown=MODEL.enough_shown, clearness=MODEL.clearness)) < 0.0
+    assert ratio_of(low._replace(shown=ENOUGH_SHOWN)) > 3.0
+    assert ratio_of(low._replace(shown=LEAST_SHOWN)) < 0.0
+    assert ratio_of(low._replace(shown=ENOUGH_SHOWN, clearness=MODEL.clearness)) < 0.0
 
 
 def test_what_looks_like_a_cable_is_one_though_its_borders_are_faint():
