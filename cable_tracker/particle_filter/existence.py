@@ -76,8 +76,8 @@ def update_existence(
     predicted : PredictedExistence
         Probabilities before the observation.
     log_evidence : float
-        Logarithm of the likelihood ratio, observation with the thing against without it, averaged
-        over the predicted density whose mass is `predicted.total`.
+        Logarithm of the likelihood ratio, observation with the thing against without it, integrated
+        over the predicted density, which integrates to `predicted.total`, not to 1.
     least, most : float
         The probability stays between these, above 0 and below 1, so that it can turn again in time.
     """

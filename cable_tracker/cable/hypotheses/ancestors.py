@@ -69,7 +69,7 @@ def draw_ancestors(
 
 
 def _factor_for(mass: float) -> float:
-    """Return how much more ancestors than by its weight a cluster has."""
+    """Return the oversampling factor of a cluster, at least 1; 0 for an empty one."""
     return max(mass, SMALLEST_CLUSTER_SHARE) / mass if mass > SMALLEST_MASS else 0.0
 
 
@@ -89,7 +89,9 @@ def surviving_ancestors(
     rates: SurvivalRates,
     dt: float,
 ) -> tuple[Ancestors, float]:
-    """Return ancestors by how likely they are in view `dt` seconds later, and how likely any is.
+    """Return the ancestors reweighted by their survival, and the total survival probability.
+
+    Each is weighted by its probability of staying in view for `dt`.
 
     Parameters
     ----------

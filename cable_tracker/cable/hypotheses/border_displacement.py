@@ -81,8 +81,9 @@ def displaced_covariance(
 ) -> FloatArray:
     """Return the covariance (8, 8) of an estimate whose borders may be displaced.
 
-    Tempering widens the particles because neighbouring points of a border err alike. Displacements
-    are what they have in common, so the particles count as wide as they would be without.
+    Tempering inflates the particle covariance for errors that are common along a border. That
+    common error is modelled here as a displacement, so the inflation is undone (factor `tempering`
+    on the pose block) before the displacement is added.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def displaced_covariance(
 
 @cache
 def _tempering_of_covariances(tempering: float) -> FloatArray:
-    """Return the factors on a covariance (8, 8) of poses that were not tempered."""
+    """Return the factors on a covariance (8, 8) that undo its inflation by tempering."""
     scales = np.ones(STATE_SIZE)
     scales[:POSE_SIZE] = math.sqrt(tempering)
     return np.outer(scales, scales)

@@ -89,6 +89,7 @@ def is_new_clear(
         factor += width_prior.deviation(width, parameters) ** 2
 
     def is_enough(clearness: float, needed: float) -> bool:
+        # A threshold below 0 must not be lowered.
         return clearness >= max(needed, needed * factor)
 
     by_borders = clearness_by_borders(hypotheses, parameters, image_width)

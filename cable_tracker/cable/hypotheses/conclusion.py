@@ -80,7 +80,8 @@ class Hypotheses(NamedTuple):
         Effective sample size N_eff of all particles.
     weaker_border_mean : float
         Mean log-likelihood ratio per point of the weaker border, with what the texture says,
-        averaged over the leading cluster [nats]: the evidence that is published.
+        averaged over the leading cluster [nats]. It is the evidence that is published, which a map
+        may raise: see `leading_evidence`.
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
@@ -89,7 +90,7 @@ class Hypotheses(NamedTuple):
         mean, without texture, shape (2,) [nats].
     scaled_clearness : float
         Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
-        visible point) times `shown_share`; 0 for borders shorter than 0.3 image heights.
+        visible point) times `shown_share`; 0 for borders shorter than `LEAST_SHOWN`.
     appearance : float
         How much the leading group looks like a cable, see `appearances_of` [nats].
     is_mapped : bool

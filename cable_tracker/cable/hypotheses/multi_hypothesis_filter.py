@@ -142,7 +142,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
-            # The leading hypothesis can never be claimed.
+            # For `search_time` a cable was present but too faint to claim: search anew.
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)

@@ -164,7 +164,7 @@ def _fill_densities_of(
     densities.birth[row] = births
     densities.jump[row] = jumps
     densities.width_penalties[row] = penalty
-    # The likelihood holds the penalty, too: beside a cable of known width a new one has it twice.
-    # Once only, and strips beside a cable that is tracked take over more often (S4, S6).
+    # Births get the width penalty twice, here in the prior and again in `fill_log_likelihoods`.
+    # With it once, strips beside a tracked cable took over more often (S4, S6).
     new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_jumped * jumps
     densities.prior[row] = densities.prior_survival[row] + new

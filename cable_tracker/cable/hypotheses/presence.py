@@ -62,7 +62,7 @@ def updated_log_odds(
     inherited : float
         Log-odds before the frame [nats]; NaN for a new hypothesis.
     scores : FrameScores
-        Score, margin and clearness in the frame.
+        How the frame shows it.
     prior : PriorPresence
         Probabilities of survival and appearance, and gain of the frame.
     model : ScoreModel

@@ -92,7 +92,7 @@ def _add_strong(gradients: Image, x: int, y: int, strong: FloatArray, count: int
 def _weighted_moments(
     strong: FloatArray, start: int, stop: int, terms: FloatArray, xx: float, xy: float, yy: float
 ) -> tuple[float, float, float]:
-    """Return the second moments of gradients, each over its square by a shape before.
+    """Return the sums of g g^T / (g^T S^-1 g) over gradients g, S the shape of the last iteration.
 
     `terms`, shape (3, K), is room for those of each gradient: they are worked out many at a time.
     """

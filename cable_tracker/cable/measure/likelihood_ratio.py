@@ -147,7 +147,7 @@ class BorderLikelihoodRatio:
     Parameters
     ----------
     parameters : TrackerParameters
-        Spacing, tempering, cost of missing points.
+        `tempering`, `missing_cost`, `texture_limit` and `response_table`.
     table : ResponseTable or None
         Ratios of single points; None: those of the file that the parameters name.
 

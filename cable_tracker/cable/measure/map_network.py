@@ -44,9 +44,9 @@ TALLEST = 640
 network has seen pictures, it would take much memory and time."""
 
 LIGHT_CELLS = (16, 80, 320)
-"""Grey levels are taken relative to their means over squares of each of these sides, interpolated
-[px at the reference width]: uneven light goes, and with the larger ones the inside of a wide cable
-stays; with the largest, which are the whole picture, the light, too."""
+"""Three channels: grey levels minus their means over squares of 16, 80 and 320 px [at the reference
+width], interpolated. Small squares remove uneven light but also the inside of a wide cable; larger
+ones keep the inside; the largest, the whole picture, keeps the light as well."""
 
 FLATTEST = 1.0
 """Added to the mean deviation of the picture [grey levels]: noise of a flat one stays noise."""

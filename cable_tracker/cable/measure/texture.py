@@ -4,9 +4,10 @@ Grain, ripples and stones of the bottom end where a cable covers them. Under a s
 and in a sunlit band the bottom goes on, as rough as beside them: light and shade change the grey
 levels and their differences by the same factor. So what is compared is the mean size of the
 gradient over the grey level, inside and outside each border. A skin that is as rough as the bottom,
-or rougher, says nothing: growth is rough, and so is the camera's noise in what is dark. Where there
-is little but noise a bright skin counts as a smooth one; that the gradient alone has to be smaller,
-too, was tried against it, and finds fewer cables.
+or rougher, says nothing: growth is rough, and so is the camera's noise in what is dark.
+
+Limitation: in noise a bright strip has a small gradient over its level and counts as smooth.
+Requiring a smaller gradient as well cures that, but finds fewer cables (tried).
 
 The constants were chosen on the simulated worlds to tune on (`tune_*`): of strips at random one in
 two hundred is smoother than both sides by more than `ORDINARY_STEP`, of cables two in five.

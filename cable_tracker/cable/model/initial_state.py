@@ -131,7 +131,7 @@ def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
         [distance, angle, parameters.initial_width_maximum * scale,
          np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate, 0.0, 0.0]
     )  # fmt: skip
-    # A range of zero is a density without end.
+    # A range of zero would make the uniform density infinite.
     upper[:POSE_SIZE] = np.maximum(upper[:POSE_SIZE], lower[:POSE_SIZE] + SMALLEST_RANGE)
     return SearchBox(lower, upper)
 
@@ -154,7 +154,8 @@ def draw_given_states(
     states = random_states(parameters, image_width, rng)
     noise = rng.standard_normal(states.shape)
     usual = usual_sigma(image_width)
-    # Rates that never change are none that the model has, as in the thesis: a wrong one would stay.
+    # With zero rate variance the model never changes a rate: one drawn here would stay, so none is
+    # drawn.
     if parameters.width_rate_variance == 0.0:
         usual[StateColumn.WIDTH_RATE] = 0.0
     if parameters.skew_rate_variance == 0.0:
