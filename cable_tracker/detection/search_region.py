@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState, StateColumn
 
 
@@ -44,7 +44,7 @@ class SearchRegion:
     def admits(self, states: FloatArray) -> BoolArray:
         """Tell which cables (N, 8) lie in the box, also across the wrap; shape (N,)."""
         expected = self.state
-        chart = unwrap_states(states, expected.angle)
+        chart = states_in_chart(states, expected.angle)
         inside: BoolArray = (
             (np.abs(chart[:, StateColumn.DISTANCE] - expected.distance) <= self.distance)
             & (np.abs(chart[:, StateColumn.ANGLE] - expected.angle) <= self.angle)

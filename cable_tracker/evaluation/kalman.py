@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states, wrap_angle
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, states_in_chart, wrap_angles
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 
@@ -143,7 +143,8 @@ class CableKalmanFilter:
 
     def _innovation(self, measured: CableState) -> FloatArray:
         """Return measured minus expected, with the line written as the expected one is."""
-        chart = unwrap_states(measured.to_array()[None, :], float(self.mean[StateColumn.ANGLE]))[0]
+        angle = float(self.mean[StateColumn.ANGLE])
+        chart = states_in_chart(measured.to_array()[None, :], angle)[0]
         innovation: FloatArray = chart[:MEASURED] - self.mean[:MEASURED]
         return innovation
 
@@ -165,7 +166,7 @@ class CableKalmanFilter:
 
     def _wrapped(self) -> CableKalmanFilter:
         """Write the line with alpha in (-pi/2, pi/2]."""
-        angle = float(wrap_angle(np.asarray(self.mean[StateColumn.ANGLE])))
+        angle = float(wrap_angles(np.asarray(self.mean[StateColumn.ANGLE])))
         mean, covariance = self.mean.copy(), self.covariance
         if round((mean[StateColumn.ANGLE] - angle) / np.pi) % 2:
             mean, covariance = mean * _TURNED, covariance * np.outer(_TURNED, _TURNED)

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, states_in_chart
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 
@@ -186,7 +186,7 @@ def _in_chart(outcome: FrameOutcome) -> tuple[FloatArray, FloatArray]:
     covariance = outcome.estimate.covariance[:COMPONENTS, :COMPONENTS]
     if outcome.truth is None or not np.isfinite(values).all():
         return values[:COMPONENTS], covariance
-    chart = unwrap_states(values[None, :], outcome.truth.angle)[0]
+    chart = states_in_chart(values[None, :], outcome.truth.angle)[0]
     half_turns = round((chart[StateColumn.ANGLE] - values[StateColumn.ANGLE]) / np.pi)
     if half_turns % 2:
         signs = np.ones(COMPONENTS)

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
@@ -338,7 +338,7 @@ class MotionAiding:
             self._gate.interrupt()
             return
         expected = move_states(before.state.to_array()[None, :], predicted.mapping)[0]
-        seen = unwrap_states(estimate.state.to_array()[None, :], float(expected[1]))[0]
+        seen = states_in_chart(estimate.state.to_array()[None, :], float(expected[1]))[0]
         self._gate.compare(
             seen[:CHECKED] - expected[:CHECKED],
             predicted.place_sigmas[:CHECKED] ** 2,

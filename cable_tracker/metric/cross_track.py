@@ -18,7 +18,7 @@ from cable_tracker.cable.model.geometry import (
     points_on_lines,
     project_borders,
     segment_inside,
-    wrap_angle,
+    wrap_angles,
 )
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.compilation import compiled
@@ -228,8 +228,8 @@ class CrossTrackMeter:
         values = lines.values
         # About the middle, headings are averaged like numbers, also across the wrap.
         heading = values[0, 2]
-        values[:, 2] = heading + wrap_angle(values[:, 2] - heading)
-        if np.abs(wrap_angle(values[:, 2])).max() > LARGEST_HEADING:
+        values[:, 2] = heading + wrap_angles(values[:, 2] - heading)
+        if np.abs(wrap_angles(values[:, 2])).max() > LARGEST_HEADING:
             return Withheld(
                 Reason.ACROSS,
                 f"it runs {math.degrees(heading):.0f} deg across, surely or perhaps, so that it has"
@@ -239,7 +239,7 @@ class CrossTrackMeter:
         return CrossTrack(
             offset=float(centre[0]),
             offset_ahead=float(centre[1]),
-            heading=float(wrap_angle(centre[2])),
+            heading=float(wrap_angles(centre[2])),
             diameter=float(centre[3]),
             covariance=spread,
             look_ahead=self._settings.look_ahead,
@@ -279,7 +279,7 @@ class CrossTrackMeter:
             centre[:, 1] - (x * (ahead - centre[:, 0]) + z * drop) / safe
             for ahead in (0.0, self._settings.look_ahead)
         ]
-        heading = wrap_angle(_headings(normals))
+        heading = wrap_angles(_headings(normals))
         # The plane's distance from the vertical through the camera, and the drop to the axis.
         level = np.hypot(x, y)
         reach = np.abs(drop) / np.maximum(level, 1e-9)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import project_borders, unwrap_states
+from cable_tracker.cable.model.geometry import project_borders, states_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.simulation.borders import fit_states, project_tube
 from cable_tracker.simulation.camera import Camera, CameraPoses, chain
@@ -53,7 +53,7 @@ def steer(
 def _in_chart_of(wanted: FloatArray, seen: FloatArray) -> FloatArray:
     shifted = seen.copy()
     shifted[:, 1] -= wanted[:, 1]
-    chart = unwrap_states(shifted, 0.0)
+    chart = states_in_chart(shifted, 0.0)
     chart[:, 1] += wanted[:, 1]
     return chart
 

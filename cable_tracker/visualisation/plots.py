@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
@@ -142,7 +142,7 @@ def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
     """Return d, alpha, w, beta of the truth, on the same side of the wrap as the estimate."""
     values = truth.to_array()
     if estimate is not None and estimate.is_finite():
-        values = unwrap_states(values[None, :], estimate.angle)[0]
+        values = states_in_chart(values[None, :], estimate.angle)[0]
     return values[:4]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.model.estimate import TrackingStatus
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -42,7 +42,7 @@ def errors(estimates, frames) -> np.ndarray:
     pairs = zip(estimates, frames, strict=True)
     return np.array(
         [
-            unwrap_states(estimate.state.to_array()[None], truth.angle)[0, :4]
+            states_in_chart(estimate.state.to_array()[None], truth.angle)[0, :4]
             - truth.to_array()[:4]
             for estimate, (_, _, truth) in pairs
         ]
@@ -416,7 +416,7 @@ def test_a_cable_across_the_image_is_followed_over_the_wrap(draw_strip, angle):
     for estimate in estimates:
         assert estimate.status is TRACKING
         assert_sound(estimate, 500)
-        chart = unwrap_states(estimate.state.to_array()[None], angle)[0]
+        chart = states_in_chart(estimate.state.to_array()[None], angle)[0]
         assert chart[0] == pytest.approx(10.0, abs=1.5)
         assert chart[1] == pytest.approx(angle, abs=3 * DEGREE)
         assert estimate.standard_deviations()[0] < 3.0
@@ -428,7 +428,7 @@ def test_a_cable_that_turns_through_the_wrap_is_followed(draw_strip):
     for k, angle in enumerate(angles):
         image = draw_strip(CableState(10.0, angle, 24.0), (160, 120))
         estimate = tracker.process(image, START + k * FRAME)
-        chart = unwrap_states(estimate.state.to_array()[None], angle)[0]
+        chart = states_in_chart(estimate.state.to_array()[None], angle)[0]
         assert chart[0] == pytest.approx(10.0, abs=2.0)
         assert chart[1] == pytest.approx(angle, abs=5 * DEGREE)
         assert_sound(estimate, 500)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.geometry import project_borders, unwrap_states
+from cable_tracker.cable.model.geometry import project_borders, states_in_chart
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.edges import EdgePoints
 
@@ -28,7 +28,7 @@ def strip_picture(
 
 def errors_between(found: CableState, truth: CableState) -> np.ndarray:
     """Found minus true d, alpha, w, beta [px, deg], also across the wrap."""
-    chart = unwrap_states(found.to_array()[None, :], truth.angle)[0, :4]
+    chart = states_in_chart(found.to_array()[None, :], truth.angle)[0, :4]
     difference = chart - truth.to_array()[:4]
     difference[[1, 3]] = np.rad2deg(difference[[1, 3]])
     return difference

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.measure.working_image import make_working_image
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import (
     MOST_CABLES,
@@ -37,7 +37,7 @@ def nearest(proposals, truth) -> np.ndarray:
     """The proposal with the nearest d, in the chart of the truth, shape (4,)."""
     states = np.zeros((len(proposals), 8))
     states[:, :4] = proposals
-    chart = unwrap_states(states, truth.angle)[:, :4]
+    chart = states_in_chart(states, truth.angle)[:, :4]
     return chart[np.argmin(np.abs(chart - truth.to_array()[:4]) @ [1.0, 60.0, 1.0, 60.0])]
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.homography import (
     Overflight,
@@ -62,7 +62,7 @@ def test_a_cable_moves_as_the_camera_sees_it_move(
     flight = Overflight(camera, before.mounting, before.attitude, before.altitude.metres, 0.0)
     moved = move_states(before.seen_by(camera).to_array()[None, :], homography(flight, change))
     expected = later.seen_by(camera).to_array()[None, :]
-    chart = unwrap_states(expected, float(moved[0, 1]))[0, :4]
+    chart = states_in_chart(expected, float(moved[0, 1]))[0, :4]
     assert (np.abs(moved[0] - chart) < [0.15, 2e-3, 0.15, 1e-3]).all()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
-from cable_tracker.cable.model.geometry import reach_at, unwrap_state
+from cable_tracker.cable.model.geometry import image_reach, state_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.compilation import compiled
@@ -125,8 +125,8 @@ def _survive(
     survival = 0.0
     for row in range(len(weights)):
         state = states[row]
-        unwrap_state(state, reference_angle, state)
-        inside = reach_at(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
+        state_in_chart(state, reference_angle, state)
+        inside = image_reach(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
         surviving = weights[row] * survival_probability(inside, rates, dt)
         weights[row] = max(surviving, LEAST_SURVIVING)
         survival += weights[row]

@@ -57,7 +57,7 @@ def is_same_hypothesis(mean: FloatArray, expected: FloatArray, radii: FloatArray
 def scaled_pose_distance(state: FloatArray, expected: FloatArray, radii: FloatArray) -> float:
     """Return the largest difference of d, alpha, w, beta in units of `radii` (4,) [px, rad].
 
-    The state is unwrapped about the angle of the expected one, shapes (8,).
+    The state is taken in the chart about the angle of the expected one, shapes (8,).
     """
     wrapped, sign = relative_direction(state[ANGLE], expected[ANGLE])
     beside = max(

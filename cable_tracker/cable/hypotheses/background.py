@@ -28,7 +28,7 @@ from cable_tracker.cable.measure.likelihood_ratio import (
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratio
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
-    reach_at,
+    image_reach,
 )
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.limits import StateLimits
@@ -163,7 +163,7 @@ def _place_anywhere(
     strip[ANGLE] = (uniform[ANGLE] - 0.5) * math.pi
     strip[WIDTH] = between(limits.lower[WIDTH], limits.upper[WIDTH], uniform[WIDTH])
     strip[SKEW] = between(limits.lower[SKEW], limits.upper[SKEW], uniform[SKEW])
-    reach = reach_at(strip[ANGLE], image_size[0], image_size[1])
+    reach = image_reach(strip[ANGLE], image_size[0], image_size[1])
     strip[DISTANCE] = (2.0 * uniform[DISTANCE] - 1.0) * reach
 
 
@@ -183,5 +183,5 @@ def _place_like(
     strip[WIDTH] = min(max(width, lower[WIDTH]), upper[WIDTH])
     skew = mean[SKEW] + ALIKE_SKEW * deviates[2]
     strip[SKEW] = min(max(skew, lower[SKEW]), upper[SKEW])
-    reach = reach_at(strip[ANGLE], image_size[0], image_size[1])
+    reach = image_reach(strip[ANGLE], image_size[0], image_size[1])
     strip[DISTANCE] = (2.0 * noise.elsewhere[row] - 1.0) * reach

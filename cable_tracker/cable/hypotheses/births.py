@@ -16,8 +16,8 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import (
+    image_reach,
     inset,
-    reach_at,
     relative_direction,
     wrap_states,
 )
@@ -165,7 +165,7 @@ def _middle_at(angle: float, births: BirthDensity) -> float:
     """Return the d about which a remembered cable is looked for, for an angle."""
     if births.side == 0.0:
         return float(births.pose[DISTANCE])
-    reach = reach_at(angle, births.width, births.height)
+    reach = image_reach(angle, births.width, births.height)
     return births.side * (reach - max(births.inset, 0.0))
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import relative_direction, unwrap_state
+from cable_tracker.cable.model.geometry import relative_direction, state_in_chart
 from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
@@ -273,7 +273,7 @@ def _rows_about(
 def _update_mean(
     states: FloatArray, log_weights: FloatArray, members: IndexArray, mean: FloatArray
 ) -> None:
-    """Replace a mean (4,) by that of its members, unwrapped about its angle."""
+    """Replace a mean (4,) by that of its members, in the chart about its angle."""
     reference = mean[ANGLE]
     most = -math.inf
     for row in members:
@@ -345,13 +345,13 @@ def _means_about_heaviest(
     masses: FloatArray,
     heaviest: IndexArray,
 ) -> FloatArray:
-    """Return the weighted means (K, 8), particles unwrapped about the angle of the heaviest."""
+    """Return the weighted means (K, 8), particles in the chart about the heaviest."""
     labels, count = groups
     means, member = np.zeros((count, STATE_SIZE)), np.empty(STATE_SIZE)
     for row in range(len(labels)):
         label = labels[row]
         if label != NO_CLUSTER and masses[label] > SMALLEST_MASS:
-            unwrap_state(states[row], states[heaviest[label], ANGLE], member)
+            state_in_chart(states[row], states[heaviest[label], ANGLE], member)
             share = weights[row] / masses[label]
             for column in range(STATE_SIZE):
                 means[label, column] += share * member[column]
@@ -389,7 +389,7 @@ def group_covariance(
     for row in range(len(labels)):
         if labels[row] != label:
             continue
-        unwrap_state(states[row], mean[ANGLE], deviation)
+        state_in_chart(states[row], mean[ANGLE], deviation)
         share = weights[row] / mass
         for first in range(size):
             deviation[first] -= mean[first]

@@ -56,7 +56,7 @@ from cable_tracker.cable.measure.likelihood_ratio import (
     fill_log_ratios,
 )
 from cable_tracker.cable.measure.polarity_prior import bright_share
-from cable_tracker.cable.model.geometry import unwrap_state
+from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import (
@@ -310,7 +310,7 @@ def _wrapped_states(sample: Sample, end: int) -> FloatArray:
     """Return the first rows of a sample with angles in (-pi/2, pi/2]."""
     states = np.empty((end, STATE_SIZE))
     for row in range(end):
-        unwrap_state(sample.states[row], 0.0, states[row])
+        state_in_chart(sample.states[row], 0.0, states[row])
     return states
 
 

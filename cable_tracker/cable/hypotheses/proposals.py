@@ -53,7 +53,7 @@ from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel, fill_log_ratios
 from cable_tracker.cable.measure.map_strips import strips_of_map
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior
-from cable_tracker.cable.model.geometry import unwrap_pose, unwrap_state
+from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import normalise_log_weights
@@ -106,12 +106,12 @@ def draw_sample(
     a known cable, where looks do not count.
     """
     centres = np.empty((len(inputs.detected), POSE_SIZE))
-    _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
+    _poses_in_chart(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * (MOST_REFINED + MOST_CANDIDATES))
     looks_count = not config.evidence_limits.is_known
     map_strips = strips_of_map(inputs.cable_map, MOST_OF_MAP if looks_count else 0)
     for strip in map_strips:
-        unwrap_state(strip, inputs.reference_angle, strip)
+        state_in_chart(strip, inputs.reference_angle, strip)
     candidates = np.empty((0, STATE_SIZE))
     filled = _draw_first(sample, inputs, counts, config, centres)
     _apply_shadow_losses(sample, filled, inputs, config)
@@ -153,10 +153,10 @@ def draw_sample(
 
 
 @compiled_loop
-def _unwrap_poses(poses: FloatArray, reference_angle: float, chart: FloatArray) -> None:
+def _poses_in_chart(poses: FloatArray, reference_angle: float, chart: FloatArray) -> None:
     """Write poses (K, 4) with their normals within pi/2 of an angle [rad] into `chart` (K, 4)."""
     for row in range(len(poses)):
-        unwrap_pose(poses[row], reference_angle, chart[row])
+        pose_in_chart(poses[row], reference_angle, chart[row])
 
 
 @compiled_part
@@ -180,7 +180,7 @@ def _draw_first(
         states, counts.survivors, first, counts.births_near_memory, predicted.births, noise
     )
     for row in range(first):
-        unwrap_state(states[row], inputs.reference_angle, states[row])
+        state_in_chart(states[row], inputs.reference_angle, states[row])
     jumped = first + counts.jumps
     place_jumps(states, first, jumped, predicted.jump, noise)
     end = jumped + counts.detections
@@ -204,7 +204,7 @@ def _draw_rates_and_measure(
     for row in range(start, stop):
         for column in range(POSE_SIZE, STATE_SIZE):
             states[row, column] = 0.0
-        unwrap_state(states[row], inputs.reference_angle, states[row])
+        state_in_chart(states[row], inputs.reference_angle, states[row])
     choose_rates(states, start, stop, inputs.predicted, sample.densities, inputs.noise)
     _measure(sample, inputs, config, start, stop)
 

@@ -40,7 +40,7 @@ class Sample(NamedTuple):
     Attributes
     ----------
     states : FloatArray
-        The particles, shape (N, 8), unwrapped about one reference angle.
+        The particles, shape (N, 8), in the chart about one reference angle.
     densities : DensityValues
         Densities before the frame is looked at.
     measured : CableLogRatios

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import border_offset, relative_direction, wrapped_angle
+from cable_tracker.cable.model.geometry import border_offset, relative_direction, wrap_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
@@ -62,7 +62,7 @@ def shared_border_score(
     own = sign * side
     its_offset = sign * border_offset(state[DISTANCE], state[WIDTH], state[SKEW], own)
     apart = (its_offset - offset) / (SHARED_OFFSET * unit)
-    turn = wrapped_angle(state[ANGLE] - angle + own * state[SKEW]) / SHARED_ANGLE
+    turn = wrap_angle(state[ANGLE] - angle + own * state[SKEW]) / SHARED_ANGLE
     return (1 if own > 0.0 else 0), parabolic_window(apart) * parabolic_window(turn)
 
 

@@ -15,7 +15,7 @@ from cable_tracker.cable.measure.response_bins import (
 )
 from cable_tracker.cable.measure.response_table import ResponseTable
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import image_reach
+from cable_tracker.cable.model.geometry import image_reaches
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
@@ -135,7 +135,7 @@ class ResponseCounts:
         scale = image.frame_size[0] / REFERENCE_WIDTH
         states = np.zeros((RANDOM_CABLES, STATE_SIZE))
         angles = self._rng.uniform(-np.pi / 2, np.pi / 2, RANDOM_CABLES)
-        reach = image_reach(angles, image.frame_size)
+        reach = image_reaches(angles, image.frame_size)
         states[:, StateColumn.ANGLE] = angles
         states[:, StateColumn.DISTANCE] = reach * self._rng.uniform(-1.0, 1.0, RANDOM_CABLES)
         states[:, StateColumn.WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)

@@ -4,8 +4,8 @@ All angles in radians, all lengths in pixels, in the image frame: origin at the 
 the right, y up. A line is given in Hesse normal form, ``x cos(angle) + y sin(angle) = offset``.
 
 (d, alpha) and (-d, alpha +- pi) are one line. A *chart* about a reference angle is the way to write
-cables with alpha within pi/2 of that angle: unwrapped about it, nearby cables have nearby numbers,
-so that they can be compared and averaged as vectors.
+cables with alpha within pi/2 of that angle: in it nearby cables have nearby numbers, so that they
+can be compared and averaged as vectors.
 """
 
 from __future__ import annotations
@@ -58,17 +58,17 @@ class Borders:
     offsets: FloatArray
 
 
-def wrap_angle(angle: FloatArray) -> FloatArray:
-    """Wrap the angle of a line's normal to (-pi/2, pi/2]; any shape, any whole number of turns."""
-    wrapped = angle - math.pi * np.rint(angle / math.pi)
+def wrap_angles(angles: FloatArray) -> FloatArray:
+    """Wrap angles of lines' normals to (-pi/2, pi/2]; any shape, any whole number of turns."""
+    wrapped = angles - math.pi * np.rint(angles / math.pi)
     # Rounding may leave it on the wrong side of either end.
     wrapped = np.where(wrapped <= -math.pi / 2, wrapped + math.pi, wrapped)
     return np.where(wrapped > math.pi / 2, wrapped - math.pi, wrapped)
 
 
 @compiled_inside
-def wrapped_angle(angle: float) -> float:
-    """Wrap the angle of a normal to (-pi/2, pi/2]; `wrap_angle` for a single one, in kernels."""
+def wrap_angle(angle: float) -> float:
+    """Wrap the angle of a normal to (-pi/2, pi/2]; `wrap_angles` for a single one, in kernels."""
     # Without the remainder of a division, which takes longer than all the rest.
     wrapped: float = angle - math.pi * np.rint(angle / math.pi)
     if wrapped <= -math.pi / 2:
@@ -111,12 +111,12 @@ def relative_direction(angle: float, reference: float) -> tuple[float, float]:
         written with that angle: -1 if the normal is turned round for it, else 1.
     """
     shifted = angle - reference
-    wrapped = wrapped_angle(shifted)
+    wrapped = wrap_angle(shifted)
     return wrapped, turn_sign(shifted, wrapped)
 
 
 @compiled_inside
-def unwrap_pose(pose: FloatArray, reference_angle: float, result: FloatArray) -> float:
+def pose_in_chart(pose: FloatArray, reference_angle: float, result: FloatArray) -> float:
     """Fill in the way to write d, alpha, w, beta whose normal is within pi/2 of an angle [rad].
 
     (d, alpha) and (-d, alpha +- pi) are one line. Turning the normal round also exchanges the
@@ -132,9 +132,9 @@ def unwrap_pose(pose: FloatArray, reference_angle: float, result: FloatArray) ->
 
 
 @compiled_inside
-def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
+def state_in_chart(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
     """Fill in the same for a cable (8,); the rates change their signs as what they change does."""
-    sign = unwrap_pose(state, reference_angle, result)
+    sign = pose_in_chart(state, reference_angle, result)
     result[POSE_SIZE + DISTANCE] = sign * state[POSE_SIZE + DISTANCE]
     result[POSE_SIZE + ANGLE] = state[POSE_SIZE + ANGLE]
     result[POSE_SIZE + WIDTH] = state[POSE_SIZE + WIDTH]
@@ -142,17 +142,17 @@ def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) 
 
 
 @compiled
-def unwrap_in_place(states: FloatArray, reference_angles: FloatArray) -> None:
+def write_in_chart(states: FloatArray, reference_angles: FloatArray) -> None:
     """Write cables (N, 8) with their normal angles within pi/2 of reference angles (N,) [rad]."""
     for row in range(len(states)):
-        unwrap_state(states[row], reference_angles[row], states[row])
+        state_in_chart(states[row], reference_angles[row], states[row])
 
 
-def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> FloatArray:
+def states_in_chart(states: FloatArray, reference_angle: float | FloatArray) -> FloatArray:
     """Write each cable with its normal angle within pi/2 of a reference angle.
 
     In this chart the cables around the reference can be averaged like vectors, also those that lie
-    on both sides of the wrap; see `unwrap_state`.
+    on both sides of the wrap; see `state_in_chart`.
 
     Parameters
     ----------
@@ -175,13 +175,13 @@ def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> Fl
     chart = np.array(states, np.float64, order="C")
     if chart.ndim != 2 or chart.shape[1] != STATE_SIZE:
         raise ValueError(f"states must have shape (N, {STATE_SIZE}), not {chart.shape}")
-    unwrap_in_place(chart, np.full(len(chart), reference_angle, np.float64))
+    write_in_chart(chart, np.full(len(chart), reference_angle, np.float64))
     return chart
 
 
 def wrap_states(states: FloatArray) -> FloatArray:
     """Write each cable, shape (N, 8), with its normal angle in (-pi/2, pi/2]."""
-    return unwrap_states(states, 0.0)
+    return states_in_chart(states, 0.0)
 
 
 def wrap_state(state: FloatArray) -> FloatArray:
@@ -346,7 +346,7 @@ def _limits_inside(
     return low, high
 
 
-def image_reach(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
+def image_reaches(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
     """Return the largest |d| at which lines still meet the image [px], of the angles' shape."""
     width, height = image_size
     reach: FloatArray = (np.abs(np.cos(angles)) * width + np.abs(np.sin(angles)) * height) / 2
@@ -354,13 +354,13 @@ def image_reach(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
 
 
 @compiled_inside
-def reach_at(angle: float, width: float, height: float) -> float:
-    """Return the largest |d| at which a line still meets an image, in kernels; `image_reach`."""
+def image_reach(angle: float, width: float, height: float) -> float:
+    """Return the largest |d| at which a line still meets an image, in kernels; `image_reaches`."""
     return (abs(math.cos(angle)) * width + abs(math.sin(angle)) * height) / 2
 
 
 def inset(state: FloatArray, image_size: tuple[int, int]) -> float:
     """Return how far one centreline, shape (4,) or more, is from leaving the image [px]."""
     width, height = image_size
-    reach = reach_at(float(state[ANGLE]), float(width), float(height))
+    reach = image_reach(float(state[ANGLE]), float(width), float(height))
     return reach - abs(float(state[DISTANCE]))

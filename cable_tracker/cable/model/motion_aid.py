@@ -11,7 +11,7 @@ class MotionAid(Protocol):
     """How the cable moves in the image from the frame before to this one, as odometry has it."""
 
     def moved(self, states: FloatArray) -> FloatArray:
-        """Return states (N, 8) of the frame before as they are in this frame, angles unwrapped.
+        """Return states (N, 8) of the frame before as they are in this frame, angles not wrapped.
 
         Their rates become those of this motion.
         """

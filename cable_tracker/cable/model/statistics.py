@@ -1,7 +1,7 @@
 """Mean and covariance of cables, correct across the wrap of the angle.
 
 (d, alpha) and (-d, alpha + pi) are one line, so directions are averaged on the double cover: the
-angles are doubled, averaged as directions, and halved. Unwrapped about that mean direction, the
+angles are doubled, averaged as directions, and halved. In the chart about that mean direction, the
 cables are averaged as vectors.
 """
 
@@ -14,8 +14,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import (
     SIGN_CHANGING_COLUMNS,
-    unwrap_states,
-    wrap_angle,
+    states_in_chart,
+    wrap_angles,
     wrap_state,
 )
 from cable_tracker.cable.model.state import StateColumn
@@ -26,7 +26,7 @@ def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
     """Return the mean direction of lines [rad] in (-pi/2, pi/2]; shapes (N,), (N,)."""
     doubled = 2.0 * angles
     mean = 0.5 * np.arctan2(weights @ np.sin(doubled), weights @ np.cos(doubled))
-    return float(wrap_angle(mean))
+    return float(wrap_angles(mean))
 
 
 def cable_mean_and_covariance(
@@ -37,7 +37,7 @@ def cable_mean_and_covariance(
     The estimate's angle is in (-pi/2, pi/2], and the covariance is expressed for that way of
     writing the line. `weights` has shape (N,) and sums to one.
     """
-    chart = unwrap_states(states, mean_line_angle(states[:, StateColumn.ANGLE], weights))
+    chart = states_in_chart(states, mean_line_angle(states[:, StateColumn.ANGLE], weights))
     mean = weighted_mean(chart, weights)
     covariance = weighted_covariance(chart, weights, mean)
     return wrapped_estimate(mean, covariance)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import wrap_angle
+from cable_tracker.cable.model.geometry import wrap_angles
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
@@ -103,7 +103,7 @@ class _Dive:
     def _errors(result: CrossTrack, vehicle: SimulatedVehicle, index: int) -> FloatArray:
         found = np.array([result.offset, result.offset_ahead, result.heading])
         error = found - vehicle.truths[index]
-        error[HEADING] = wrap_angle(error[HEADING])
+        error[HEADING] = wrap_angles(error[HEADING])
         altitude = vehicle.altitudes[index]
         return np.asarray(error / [altitude, altitude, 1.0])
 

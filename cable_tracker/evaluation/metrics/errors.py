@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.failure_criteria import is_outside_borders
 from cable_tracker.evaluation.trace import COMPONENTS
@@ -59,7 +59,7 @@ class ErrorSummary:
 
 def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
     """Return estimate minus truth of d, alpha, w, beta, shape (4,), also across the wrap."""
-    chart = unwrap_states(estimate.to_array()[None, :], truth.angle)[0]
+    chart = states_in_chart(estimate.to_array()[None, :], truth.angle)[0]
     errors: FloatArray = chart[:4] - truth.to_array()[:4]
     return errors
 

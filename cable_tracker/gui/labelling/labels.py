@@ -16,7 +16,7 @@ from cable_tracker.cable.model.geometry import (
     Borders,
     project_borders,
     states_from_borders,
-    unwrap_states,
+    states_in_chart,
     wrap_states,
 )
 from cable_tracker.cable.model.state import CableState
@@ -140,7 +140,7 @@ def interpolated_state(before: CableState, after: CableState, fraction: float) -
         Place between them, from 0 to 1.
     """
     both = np.stack((before.to_array(), after.to_array()))
-    both[1:] = unwrap_states(both[1:], before.angle)
+    both[1:] = states_in_chart(both[1:], before.angle)
     borders = project_borders(both)
     share = np.array([1.0 - fraction, fraction])
     between = Borders(share @ borders.angles, share @ borders.offsets)

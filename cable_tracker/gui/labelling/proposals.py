@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from cable_tracker.cable.model.estimate import TrackingStatus
-from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -124,7 +124,7 @@ class Proposer:
         if seconds <= 0.0:
             return state
         now = state.to_array()
-        then = unwrap_states(before.state.to_array()[None], state.angle)[0]
+        then = states_in_chart(before.state.to_array()[None], state.angle)[0]
         rates = (now - then)[:2] / seconds
         return replace(state, distance_rate=float(rates[0]), angle_rate=float(rates[1]))
 

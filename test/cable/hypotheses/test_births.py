@@ -14,7 +14,7 @@ from cable_tracker.cable.hypotheses.births import (
 )
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.model.geometry import (
-    image_reach,
+    image_reaches,
     inset,
     project_borders,
     segment_inside,
@@ -50,7 +50,7 @@ def survival_probabilities(states, size, parameters, dt) -> np.ndarray:
 
 @given(ANGLES)
 def test_a_line_meets_the_image_up_to_the_support_and_not_beyond(angle):
-    reach = float(image_reach(np.array(angle), (321, 241)))  # Lines are clipped to pixel centres.
+    reach = float(image_reaches(np.array(angle), (321, 241)))  # Lines are clipped to pixel centres.
     assert segment_inside(angle, reach - 1.5, (321, 241)) is not None
     assert segment_inside(angle, reach + 0.1, (321, 241)) is None
 
@@ -147,7 +147,7 @@ def test_the_density_of_births_does_not_depend_on_how_a_line_is_written(d, alpha
 def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle, rng):
     memory = remember(cable(155.0, 0.05), SIZE, PARAMETERS).aged(0.3)
     density = births(memory)
-    at_the_edge = image_reach(np.array([angle]), SIZE)[0] - 5.0
+    at_the_edge = image_reaches(np.array([angle]), SIZE)[0] - 5.0
     here, there, across = (
         np.log(birth_density(cable(distance, angle), density))
         for distance in (at_the_edge, 0.3 * at_the_edge, -at_the_edge)

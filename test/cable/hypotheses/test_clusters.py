@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses import clusters as kernels
 from cable_tracker.cable.hypotheses.clusters import MOST_CLUSTERS, NO_CLUSTER, RADII, Groups
-from cable_tracker.cable.model.geometry import unwrap_states, wrap_state, wrap_states
+from cable_tracker.cable.model.geometry import states_in_chart, wrap_state, wrap_states
 from cable_tracker.cable.model.state import pose_units
 
 WIDTH = 320
@@ -76,7 +76,7 @@ def test_two_separate_clouds_are_two_clusters_and_no_mean_lies_between(angle, rn
     assert second.members.tolist() == [False] * 60 + [True] * 40
     assert (first.mass, second.mass) == pytest.approx((0.6, 0.4))
     for cluster, distance in ((first, -60.0), (second, 60.0)):
-        chart = unwrap_states(cluster.state[None, :], angle)[0]
+        chart = states_in_chart(cluster.state[None, :], angle)[0]
         assert chart[0] == pytest.approx(distance, abs=2.0)
         assert chart[1] == pytest.approx(angle, abs=0.01)
         assert -np.pi / 2 < cluster.state[1] <= np.pi / 2

@@ -17,10 +17,10 @@ from cable_tracker.cable.model.geometry import (
     sample_points,
     segment_inside,
     states_from_borders,
-    unwrap_states,
+    states_in_chart,
     wrap_angle,
+    wrap_angles,
     wrap_states,
-    wrapped_angle,
 )
 
 SIZE = (320, 240)
@@ -100,7 +100,7 @@ def test_borders_give_the_cable_back(states):
 
 @given(st.floats(-1e3, 1e3))
 def test_wrapped_angles_are_in_the_half_open_interval_and_whole_half_turns_away(angle):
-    wrapped = float(wrap_angle(np.array(angle)))
+    wrapped = float(wrap_angles(np.array(angle)))
     assert -np.pi / 2 < wrapped <= np.pi / 2
     assert np.sin(wrapped - angle) == pytest.approx(0.0, abs=1e-9)
 
@@ -110,7 +110,7 @@ def test_wrapped_angles_are_in_the_half_open_interval_and_whole_half_turns_away(
     [(np.pi / 2, np.pi / 2), (-np.pi / 2, np.pi / 2), (0.0, 0.0), (np.pi, 0.0), (-2.0, np.pi - 2)],
 )
 def test_the_ends_of_the_interval(angle, wrapped):
-    assert float(wrap_angle(np.array(angle))) == pytest.approx(wrapped, abs=1e-12)
+    assert float(wrap_angles(np.array(angle))) == pytest.approx(wrapped, abs=1e-12)
 
 
 @given(cables(), st.integers(-3, 3))
@@ -142,7 +142,7 @@ def test_wrapping_keeps_what_is_wrapped(states):
 
 @given(cables(), ANGLES)
 def test_in_a_chart_angles_are_near_its_centre_and_the_line_is_the_same(states, reference):
-    chart = unwrap_states(states, reference)
+    chart = states_in_chart(states, reference)
     assert abs(chart[0, 1] - reference) <= np.pi / 2 + 1e-9
     back, wanted = wrap_states(chart), wrap_states(states)
     if abs(back[0, 1] - wanted[0, 1]) < 1:
@@ -153,7 +153,7 @@ def test_the_states_given_are_not_changed():
     states = np.array([[10.0, 3.0, 20.0, 0.1, 1.0, 0.1, 2.0, 0.05]])
     before = states.copy()
     wrap_states(states)
-    unwrap_states(states, 1.0)
+    states_in_chart(states, 1.0)
     np.testing.assert_array_equal(states, before)
 
 
@@ -233,15 +233,15 @@ def test_the_foot_point_is_the_nearest_to_the_centre():
 def test_no_rounding_leaves_an_angle_outside_the_range(turns):
     right = np.pi / 2 + turns * np.pi
     for angle in (np.nextafter(right, -100.0), right, np.nextafter(right, 100.0)):
-        wrapped = wrap_angle(np.array([angle]))[0]
+        wrapped = wrap_angles(np.array([angle]))[0]
         assert -np.pi / 2 < wrapped <= np.pi / 2
-        assert wrapped == wrapped_angle(angle)
+        assert wrapped == wrap_angle(angle)
 
 
 @pytest.mark.parametrize("shape", [(3, 4), (8,), (2, 9), (2, 2, 8)])
 def test_states_of_another_shape_are_refused_before_compiled_code_sees_them(shape):
     with pytest.raises(ValueError, match="shape"):
-        unwrap_states(np.zeros(shape), 0.0)
+        states_in_chart(np.zeros(shape), 0.0)
 
 
 @given(st.floats(-10, 10), ANGLES)

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from label_strategies import frame_labels, states
 
-from cable_tracker.cable.model.geometry import project_borders, unwrap_states, wrap_angle
+from cable_tracker.cable.model.geometry import project_borders, states_in_chart, wrap_angles
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.labelling.labels import (
@@ -30,7 +30,7 @@ def key(distance=0.0):
 
 def distance_between(state, other):
     """How far two cables are apart in d, alpha, w, beta, as lines."""
-    there = unwrap_states(other.to_array()[None], state.angle)[0]
+    there = states_in_chart(other.to_array()[None], state.angle)[0]
     return np.abs(there - state.to_array())[:4]
 
 
@@ -89,8 +89,8 @@ def test_interpolation_begins_and_ends_at_the_key_frames(before, after):
 @given(states, states, st.floats(0.0, 1.0))
 def test_interpolation_takes_the_short_way_round(before, after, fraction):
     between = interpolated_state(before, after, fraction)
-    whole = abs(float(wrap_angle(np.array(after.angle - before.angle))))
-    part = abs(float(wrap_angle(np.array(between.angle - before.angle))))
+    whole = abs(float(wrap_angles(np.array(after.angle - before.angle))))
+    part = abs(float(wrap_angles(np.array(between.angle - before.angle))))
     assert part <= whole + 1e-9
     assert -math.pi / 2 < between.angle <= math.pi / 2
     assert between.width > 0.0
