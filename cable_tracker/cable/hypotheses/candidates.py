@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import find_groups, heaviest_members
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.measure.appearance import appearances_of
-from cable_tracker.cable.measure.border_points import FrameScan
+from cable_tracker.cable.measure.border_points import ScanInputs
 from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel
 from cable_tracker.cable.model.state import STATE_SIZE
@@ -37,7 +37,7 @@ def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
     map_strips: FloatArray,
-    scan: FrameScan,
+    scan: ScanInputs,
     model: RatioModel,
     cable_map: CableMap,
     config: ProposalConfig,
@@ -53,7 +53,7 @@ def likeliest_strips(
         ones.
     map_strips : FloatArray
         Strips that the map shows, shape (S, 8).
-    scan, model : FrameScan, RatioModel
+    scan, model : ScanInputs, RatioModel
         The frame, and the tables of its log-likelihood ratios.
     cable_map : CableMap
         The map of the frame, or `NO_MAP`.

@@ -47,7 +47,7 @@ from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.rounds import refined_counts
 from cable_tracker.cable.hypotheses.sample import empty_sample
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts
-from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.border_points import scan_inputs
 from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.polarity_prior import polarity_prior
@@ -191,7 +191,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return ProposalInputs(
             predicted=prediction.density,
             noise=noise,
-            scan=frame_scan(image),
+            scan=scan_inputs(image),
             model=self._observation.model_for(image),
             cable_map=cable_map,
             polarity=polarity_prior(belief.p_bright),

@@ -48,7 +48,7 @@ from cable_tracker.cable.hypotheses.sample import (
 )
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
-from cable_tracker.cable.measure.border_points import FrameScan
+from cable_tracker.cable.measure.border_points import ScanInputs
 from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel, fill_log_ratios
 from cable_tracker.cable.measure.map_strips import strips_of_map
@@ -68,7 +68,7 @@ class ProposalInputs(NamedTuple):
         The density f before the frame is looked at.
     noise : FrameNoise
         Random numbers of the frame.
-    scan, model : FrameScan, RatioModel
+    scan, model : ScanInputs, RatioModel
         The scanned frame, and the tables of its log-likelihood ratios.
     cable_map : CableMap
         The map of the frame; `NO_MAP` beside a clear known cable, or if none is wanted.
@@ -86,7 +86,7 @@ class ProposalInputs(NamedTuple):
 
     predicted: PredictedDensity
     noise: FrameNoise
-    scan: FrameScan
+    scan: ScanInputs
     model: RatioModel
     cable_map: CableMap
     polarity: PolarityPrior

@@ -32,7 +32,7 @@ from cable_tracker.cable.measure.border_points import (
     BLOCK,
     BorderLine,
     Crossings,
-    FrameScan,
+    ScanInputs,
     border_on_scan,
     contrast_depths,
     find_crossings,
@@ -101,7 +101,7 @@ apart from this project: of a world that the network does not know it sees less.
 
 @compiled_part
 def appearances_of(
-    states: FloatArray, scan: FrameScan, model: RatioModel, cable_map: CableMap
+    states: FloatArray, scan: ScanInputs, model: RatioModel, cable_map: CableMap
 ) -> FloatArray:
     """Return the appearance of N strips, shape (N, 8): log-odds, of shape (N,) [nats].
 
@@ -136,7 +136,7 @@ def border_appearance(
     state: FloatArray,
     side: float,
     sign: float,
-    scan: FrameScan,
+    scan: ScanInputs,
     crossings: Crossings,
     profile: FloatArray,
     along: FloatArray,
@@ -151,7 +151,7 @@ def border_appearance(
         The strip, shape (8,).
     side, sign : float
         -1 for the left border, 1 for the right one; 1 for a bright cable, -1 for a dark one.
-    scan : FrameScan
+    scan : ScanInputs
         The frame.
     crossings, profile, along : Crossings, FloatArray, FloatArray
         Room for crossings, for sums and numbers of responses, shape (2, `PROFILE`), and for the

@@ -42,7 +42,7 @@ BLOCK, GROUP = 64, 16
 """Crossings per block (buffer length), and the multiple to which a block is padded for SIMD."""
 
 
-class FrameScan(NamedTuple):
+class ScanInputs(NamedTuple):
     """What kernels need to know of a frame.
 
     Attributes
@@ -67,10 +67,10 @@ class FrameScan(NamedTuple):
     shape: GradientShape
 
 
-def frame_scan(image: WorkingImage) -> FrameScan:
+def scan_inputs(image: WorkingImage) -> ScanInputs:
     """Return what kernels need to know of a frame."""
     scanned = image.scanned
-    return FrameScan(
+    return ScanInputs(
         scanned.rows,
         scanned.columns,
         image.reduction,
@@ -210,7 +210,7 @@ def border_line(
     depths : (float, float, float)
         See `contrast_depths`.
     scale : float
-        See `FrameScan`.
+        See `ScanInputs`.
     gain : float
         Responses across the border, and slopes with them, are multiplied by it.
     """
@@ -240,7 +240,7 @@ def gain_across(steep: bool, along: float, across: float, shape: GradientShape) 
 def border_on_scan(
     state: FloatArray,
     side: float,
-    scan: FrameScan,
+    scan: ScanInputs,
     inward: float,
     depths: tuple[float, float, float],
     directional: bool,
@@ -253,7 +253,7 @@ def border_on_scan(
         The cable, shape (8,).
     side : float
         -1 for the left border, 1 for the right one.
-    scan : FrameScan
+    scan : ScanInputs
         The frame.
     inward, depths : float, (float, float, float)
         See `border_line`.
@@ -411,7 +411,7 @@ class BorderPoints(NamedTuple):
 
 def measure_points(states: FloatArray, image: WorkingImage) -> BorderPoints:
     """Measure the frame where the borders of cables, shape (N, 8), cross its scan lines."""
-    scan = frame_scan(image)
+    scan = scan_inputs(image)
     most = 2 * len(states) * max(len(scan.rows.places), len(scan.columns.places))
     measures, borders = np.empty((3, most), np.float32), np.empty(most, np.int64)
     count = _record_points(np.array(states, np.float64, order="C"), scan, measures, borders)
@@ -420,7 +420,7 @@ def measure_points(states: FloatArray, image: WorkingImage) -> BorderPoints:
 
 @compiled
 def _record_points(
-    states: FloatArray, scan: FrameScan, measures: Image, borders: IndexArray
+    states: FloatArray, scan: ScanInputs, measures: Image, borders: IndexArray
 ) -> int:
     """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
     count, crossings = 0, room_for_crossings()

@@ -22,15 +22,15 @@ from cable_tracker.cable.measure.border_points import (
     BLOCK,
     BorderLine,
     Crossings,
-    FrameScan,
+    ScanInputs,
     border_on_scan,
     contrast_depths,
     find_crossings,
-    frame_scan,
     measure_contrasts,
     measure_responses,
     padded_count,
     room_for_crossings,
+    scan_inputs,
     width_across,
 )
 from cable_tracker.cable.measure.polarity_prior import (
@@ -181,7 +181,7 @@ class BorderLikelihoodRatio:
             raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
         measured = allocate_log_ratios(len(states))
         rows = np.array(states, np.float64, order="C")
-        _measure_all(rows, frame_scan(image), self.model_for(image), measured)
+        _measure_all(rows, scan_inputs(image), self.model_for(image), measured)
         return measured
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
@@ -196,7 +196,7 @@ class BorderLikelihoodRatio:
 
 @compiled
 def _measure_all(
-    states: FloatArray, scan: FrameScan, model: RatioModel, measured: CableLogRatios
+    states: FloatArray, scan: ScanInputs, model: RatioModel, measured: CableLogRatios
 ) -> None:
     fill_log_ratios(states, 0, len(states), scan, model, measured)
 
@@ -206,7 +206,7 @@ def fill_log_ratios(
     states: FloatArray,
     start: int,
     stop: int,
-    scan: FrameScan,
+    scan: ScanInputs,
     model: RatioModel,
     measured: CableLogRatios,
 ) -> None:
@@ -303,14 +303,16 @@ class BorderClearness(NamedTuple):
 
 
 @compiled_part
-def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> BorderClearness:
+def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) -> BorderClearness:
     """Measure how clear the borders of cables are, shape (N, 8), whatever they lack of length."""
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
     measured = allocate_log_ratios(count)
     # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
-    in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape)
-    fill_log_ratios(states, 0, count, in_view, model, measured)
+    scan_without_missing = ScanInputs(
+        scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape
+    )
+    fill_log_ratios(states, 0, count, scan_without_missing, model, measured)
     for row in range(count):
         shown = min(measured.visible_lengths[row] / scan.expected, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf

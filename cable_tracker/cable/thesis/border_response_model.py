@@ -13,12 +13,12 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
     BLOCK,
     MINIMUM_POINTS,
-    FrameScan,
+    ScanInputs,
     border_on_scan,
     find_crossings,
-    frame_scan,
     measure_responses,
     room_for_crossings,
+    scan_inputs,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_side
@@ -93,14 +93,14 @@ def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, Fl
     """
     sums, lengths = np.empty((len(states), 2)), np.empty((len(states), 2))
     rows = np.array(states, np.float64, order="C")
-    _sum_responses(rows, frame_scan(image), sums, lengths)
+    _sum_responses(rows, scan_inputs(image), sums, lengths)
     # Gradients are in robust scales per working pixel, sums in grey levels per reference pixel.
     return sums * (image.scanned.scale * image.scale), lengths
 
 
 @compiled
 def _sum_responses(
-    states: FloatArray, scan: FrameScan, sums: FloatArray, lengths: FloatArray
+    states: FloatArray, scan: ScanInputs, sums: FloatArray, lengths: FloatArray
 ) -> None:
     crossings = room_for_crossings()
     for cable in range(len(states)):

@@ -7,7 +7,7 @@ from cable_tracker.cable.hypotheses.background import SMALLEST_DEVIATION, Backgr
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
-from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.border_points import scan_inputs
 from cable_tracker.cable.measure.cable_map import NO_MAP
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.polarity_prior import polarity_prior
@@ -21,7 +21,7 @@ NOTHING = np.empty(0)
 
 def inputs_of(image, rng) -> ProposalInputs:
     """The frame and the random numbers of one without a belief."""
-    scan, model = frame_scan(image), MODEL.model_for(image)
+    scan, model = scan_inputs(image), MODEL.model_for(image)
     noise = draw_frame_noise(rng, 0, 0, 4.0)
     return ProposalInputs(
         None, noise, scan, model, NO_MAP, polarity_prior(0.5), 0.0, NOTHING, NOTHING, NOTHING

@@ -4,7 +4,7 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.candidates import MOST_CANDIDATES, likeliest_strips
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
-from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.border_points import scan_inputs
 from cable_tracker.cable.measure.cable_map import NO_MAP
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import make_working_image
@@ -23,7 +23,7 @@ def candidates(picture, poses, log_likelihoods, shown=NOTHING) -> np.ndarray:
         states,
         np.array(log_likelihoods),
         np.hstack((shown, np.zeros((len(shown), 4)))),
-        frame_scan(image),
+        scan_inputs(image),
         MODEL.model_for(image),
         NO_MAP,
         CONFIG,

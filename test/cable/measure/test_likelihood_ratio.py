@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.border_points import (
-    frame_scan,
     measure_points,
+    scan_inputs,
     weaker_common_contrast,
 )
 from cable_tracker.cable.measure.likelihood_ratio import (
@@ -96,7 +96,7 @@ def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, n
     found = []
     for strip in (through, corner):
         picture = draw_strip(strip, SIZE) + noise_picture(1, SIZE, 4.0).astype(np.float32) - 128.0
-        scan, model = frame_scan(working(picture)), MODEL.model_for(working(picture))
+        scan, model = scan_inputs(working(picture)), MODEL.model_for(working(picture))
         elsewhere = replace(strip, distance=strip.distance - 40.0)
         states = np.array([strip.to_array(), elsewhere.to_array()])
         found.append(border_clearness(states, scan, model))
@@ -117,7 +117,7 @@ def test_of_a_short_strip_texture_counts_for_less_of_its_clearness(draw_strip, n
         inside = (drawn - drawn.min()) / np.ptp(drawn)
         rough = noise_picture(1, SIZE, 30.0).astype(np.float32)
         image = working(128.0 + (rough - 128.0) * (1.0 - inside))
-        scan, states = frame_scan(image), strip.to_array()[None, :]
+        scan, states = scan_inputs(image), strip.to_array()[None, :]
         found = [border_clearness(states, scan, each.model_for(image)) for each in (MODEL, smooth)]
         gains.append(found[0].clearness[0] - found[1].clearness[0])
         shown.append(found[0].shown[0])
@@ -127,7 +127,7 @@ def test_of_a_short_strip_texture_counts_for_less_of_its_clearness(draw_strip, n
 
 
 def test_a_cable_out_of_view_shows_nothing(strip):
-    scan, model = frame_scan(working(strip)), MODEL.model_for(working(strip))
+    scan, model = scan_inputs(working(strip)), MODEL.model_for(working(strip))
     found = border_clearness(changed(distance=500.0)[None, :], scan, model)
     assert found.shown[0] == 0.0
     assert found.clearness[0] < 0.0
