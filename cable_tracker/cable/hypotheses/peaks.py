@@ -62,7 +62,7 @@ def empty_peaks(count: int) -> Peaks:
 
 
 @compiled_part
-def find_peaks(
+def add_cluster_peaks(
     states: FloatArray,
     log_weights: FloatArray,
     count: int,
@@ -137,7 +137,7 @@ def add_candidate_peaks(
     config : ProposalConfig
         Kernel scales of detections, and the smallest ones.
     peaks, used : Peaks, int
-        See `find_peaks`.
+        See `add_cluster_peaks`.
     """
     for index in range(len(strips)):
         peak = used + index
@@ -170,7 +170,7 @@ def draw_about_peaks(
 
 
 @compiled_loop
-def add_peaks(
+def add_peak_densities(
     states: FloatArray,
     start: int,
     stop: int,
@@ -200,7 +200,7 @@ def add_peaks(
 
 
 @compiled_part
-def add_detections(
+def add_detection_density(
     states: FloatArray,
     start: int,
     stop: int,

@@ -26,11 +26,11 @@ from cable_tracker.cable.hypotheses.peaks import (
     MOST_REFINED,
     Peaks,
     add_candidate_peaks,
-    add_detections,
-    add_peaks,
+    add_cluster_peaks,
+    add_detection_density,
+    add_peak_densities,
     draw_about_peaks,
     empty_peaks,
-    find_peaks,
 )
 from cable_tracker.cable.hypotheses.predicted_density import (
     LEAST_PROBABILITY,
@@ -137,13 +137,15 @@ def draw_sample(
             )
         share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
         widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)
-        found = find_peaks(
+        found = add_cluster_peaks(
             states, weights.log_weights, count - share, widening, config, peaks, used
         )
         found = add_candidate_peaks(candidates, share, narrowing, config, peaks, found)
         draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, found)
         tail = config.degrees_of_freedom
-        add_peaks(sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density)
+        add_peak_densities(
+            sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density
+        )
         used = found
         _draw_rates_and_measure(sample, inputs, config, filled, stop)
         _fill_proposal_density(sample, counts, config, filled, stop, centres, peaks, used)
@@ -266,8 +268,8 @@ def _fill_proposal_density(
             + counts.jumps * sample.densities.jump[row]
         )
     if counts.detections:
-        add_detections(
+        add_detection_density(
             sample.states, start, stop, counts.detections, centres, config, sample.proposal_density
         )
     tail = config.degrees_of_freedom
-    add_peaks(sample.states, start, stop, peaks, 0, used, tail, sample.proposal_density)
+    add_peak_densities(sample.states, start, stop, peaks, 0, used, tail, sample.proposal_density)

@@ -8,11 +8,11 @@ from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
     add_candidate_peaks,
-    add_detections,
-    add_peaks,
+    add_cluster_peaks,
+    add_detection_density,
+    add_peak_densities,
     draw_about_peaks,
     empty_peaks,
-    find_peaks,
 )
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -40,7 +40,7 @@ def points_about(rng, count=20) -> np.ndarray:
 def test_the_mixture_gains_every_peak_by_its_number_of_particles(rng):
     states, density = points_about(rng), np.full(20, 0.5)
     peaks = Peaks(np.array([7, 0]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
-    add_peaks(states, 0, 20, peaks, 0, 2, 4.0, density)
+    add_peak_densities(states, 0, 20, peaks, 0, 2, 4.0, density)
     expected = [0.5 + 7 * literal_density(state[:4], PLACE, FACTOR) for state in states]
     np.testing.assert_allclose(density, expected)
 
@@ -49,7 +49,7 @@ def test_detections_are_a_mixture_of_equal_kernels(rng):
     states, density = points_about(rng), np.zeros(20)
     centres = np.array([PLACE, PLACE + 3.0])
     config = CONFIG._replace(detection_sigmas=SCALES)
-    add_detections(states, 0, 20, 10, centres, config, density)
+    add_detection_density(states, 0, 20, 10, centres, config, density)
     factor = np.diag(SCALES)
     expected = [
         10 * np.mean([literal_density(state[:4], centre, factor) for centre in centres])
@@ -63,7 +63,7 @@ def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
     log_weights = np.full(200, -math.log(200))
     peaks = empty_peaks(4)
     config = CONFIG._replace(smallest_sigmas=SCALES)
-    last = find_peaks(states, log_weights, 50, 1.5, config, peaks, 1)
+    last = add_cluster_peaks(states, log_weights, 50, 1.5, config, peaks, 1)
     assert 2 <= last <= 4
     assert peaks.counts[0] == 0
     assert peaks.counts.sum() == 50
