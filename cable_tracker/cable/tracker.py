@@ -159,7 +159,7 @@ class CableTracker:
         """
         check_frame(image)
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)
-        has_moved = self._frame is not None
+        has_previous_frame = self._frame is not None
         step = succession(self._frame, frame, self._parameters.maximum_gap)
         if step.event:
             self._filter = None
@@ -167,7 +167,7 @@ class CableTracker:
             self._status = StatusMachine()
         self._frame = frame
         working_image = working_image_for(image, self._parameters)
-        known = motion if has_moved and not step.event else None
+        known = motion if has_previous_frame and not step.event else None
         summary = self._find(working_image, step.dt, known)
         return self._estimate(summary, step.dt, step.event)
 

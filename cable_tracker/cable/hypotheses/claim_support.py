@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.thin_strips import (
     trusted_share,
 )
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
-from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
+from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState, StateColumn
@@ -51,7 +51,7 @@ def belief_summary(
     hypotheses = belief.hypotheses
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
     evidence = leading_evidence(hypotheses, parameters)
-    visible = hypotheses.visible_length >= MINIMUM_POINTS
+    visible = hypotheses.visible_length >= MINIMUM_LENGTH
     is_acceptable = visible and (belief.is_clear or is_familiar(belief, parameters, image_width))
     is_claimable = (
         is_acceptable

@@ -32,7 +32,7 @@ NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
 OUTSIDE = 6.0
 """Distance before the border at which the outside level is read [px at the reference width]."""
 
-MINIMUM_POINTS = 3.0
+MINIMUM_LENGTH = 3.0
 """Minimum length of a border inside the image for a claim [distances of the scan lines]."""
 
 SMALLEST_RESPONSE = np.float32(1.0)

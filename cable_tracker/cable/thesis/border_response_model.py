@@ -12,7 +12,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
     BLOCK,
-    MINIMUM_POINTS,
+    MINIMUM_LENGTH,
     ScanInputs,
     border_on_scan,
     find_crossings,
@@ -59,7 +59,7 @@ class BorderResponseModel:
         Zero when the borders do not oppose each other, or lie outside the image. `state`: (8,).
         """
         sums, lengths = border_sums(state[None, :], image)
-        if not opposed(*sums[0]) or lengths.min() < MINIMUM_POINTS:
+        if not opposed(*sums[0]) or lengths.min() < MINIMUM_LENGTH:
             return 0.0
         scale = max(image.scanned.scale, LEAST_SCALE) * image.scale
         return float((np.abs(sums) / lengths).min()) / scale

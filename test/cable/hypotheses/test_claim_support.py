@@ -25,7 +25,7 @@ from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARAN
 from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
-from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
+from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -38,7 +38,7 @@ PLACE, WIDTH = remember(LEADER, (320, 240), PARAMETERS), WidthPrior(math.log(30.
 
 
 def summary(
-    presence=0.99, border_mean=CLEAR, clearness=CLEAR, length=MINIMUM_POINTS, leader=LEADER, **known
+    presence=0.99, border_mean=CLEAR, clearness=CLEAR, length=MINIMUM_LENGTH, leader=LEADER, **known
 ):
     belief = replace(initial_belief(leader[None], presence), **known)
     hypotheses = belief.hypotheses._replace(
@@ -61,7 +61,7 @@ def summary(
         ({"clearness": FAINT}, False, False, False),
         ({"border_mean": FAINT}, False, False, False),
         ({"presence": 0.01}, False, False, False),
-        ({"length": MINIMUM_POINTS - 0.1}, False, False, False),
+        ({"length": MINIMUM_LENGTH - 0.1}, False, False, False),
     ],
 )
 def test_a_claim_needs_presence_length_and_evidence_and_a_new_one_clearness(
