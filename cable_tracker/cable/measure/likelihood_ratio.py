@@ -165,9 +165,9 @@ class BorderLikelihoodRatio:
             parameters.missing_cost * chosen.absent, parameters.texture_limit,
         )  # fmt: skip
 
-    def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
+    def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
-        return marginal_log_ratios(self.measure(states, observation).log_ratios, EITHER)
+        return marginal_log_ratios(self.measure(states, image).log_ratios, EITHER)
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableLogRatios:
         """Measure cables, shape (N, 4) or more columns.

@@ -48,9 +48,9 @@ class BorderResponseModel:
     def __init__(self, parameters: TrackerParameters) -> None:
         self._epsilon = parameters.epsilon
 
-    def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
+    def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
         """Return the logarithm of each cable's weight, shape (N,), for states (N, 8)."""
-        sums, _ = border_sums(states, observation)
+        sums, _ = border_sums(states, image)
         return np.log(response_weights(sums, self._epsilon))
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
