@@ -72,13 +72,13 @@ def empty_background(count: int) -> Background:
 
 
 @compiled_part
-def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalConfig) -> Background:
+def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalConfig) -> Background:
     """Measure strips beside each of K hypotheses or groups, shape (K, 8), in the inputs' frame.
 
     The strips that are like hypotheses are shared out among them.
     """
     noise, image_size = inputs.noise, config.image_size
-    count = len(means)
+    count = len(states)
     background = empty_background(count)
     if count == 0:
         return background
@@ -88,18 +88,18 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
     kinds = 0
     for row in range(len(noise.anywhere)):
         _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[kinds])
-        kinds += _is_of_use_for_any(strips[kinds], means, image_size)
+        kinds += _is_of_use_for_any(strips[kinds], states, image_size)
     total, ends = kinds, np.empty(count, np.int64)
     for row in range(count * share):
         index = row // share
-        _place_like(means[index], noise, row, config.limits, image_size, strips[total])
-        total += _is_beside(strips[total], means[index], image_size)
+        _place_like(states[index], noise, row, config.limits, image_size, strips[total])
+        total += _is_beside(strips[total], states[index], image_size)
         ends[index] = total
     ratios = _ratios_of(strips, total, inputs)
     first = kinds
     for index in range(count):
         background.means[index], background.deviations[index] = _moments(
-            strips, ratios, kinds, means[index], image_size[0]
+            strips, ratios, kinds, states[index], image_size[0]
         )
         for row in range(first, ends[index]):
             background.alike[index] = max(background.alike[index], ratios[row])
