@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.hypotheses.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.conclusion import Hypotheses, unmeasured_hypotheses
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
@@ -86,9 +86,7 @@ def initial_belief(states: FloatArray, presence: float) -> Belief:
     mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
     labels = np.zeros(particles.count, np.int64)
     clusters = Clusters(labels, np.ones(1), mean[None, :], np.zeros(1, np.int64), 0.0)
-    hypotheses = Hypotheses(
-        clusters, covariance, float(len(states)), 0.0, 0.0, np.zeros(2), 0.0, 0.0, False
-    )
+    hypotheses = unmeasured_hypotheses(clusters, covariance, float(len(states)))
     return Belief(particles, hypotheses, presence, log_odds=np.full(1, log_odds_of(presence)))
 
 

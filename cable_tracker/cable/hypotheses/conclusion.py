@@ -74,7 +74,7 @@ class Hypotheses(NamedTuple):
     clusters : Clusters
         Clusters of the particles, the most probable cable first, see `most_probable_first`.
     covariance : FloatArray
-        Covariance of the leading cluster, its particles unwrapped about its mean's angle, shape
+        Covariance of the leading cluster, its particles in the chart about its mean's angle, shape
         (8, 8).
     effective_size : float
         Effective sample size N_eff of all particles.
@@ -106,6 +106,24 @@ class Hypotheses(NamedTuple):
     scaled_clearness: float
     appearance: float
     is_mapped: bool
+
+
+@compiled_part
+def unmeasured_hypotheses(
+    clusters: Clusters, covariance: FloatArray, effective_size: float
+) -> Hypotheses:
+    """Return clusters of which no frame has shown anything."""
+    return Hypotheses(
+        clusters=clusters,
+        covariance=covariance,
+        effective_size=effective_size,
+        weaker_border_mean=0.0,
+        visible_length=0.0,
+        border_means=np.zeros(2),
+        scaled_clearness=0.0,
+        appearance=0.0,
+        is_mapped=False,
+    )
 
 
 class Conclusion(NamedTuple):
@@ -191,18 +209,18 @@ def conclude(
     groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
-    found = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
-    clear = border_clearness(found.clusters.means, inputs.scan, inputs.model)
-    margins, scores = margins_and_scores(found, sample)
-    log_odds = _log_odds(found, margins, scores, clear, config, prior)
-    order = most_probable_first(found.clusters.masses, log_odds)
-    found = _reordered_clusters(found, order)
+    corrected = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
+    clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
+    margins, scores = margins_and_scores(corrected, sample)
+    log_odds = _log_odds(corrected, margins, scores, clear, config, prior)
+    order = most_probable_first(corrected.clusters.masses, log_odds)
+    corrected = _reordered_clusters(corrected, order)
     clear = BorderClearness(clear.clearness[order], clear.shown[order])
-    hypotheses, p_bright = leader_measures(states, found, clear, sample, inputs)
+    hypotheses, p_bright = leader_measures(states, corrected, clear, sample, inputs)
     goes_on = is_same_hypothesis(
-        found.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
+        corrected.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
     )
-    return Conclusion(states, found.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
+    return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
 
 
 @compiled_part
@@ -239,22 +257,23 @@ def corrected_clusters(
         sample.map_log_ratios[: len(states)],
     )
     measured = MeasuredGroups(groups, background.alike, appearances)
-    corrected = normalise_log_weights(
+    log_weights = normalise_log_weights(
         corrected_log_weights(particles, measured, config.evidence_limits)
     ).log_weights
-    weights = exponentials(corrected)
+    weights = exponentials(log_weights)
     clusters = clusters_of(states, weights, groups)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
         nowhere = inputs.anchors[:0]
-        groups = find_groups(states, corrected, config.cluster_radii, nowhere, MOST_CLUSTERS)
+        groups = find_groups(states, log_weights, config.cluster_radii, nowhere, MOST_CLUSTERS)
         background, appearances = _background_and_appearances(
-            states, corrected, groups, inputs, config
+            states, log_weights, groups, inputs, config
         )
         clusters = clusters_of(states, weights, groups)
     is_mapped = len(inputs.cable_map.probabilities) > 0
-    looks = appearances[clusters.group_of]
-    return CorrectedClusters(corrected, weights, clusters, background, looks, is_mapped)
+    return CorrectedClusters(
+        log_weights, weights, clusters, background, appearances[clusters.group_of], is_mapped
+    )
 
 
 @compiled_part
@@ -272,35 +291,39 @@ def _background_and_appearances(
 
 
 @compiled_part
-def _reordered_clusters(found: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
+def _reordered_clusters(corrected: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
     """Return corrected clusters with the clusters in another order, shape (K,)."""
-    clusters, looks = reordered(found.clusters, order), found.appearances[order]
     return CorrectedClusters(
-        found.log_weights, found.weights, clusters, found.background, looks, found.is_mapped
+        corrected.log_weights,
+        corrected.weights,
+        reordered(corrected.clusters, order),
+        corrected.background,
+        corrected.appearances[order],
+        corrected.is_mapped,
     )
 
 
 @compiled_part
 def leader_measures(
     states: FloatArray,
-    found: CorrectedClusters,
+    corrected: CorrectedClusters,
     clear: BorderClearness,
     sample: Sample,
     inputs: ProposalInputs,
 ) -> tuple[Hypotheses, float]:
     """Return the clusters with what the frame measures of the leading one, and P(bright)."""
-    clusters, weights = found.clusters, found.weights
+    clusters, weights = corrected.clusters, corrected.weights
     border_mean, visible_length, p_bright = _leader_and_polarity(clusters, weights, sample, inputs)
     hypotheses = Hypotheses(
         clusters,
         leading_covariance(states, weights, clusters),
-        effective_sample_size(found.log_weights),
+        effective_sample_size(corrected.log_weights),
         border_mean,
         visible_length,
         _leading_border_means(clusters.means, inputs),
         clear.clearness[0] * shown_share(clear.shown[0]),
-        found.appearances[0],
-        found.is_mapped,
+        corrected.appearances[0],
+        corrected.is_mapped,
     )
     return hypotheses, p_bright
 
@@ -330,7 +353,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0, 0.0, False)
+    hypotheses = unmeasured_hypotheses(clusters, covariance, 0.0)
     return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
 
 
@@ -364,13 +387,15 @@ def _leading_border_means(means: FloatArray, inputs: ProposalInputs) -> FloatArr
 
 
 @compiled_part
-def margins_and_scores(found: CorrectedClusters, sample: Sample) -> tuple[FloatArray, FloatArray]:
+def margins_and_scores(
+    corrected: CorrectedClusters, sample: Sample
+) -> tuple[FloatArray, FloatArray]:
     """Return the margin [nats] and the score [standard deviations] of each cluster, (K,) each.
 
     They are weighted means over its particles of the log-likelihood ratio above the best strip like
     it, and above the mean of strips of any kind.
     """
-    clusters, weights, background = found.clusters, found.weights, found.background
+    clusters, weights, background = corrected.clusters, corrected.weights, corrected.background
     count = len(clusters.masses)
     margins, scores = np.zeros(count), np.zeros(count)
     for row in range(len(weights)):
@@ -388,7 +413,7 @@ def margins_and_scores(found: CorrectedClusters, sample: Sample) -> tuple[FloatA
 
 @compiled_part
 def _log_odds(
-    found: CorrectedClusters,
+    corrected: CorrectedClusters,
     margins: FloatArray,
     scores: FloatArray,
     clear: BorderClearness,
@@ -396,12 +421,12 @@ def _log_odds(
     prior: PriorPresence,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
-    means, thin_width = found.clusters.means, config.evidence_limits.thin_width
+    means, thin_width = corrected.clusters.means, config.evidence_limits.thin_width
     log_odds = np.empty(len(means))
     for index in range(len(means)):
-        width, looks = means[index, WIDTH], found.appearances[index]
-        if not found.is_mapped:
-            looks = trusted_appearance(looks, width, thin_width)
+        width, appearance = means[index, WIDTH], corrected.appearances[index]
+        if not corrected.is_mapped:
+            appearance = trusted_appearance(appearance, width, thin_width)
         # Any bottom has thin lines: what speaks for them counts less.
         factor = thin_factor(width, thin_width)
         frame_scores = FrameScores(
@@ -409,7 +434,7 @@ def _log_odds(
             factor * scores[index],
             clear.clearness[index],
             clear.shown[index],
-            looks,
+            appearance,
         )
         inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
         is_known = continues_known(prior, means[index], config.same_hypothesis_radii)
