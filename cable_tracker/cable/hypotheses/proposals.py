@@ -103,13 +103,13 @@ def draw_sample(
     """Draw the particles of all rounds.
 
     How many there are is returned, and the candidates of the last round, shape (C, 8): none beside
-    a known cable, where looks do not count.
+    a known cable, where the appearance does not count.
     """
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _poses_in_chart(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * (MOST_REFINED + MOST_CANDIDATES))
-    looks_count = not config.evidence_limits.is_known
-    map_strips = strips_of_map(inputs.cable_map, MOST_OF_MAP if looks_count else 0)
+    appearance_counts = not config.evidence_limits.is_known
+    map_strips = strips_of_map(inputs.cable_map, MOST_OF_MAP if appearance_counts else 0)
     for strip in map_strips:
         state_in_chart(strip, inputs.reference_angle, strip)
     candidates = np.empty((0, STATE_SIZE))
@@ -125,7 +125,7 @@ def draw_sample(
         if weights.degenerate or count == 0:
             continue
         states, stop = sample.states[:filled], filled + count
-        if looks_count:
+        if appearance_counts:
             candidates = likeliest_strips(
                 states,
                 sample.log_likelihoods[:filled],
@@ -135,23 +135,41 @@ def draw_sample(
                 inputs.cable_map,
                 config,
             )
-        share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
-        widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)
-        found = add_cluster_peaks(
-            states, weights.log_weights, count - share, widening, config, peaks, used
+        last = _add_peaks_of_round(
+            states, weights.log_weights, candidates, number, count, config, peaks, used
         )
-        found = add_candidate_peaks(candidates, share, narrowing, config, peaks, found)
-        draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, found)
-        tail = config.degrees_of_freedom
-        add_peak_densities(
-            sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density
-        )
-        used = found
+        draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, last)
+        tail, density = config.degrees_of_freedom, sample.proposal_density
+        add_peak_densities(states, 0, filled, peaks, used, last, tail, density)
+        used = last
         _draw_rates_and_measure(sample, inputs, config, filled, stop)
         _fill_proposal_density(sample, counts, config, filled, stop, centres, peaks, used)
         filled = stop
         _apply_shadow_losses(sample, filled, inputs, config)
     return filled, candidates
+
+
+@compiled_part
+def _add_peaks_of_round(
+    states: FloatArray,
+    log_weights: FloatArray,
+    candidates: FloatArray,
+    number: int,
+    count: int,
+    config: ProposalConfig,
+    peaks: Peaks,
+    used: int,
+) -> int:
+    """Add the peaks that round `number` draws `count` particles about; return how many there are.
+
+    They are clusters of the particles so far, shapes (N, 8) and (N,), and the candidates (C, 8).
+    """
+    share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
+    widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)
+    of_clusters = add_cluster_peaks(
+        states, log_weights, count - share, widening, config, peaks, used
+    )
+    return add_candidate_peaks(candidates, share, narrowing, config, peaks, of_clusters)
 
 
 @compiled_loop
