@@ -7,6 +7,7 @@ from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.claim_support import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
+from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
 from cable_tracker.cable.model.geometry import wrap_state
@@ -14,9 +15,6 @@ from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import probability_of
 from cable_tracker.particle_filter.particles import Particles
-
-KNOWN_PRESENCE = 0.5
-"""Minimum presence of a hypothesis that is held for a cable."""
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 """Minimum presence and minimum mass of the leading cluster for updating memory and width prior."""
@@ -37,22 +35,22 @@ class BeliefUpdate:
         self._parameters = parameters
         self._image_size = image_size
 
-    def updated_belief(self, before: Belief, found: Conclusion, dt: float) -> Belief:
+    def updated_belief(self, before: Belief, conclusion: Conclusion, dt: float) -> Belief:
         """Return the belief after a frame.
 
         Parameters
         ----------
         before : Belief
             Belief before the frame, aged to its time.
-        found : Conclusion
+        conclusion : Conclusion
             Particles, clusters and log-odds after the frame, at least one cluster.
         dt : float
             Time since the frame before [s].
         """
-        hypotheses = found.hypotheses
-        presence = probability_of(float(found.log_odds[0]))
+        hypotheses = conclusion.hypotheses
+        presence = probability_of(float(conclusion.log_odds[0]))
         leader = hypotheses.clusters.means[0]
-        is_known = found.goes_on and before.is_known(self._parameters.known_after)
+        is_known = conclusion.goes_on and before.is_known(self._parameters.known_after)
         is_clear = is_new_clear(
             hypotheses, before.width_prior, self._parameters, self._image_size[0]
         )
@@ -61,11 +59,11 @@ class BeliefUpdate:
         believed = presence if is_learnt_from else 0.0
         is_remembered = believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS
         return Belief(
-            particles=Particles(found.states, found.log_weights),
+            particles=Particles(conclusion.states, conclusion.log_weights),
             hypotheses=hypotheses,
             presence=presence,
             p_bright=updated_p_bright(
-                before.p_bright, found.p_bright, believed, self._parameters.polarity_memory, dt
+                before.p_bright, conclusion.p_bright, believed, self._parameters.polarity_memory, dt
             ),
             memory=self._memory_of(leader) if is_remembered else before.memory,
             width_prior=(
@@ -73,7 +71,7 @@ class BeliefUpdate:
                 if is_remembered
                 else before.width_prior
             ),
-            log_odds=found.log_odds,
+            log_odds=conclusion.log_odds,
             refused_time=(
                 before.refused_time + dt
                 if self._is_refused(hypotheses, presence, is_known=is_known, is_clear=is_clear)
@@ -82,7 +80,7 @@ class BeliefUpdate:
             is_clear=is_clear,
             known_time=(
                 before.known_time + (dt if is_learnt_from else 0.0)
-                if found.goes_on and presence >= KNOWN_PRESENCE
+                if conclusion.goes_on and presence >= LIKELY_PRESENCE
                 else 0.0
             ),
         )

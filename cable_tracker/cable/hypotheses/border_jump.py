@@ -20,7 +20,6 @@ from cable_tracker.cable.model.state import (
     DISTANCE,
     POSE_SIZE,
     SKEW,
-    STATE_SIZE,
     WIDTH,
 )
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
@@ -85,7 +84,7 @@ def jump_from(
 def place_jumps(
     states: FloatArray, start: int, stop: int, jump: BorderJump, noise: FrameNoise
 ) -> None:
-    """Draw strips into the rows from `start` to `stop`."""
+    """Draw the poses of strips into the rows from `start` to `stop`."""
     for row in range(start, stop):
         combination = (row - start) % COMBINATIONS
         shared, side = combination // 2, border_side(combination % 2)
@@ -98,8 +97,6 @@ def place_jumps(
         states[row, ANGLE] = angle - side * skew
         states[row, WIDTH] = width
         states[row, SKEW] = skew
-        for column in range(POSE_SIZE, STATE_SIZE):
-            states[row, column] = 0.0
 
 
 @compiled_inside

@@ -36,12 +36,13 @@ from cable_tracker.cable.filter_interface import (
     resampled_states,
 )
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
-from cable_tracker.cable.hypotheses.belief_update import KNOWN_PRESENCE, BeliefUpdate
+from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
 from cable_tracker.cable.hypotheses.births import draw_births
 from cable_tracker.cable.hypotheses.claim_support import belief_summary
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor
+from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.rounds import refined_counts
@@ -130,7 +131,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether the presence says so."""
-        return belief.presence < KNOWN_PRESENCE
+        return belief.presence < LIKELY_PRESENCE
 
     def step(
         self,
@@ -146,23 +147,20 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)
+        births = prediction.density.births
         counts = sample_counts(
-            self._parameters,
-            prediction.existence,
-            prediction.births,
-            len(detections),
-            self._refined,
+            self._parameters, prediction.existence, births, len(detections), self._refined
         )
         is_known = belief.is_known(self._parameters.known_after)
         cable_map = image.cable_map if self._looks_at_map(belief) else NO_MAP
         inputs = self._inputs(belief, prediction, counts, image, detections, cable_map)
         config = self._known_config if is_known else self._config
-        found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
-        if not len(found.hypotheses.clusters.masses):
+        conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
+        if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
-            states = draw_births(prediction.births, self._parameters.particle_count, self._rng)
+            states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        return self._update.updated_belief(belief, found, dt)
+        return self._update.updated_belief(belief, conclusion, dt)
 
     def _looks_at_map(self, belief: Belief) -> bool:
         """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
@@ -198,7 +196,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             reference_angle=belief.reference_angle,
             ancestors=self._draw_surviving(len(prediction.density.rates), counts.survivors),
             detected=detections,
-            anchors=NO_ANCHOR if self.is_searching(belief) else prediction.expected[:1],
+            anchors=NO_ANCHOR if self.is_searching(belief) else prediction.prior.expected[:1],
         )
 
     def _draw_surviving(self, ancestor_count: int, survivors: int) -> IndexArray:

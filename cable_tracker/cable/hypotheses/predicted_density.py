@@ -115,8 +115,8 @@ def choose_rates(
 ) -> None:
     """Fill in the densities at states whose poses were proposed, and draw their rates.
 
-    An ancestor is drawn by how likely it would have moved there; a cable that was more likely born
-    there has the rates of the search.
+    An ancestor is drawn by how likely it would have moved there, and births and jumps by how likely
+    they are there: those have the rates of the search.
     """
     births = predicted.births
     for row in range(start, stop):

@@ -15,7 +15,7 @@ from cable_tracker.cable.hypotheses.ancestors import (
     surviving_ancestors,
 )
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density_of
+from cable_tracker.cable.hypotheses.births import birth_density_of
 from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over
@@ -41,20 +41,14 @@ class Prediction(NamedTuple):
 
     Attributes
     ----------
-    expected : FloatArray
-        Expected states of the hypotheses, the leading one first, shape (K, 8).
-    births : BirthDensity
-        The density b of cables that come into view.
     existence : PredictedExistence
         Probabilities that a cable has survived and that one has been born.
     density : PredictedDensity
-        The density f of cables in view.
+        The density f of cables in view; its `births` are those that come into view.
     prior : PriorPresence
-        Prior of the log-odds of the hypotheses.
+        Prior of the log-odds of the hypotheses, and their expected states.
     """
 
-    expected: FloatArray
-    births: BirthDensity
     existence: PredictedExistence
     density: PredictedDensity
     prior: PriorPresence
@@ -103,14 +97,14 @@ class Predictor:
             self._box, belief.memory, parameters.memory_time, self._image_size
         )
         expected = self._expected(belief, dt, motion)
-        appearance = event_probability(parameters.appearance_rate, dt)
+        birth = event_probability(parameters.appearance_rate, dt)
         ancestors, survival = self._draw_ancestors(belief, dt)
-        existence = predict_existence(belief.presence, survival, appearance)
+        existence = predict_existence(belief.presence, survival, birth)
         prior = PriorPresence(
             expected=expected,
             log_odds=belief.log_odds,
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
-            appearance=appearance,
+            birth=birth,
             gain=gain_over(parameters.presence_gain, dt),
             is_known=belief.is_known(parameters.known_after),
         )
@@ -135,7 +129,7 @@ class Predictor:
             ),
             jump=self._jump_from(expected[0]),
         )
-        return Prediction(expected, births, existence, density, prior)
+        return Prediction(existence, density, prior)
 
     def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
         """Return the expected states of the clusters, the leading one first, shape (K, 8)."""

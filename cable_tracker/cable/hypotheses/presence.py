@@ -22,6 +22,9 @@ from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 NEW_LOG_ODDS = math.log(0.02 / 0.98)
 """Log-odds of a new hypothesis, before its first frame."""
 
+LIKELY_PRESENCE = 0.5
+"""From this probability on it is more likely than not that there is a cable."""
+
 LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), 5.0
 """Limits of the log-odds of a hypothesis [nats], so that later frames can turn them."""
 
@@ -35,7 +38,7 @@ class PriorPresence(NamedTuple):
         Their expected states, the leading one first, shape (J, 8).
     log_odds : FloatArray
         Log-odds that they were cables, shape (J,) [nats].
-    survival, appearance : float
+    survival, birth : float
         Probability that a cable in view stays there, and that one appears, before the next frame.
     gain : float
         Share of the frame's log-likelihood ratio that counts for a hypothesis that goes on.
@@ -46,7 +49,7 @@ class PriorPresence(NamedTuple):
     expected: FloatArray
     log_odds: FloatArray
     survival: float
-    appearance: float
+    birth: float
     gain: float
     is_known: bool
 
@@ -64,7 +67,7 @@ def updated_log_odds(
     scores : FrameScores
         How the frame shows it.
     prior : PriorPresence
-        Probabilities of survival and appearance, and gain of the frame.
+        Probabilities of survival and birth, and gain of the frame.
     model : ScoreModel
         Of the scores of such a hypothesis.
     """
@@ -72,7 +75,7 @@ def updated_log_odds(
     if math.isnan(inherited):
         return min(max(NEW_LOG_ODDS + ratio, LOWEST), HIGHEST)
     before = probability_of(inherited)
-    predicted = before * prior.survival + (1.0 - before) * prior.appearance
+    predicted = before * prior.survival + (1.0 - before) * prior.birth
     after = log_odds_of(min(max(predicted, 1e-9), 1.0 - 1e-9)) + prior.gain * ratio
     return min(max(after, LOWEST), HIGHEST)
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from cable_tracker.arrays import IndexArray
 from cable_tracker.cable.hypotheses.births import BirthDensity
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY
+from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import PredictedExistence
 
@@ -53,7 +54,7 @@ def sample_counts(
     count, jumps = parameters.particle_count, int(parameters.particle_count * JUMP_SHARE)
     first = count - int(refined.sum()) - jumps
     share = parameters.detector_share if detections else 0.0
-    if share > 0.0 and existence.total < 0.5:
+    if share > 0.0 and existence.total < LIKELY_PRESENCE:
         share = max(share, LOST_DETECTOR_SHARE)
     detected = min(int(count * share), max(first - 1, 0))
     rest = first - detected
