@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.claim_support import is_new_clear, leading_evidence
+from cable_tracker.cable.hypotheses.clearness import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE

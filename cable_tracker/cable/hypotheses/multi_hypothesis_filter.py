@@ -36,9 +36,9 @@ from cable_tracker.cable.filter_interface import (
     resampled_states,
 )
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
 from cable_tracker.cable.hypotheses.births import draw_births
-from cable_tracker.cable.hypotheses.claim_support import belief_summary
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor

@@ -1,0 +1,86 @@
+"""Whether the leading hypothesis is clear: by its borders, or by a map of the frame.
+
+Its clearness is that of its weaker border, and what its appearance is worth.
+"""
+
+from __future__ import annotations
+
+from cable_tracker.cable.hypotheses.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.thin_strips import (
+    needed_clearness,
+    trusted_appearance,
+    trusted_share,
+)
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior
+from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+
+APPEARANCE_SHARE = 0.5
+"""Clearness that one nat of appearance by the borders is worth [nats per point]."""
+
+LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
+"""Limits of what counts of it above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune
+on."""
+
+MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
+"""The same with a map: clearness that one nat is worth, and the upper limit. In a logistic model of
+right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no weight."""
+
+
+def is_new_clear(
+    hypotheses: Hypotheses,
+    width_prior: WidthPrior | None,
+    parameters: TrackerParameters,
+    image_width: int,
+) -> bool:
+    """Tell whether the leader is clear enough to claim it where nothing was known of it.
+
+    What is much narrower or wider than the cable that was tracked has to be clearer.
+    """
+    width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+    factor = 1.0
+    if width_prior is not None:
+        factor += width_prior.deviation(width, parameters) ** 2
+
+    def is_enough(clearness: float, needed: float) -> bool:
+        # A threshold below 0 must not be lowered.
+        return clearness >= max(needed, needed * factor)
+
+    by_borders = clearness_by_borders(hypotheses, parameters, image_width)
+    if is_enough(by_borders, needed_clearness(width, parameters, image_width)):
+        return True
+    # The map tells thin cables from thin lines: they need be no clearer than wide ones.
+    by_map = clearness_by_map(hypotheses)
+    return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
+
+
+def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> float:
+    """Return the evidence for the leader [nats per point]: that of its weaker border.
+
+    One of which growth or sand hides a border, but which the map shows, counts as if that border
+    was just clear enough for a first claim.
+    """
+    by_border = hypotheses.weaker_border_mean
+    if not hypotheses.is_mapped:
+        return by_border
+    return max(by_border, min(clearness_by_map(hypotheses), parameters.evidence_to_find))
+
+
+def clearness_by_borders(
+    hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
+) -> float:
+    """Return the leader's clearness and what its looks are worth, if borders are looked at."""
+    width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+    thin_width = parameters.thin_width * image_width / REFERENCE_WIDTH
+    # What is thin has no looks that speak for it, see `trusted_appearance`.
+    ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
+    above = trusted_appearance(hypotheses.appearance, width, thin_width) - ordinary
+    worth = APPEARANCE_SHARE * min(max(above, LEAST_APPEARANCE), MOST_APPEARANCE)
+    return hypotheses.scaled_clearness + worth
+
+
+def clearness_by_map(hypotheses: Hypotheses) -> float:
+    """Return the leader's clearness and what its looks are worth, if a map says how it looks."""
+    above = hypotheses.appearance - ORDINARY_APPEARANCE
+    return hypotheses.scaled_clearness + MAPPED_SHARE * min(above, MOST_MAPPED)
