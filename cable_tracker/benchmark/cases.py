@@ -12,10 +12,11 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.benchmark.footage import FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
+from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
-from cable_tracker.cable.model.geometry import project_borders, sample_points
+from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance

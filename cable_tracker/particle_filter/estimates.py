@@ -13,16 +13,13 @@ def weighted_mean(states: FloatArray, weights: FloatArray) -> FloatArray:
     return weights @ states
 
 
-def weighted_covariance(
-    states: FloatArray, weights: FloatArray, mean: FloatArray | None = None
-) -> FloatArray:
-    """Return the weighted covariance, shape (k, k), of states (N, k).
+def weighted_covariance(states: FloatArray, weights: FloatArray, mean: FloatArray) -> FloatArray:
+    """Return the weighted covariance, shape (k, k), of states (N, k) about their mean (k,).
 
     Symmetric and positive semi-definite; zero for a single particle. It is the second central
     moment of the weighted sample, without a correction for the sample size.
     """
-    centre = weighted_mean(states, weights) if mean is None else mean
-    deviations = states - centre
+    deviations = states - mean
     covariance = (deviations * weights[:, None]).T @ deviations
     symmetric: FloatArray = (covariance + covariance.T) / 2
     return symmetric

@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import TAPS, derivative_of_gaussian, yardstick_of
-from cable_tracker.cable.model.geometry import project_borders, sample_points
+from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import response_weights
 from cable_tracker.tracking.image_frame import image_to_pixel

@@ -25,7 +25,8 @@ def test_mean_by_hand():
 
 
 def test_covariance_by_hand():
-    np.testing.assert_allclose(weighted_covariance(STATES, WEIGHTS), [[3.0, -1.0], [-1.0, 3.0]])
+    covariance = weighted_covariance(STATES, WEIGHTS, np.array([1.0, 2.0]))
+    np.testing.assert_allclose(covariance, [[3.0, -1.0], [-1.0, 3.0]])
 
 
 def test_covariance_about_another_point_is_the_moment_about_that_point():
@@ -36,12 +37,13 @@ def test_covariance_about_another_point_is_the_moment_about_that_point():
 def test_one_particle_has_no_covariance():
     state = np.array([[3.0, -2.0, 1e6]])
     np.testing.assert_array_equal(weighted_mean(state, np.ones(1)), state[0])
-    np.testing.assert_array_equal(weighted_covariance(state, np.ones(1)), np.zeros((3, 3)))
+    covariance = weighted_covariance(state, np.ones(1), state[0])
+    np.testing.assert_array_equal(covariance, np.zeros((3, 3)))
 
 
 @given(weighted_samples())
 def test_covariance_is_symmetric_and_positive_semi_definite(sample):
-    covariance = weighted_covariance(*sample)
+    covariance = weighted_covariance(*sample, weighted_mean(*sample))
     np.testing.assert_array_equal(covariance, covariance.T)
     eigenvalues = np.linalg.eigvalsh(covariance)
     assert eigenvalues.min() >= -1e-12 * max(eigenvalues.max(), 1e-300)

@@ -14,7 +14,6 @@ from cable_tracker.cable.model.geometry import (
     points_on_lines,
     project_borders,
     relative_direction,
-    sample_points,
     segment_inside,
     states_from_borders,
     states_in_chart,
@@ -163,31 +162,6 @@ def test_points_on_lines_are_counted_upwards_from_the_foot_points():
     assert points.shape == (1, 2, 3, 2)
     np.testing.assert_allclose(points[0, 0], [[20, 0], [20, 5], [20, -7]], atol=1e-12)
     np.testing.assert_allclose(points[0, 1], [[0, -10], [-5, -10], [7, -10]], atol=1e-12)
-
-
-@given(cables(), st.floats(3.0, 40.0))
-def test_sample_points_lie_on_the_border_at_equal_distances(states, spacing):
-    borders = project_borders(states)
-    points, inside = sample_points(borders, spacing, SIZE)
-    assert points.shape == (1, 2, inside.shape[2], 2)
-    for side in (0, 1):
-        np.testing.assert_allclose(distance_to(borders, side, points[0, side]), 0.0, atol=1e-8)
-        steps = np.linalg.norm(np.diff(points[0, side], axis=0), axis=1)
-        np.testing.assert_allclose(steps, spacing)
-        x, y = points[0, side].T
-        expected = (np.abs(x) <= 159.5) & (np.abs(y) <= 119.5)
-        np.testing.assert_array_equal(inside[0, side], expected)
-
-
-@given(cables())
-def test_no_stretch_of_a_border_inside_the_image_goes_without_points(states):
-    borders = project_borders(states)
-    _, inside = sample_points(borders, 10.0, SIZE)
-    for side in (0, 1):
-        segment = segment_inside(borders.angles[0, side], borders.offsets[0, side], SIZE)
-        length = 0.0 if segment is None else np.linalg.norm(np.subtract(*segment))
-        assert inside[0, side].sum() >= np.floor(length / 10.0 - 1e-6)
-        assert inside[0, side].sum() <= length / 10.0 + 1 + 1e-6
 
 
 @given(ANGLES, st.floats(-300, 300))
