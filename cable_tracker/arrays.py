@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 FloatArray: TypeAlias = NDArray[np.float64]
 """States, weights, covariances: always float64."""
 
+Float32Array: TypeAlias = NDArray[np.float32]
+"""Weights, ratios and filters of kernels that run in float32."""
+
 IndexArray: TypeAlias = NDArray[np.int64]
 """Indices of particles."""
 

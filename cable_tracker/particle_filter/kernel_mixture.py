@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.compilation import compiled_fast_loop
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
@@ -34,11 +34,11 @@ class KernelMixture(NamedTuple):
         Degrees of freedom of the kernels; infinite for Gaussian ones.
     peak : float
         Density of a kernel at its centre.
-    relative : Image
+    relative : Float32Array
         The centres from the first one, over the scales, float32, shape (4, M).
-    weights : Image
+    weights : Float32Array
         Weights that sum to one, float32, shape (M,).
-    values : Image
+    values : Float32Array
         Room for the kernels at one point, over their peak, float32, shape (M,).
     """
 
@@ -46,9 +46,9 @@ class KernelMixture(NamedTuple):
     scales: FloatArray
     degrees_of_freedom: float
     peak: float
-    relative: Image
-    weights: Image
-    values: Image
+    relative: Float32Array
+    weights: Float32Array
+    values: Float32Array
 
 
 def kernel_mixture(

@@ -12,8 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.measure.gradient_shape import GradientShape, directional_gain
 from cable_tracker.cable.measure.response_bins import PointMeasures
 from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
@@ -117,27 +118,27 @@ class Crossings(NamedTuple):
     ----------
     positions : FloatArray
         Positions from the left end of their line [working px], shape (BLOCK,).
-    pixels : Image
-        Indices, uint32, shape (4, BLOCK): `measure_responses` row 0, the pixel to the left;
+    pixels : NDArray[np.uint32]
+        Indices, shape (4, BLOCK): `measure_responses` row 0, the pixel to the left;
         `measure_contrasts` rows 0 to 2, the pixels outside, behind and deep; afterwards row 0, the
         cell of the table of ratios.
-    levels : Image
+    levels : Float32Array
         Values read from the line, float32, shape (3, BLOCK): in `measure_responses` gradient along
         the line, gradient across it, slope; from `measure_contrasts` on the grey levels outside,
         behind and deep.
-    shares : Image
+    shares : Float32Array
         Fractions of a pixel from the pixel to the left, float32, shape (BLOCK,).
-    responses, slopes, contrasts : Image
+    responses, slopes, contrasts : Float32Array
         See `PointMeasures`, float32, shape (BLOCK,).
     """
 
     positions: FloatArray
-    pixels: Image
-    levels: Image
-    shares: Image
-    responses: Image
-    slopes: Image
-    contrasts: Image
+    pixels: NDArray[np.uint32]
+    levels: Float32Array
+    shares: Float32Array
+    responses: Float32Array
+    slopes: Float32Array
+    contrasts: Float32Array
 
 
 @compiled_part
@@ -420,7 +421,7 @@ def measure_points(states: FloatArray, image: WorkingImage) -> BorderPoints:
 
 @compiled
 def _record_points(
-    states: FloatArray, scan: ScanInputs, measures: Image, borders: IndexArray
+    states: FloatArray, scan: ScanInputs, measures: Float32Array, borders: IndexArray
 ) -> int:
     """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
     count, crossings = 0, room_for_crossings()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.measure.response_bins import CONTRAST_SHAPE, EDGE_SHAPE, PointMeasures
 from cable_tracker.cable.measure.response_table import RATIO_LIMIT, ResponseTable
 from cable_tracker.errors import ParameterError
@@ -107,7 +107,7 @@ def _given_row(joint: FloatArray) -> FloatArray:
     return conditional
 
 
-def _log_ratios(on_border: FloatArray, elsewhere: FloatArray) -> Image:
+def _log_ratios(on_border: FloatArray, elsewhere: FloatArray) -> Float32Array:
     mixed = (1.0 - STRAY_SHARE) * on_border + STRAY_SHARE * elsewhere
     ratios = np.log(mixed / ((1.0 - ACCIDENT_SHARE) * elsewhere + ACCIDENT_SHARE * mixed))
     return np.clip(ratios, -RATIO_LIMIT, RATIO_LIMIT).astype(np.float32)

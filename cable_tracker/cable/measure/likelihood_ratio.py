@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.cable.measure.border_points import (
     BLOCK,
     BorderLine,
@@ -125,7 +125,7 @@ class RatioModel(NamedTuple):
 
     Attributes
     ----------
-    ratios : Image
+    ratios : Float32Array
         Ratios of a point for bright and for dark cables, see `ResponseTable.ratios`.
     tempering : float
         Power of one point's ratio.
@@ -135,7 +135,7 @@ class RatioModel(NamedTuple):
         Most that texture says [nats].
     """
 
-    ratios: Image
+    ratios: Float32Array
     tempering: float
     missing: FloatArray
     texture_limit: float
@@ -238,7 +238,7 @@ def fill_log_ratios(
 
 
 @compiled_inside
-def _add_missing_points(lacking: float, model: RatioModel, sums: Image) -> None:
+def _add_missing_points(lacking: float, model: RatioModel, sums: Float32Array) -> None:
     """Add the ratios of the length that a border lacks in view to its sums (8,).
 
     A border that runs through the picture has as many points as the picture is high. Points beyond
@@ -252,7 +252,7 @@ def _add_missing_points(lacking: float, model: RatioModel, sums: Image) -> None:
 
 @compiled_inside
 def _combine_borders(
-    sums: Image,
+    sums: Float32Array,
     smoothest: float,
     tempering: float,
     longest: float,
@@ -264,7 +264,7 @@ def _combine_borders(
 
     Parameters
     ----------
-    sums, tempering, shares : Image, float, FloatArray
+    sums, tempering, shares : Float32Array, float, FloatArray
         See `_log_ratio_over_strengths`.
     smoothest : float
         Log-likelihood ratio of the texture [nats].
@@ -327,7 +327,7 @@ def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) ->
 
 @compiled_inside
 def _log_ratio_over_strengths(
-    sums: Image, first: int, tempering: float, shares: FloatArray
+    sums: Float32Array, first: int, tempering: float, shares: FloatArray
 ) -> tuple[float, float, float]:
     """Return the log-likelihood ratio of a cable, and those of its two borders, each alone.
 
@@ -362,7 +362,7 @@ def _sum_border(
     windows: TextureWindows,
     model: RatioModel,
     crossings: Crossings,
-    sums: Image,
+    sums: Float32Array,
     texture: FloatArray,
 ) -> tuple[float, float]:
     """Fill in the summed ratios (8,) and the texture (2, 2) of a border.
@@ -390,7 +390,7 @@ def _sum_border(
 
 
 @compiled_inside
-def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image) -> None:
+def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Float32Array) -> None:
     """Add the ratios of measured crossings to the sums (8,) of their border."""
     cells = crossings.pixels[0]
     for index in range(padded_count(count)):

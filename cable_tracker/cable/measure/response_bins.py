@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import Image, IndexArray
+from cable_tracker.arrays import Float32Array, IndexArray
 from cable_tracker.compilation import compiled, compiled_inside
 
 RESPONSE_LIMIT = 12.0
@@ -55,18 +55,18 @@ class PointMeasures:
 
     Attributes
     ----------
-    responses : Image
+    responses : Float32Array
         Response across the border [`ScannedFrame.scale`], positive where the inside is brighter.
-    slopes : Image
+    slopes : Float32Array
         Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
         ridge of an edge. Only its size counts.
-    contrasts : Image
+    contrasts : Float32Array
         Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
     """
 
-    responses: Image
-    slopes: Image
-    contrasts: Image
+    responses: Float32Array
+    slopes: Float32Array
+    contrasts: Float32Array
 
     def negative(self) -> PointMeasures:
         """Return what would be measured in a negative of the picture."""
@@ -80,7 +80,7 @@ class PointMeasures:
         )
         return edges.reshape(shape), contrasts.reshape(shape)
 
-    def _columns(self) -> tuple[Image, Image, Image]:
+    def _columns(self) -> tuple[Float32Array, Float32Array, Float32Array]:
         return self.responses, self.slopes, self.contrasts
 
 
@@ -113,7 +113,9 @@ def point_cell(response: np.float32, slope: np.float32, contrast: np.float32) ->
 
 
 @compiled
-def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
+def _cells_of(
+    responses: Float32Array, slopes: Float32Array, contrasts: Float32Array
+) -> tuple[IndexArray, IndexArray]:
     """Return the rows (P,) of both tables; all are float32 of shape (P,)."""
     edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
     for point in range(len(responses)):
@@ -122,7 +124,7 @@ def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexA
     return edges, contrast_cells
 
 
-def border_strength(responses: Image) -> float:
+def border_strength(responses: Float32Array) -> float:
     """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
     highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
     return float(highest.mean()) if len(highest) else 0.0

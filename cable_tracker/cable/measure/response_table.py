@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.cable.measure.response_bins import (
     CLASSES,
     COARSE,
@@ -51,18 +51,18 @@ class ResponseTable:
 
     Attributes
     ----------
-    edges : Image
+    edges : Float32Array
         float32, shape (4, 96, 15): class of strength; response from -12 to 12 robust scales; slope
         from 0 to 0.75 per px.
-    contrasts : Image
+    contrasts : Float32Array
         float32, shape (4, 24, 25): class; response from -12 to 12, contrast from -12 to 12 of its
         scales; the ratio of the contrast, given the response.
     source : str
         Description of the recordings that they were learnt from.
     """
 
-    edges: Image
-    contrasts: Image
+    edges: Float32Array
+    contrasts: Float32Array
     source: str
 
     @property
@@ -75,18 +75,18 @@ class ResponseTable:
         return means
 
     @property
-    def limited_contrasts(self) -> Image:
+    def limited_contrasts(self) -> Float32Array:
         """The table of contrasts so that no point says more than `LARGEST_RATIO` with any slope.
 
         The excess is taken off the contrasts, so equally for all slopes: the slope still tells how
         exactly a strong edge lies here.
         """
         most = self.edges.max(axis=2).reshape(CLASSES, -1, COARSE).max(axis=2)
-        limited: Image = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])
+        limited: Float32Array = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])
         return limited
 
     @cached_property
-    def ratios(self) -> Image:
+    def ratios(self) -> Float32Array:
         """The ratios of a point by its measures, both tables together, float32, shape (36000, 8).
 
         The rows are those of `point_cell`, the columns those of `look_up`. It is as quick to read
@@ -97,13 +97,13 @@ class ResponseTable:
         both = np.concatenate((bright, bright[:, ::-1, :, ::-1]))
         return np.ascontiguousarray(both.reshape(len(both), -1).T)
 
-    def look_up(self, points: PointMeasures) -> Image:
+    def look_up(self, points: PointMeasures) -> Float32Array:
         """Return the ratios of P points on borders of a bright and of a dark cable.
 
         float32, shape (P, 8): four classes of strength of bright ones, then of dark ones.
         """
         edges, contrasts = points.cells()
-        ratios: Image = self.ratios[edges * CONTRAST_BINS + contrasts % CONTRAST_BINS]
+        ratios: Float32Array = self.ratios[edges * CONTRAST_BINS + contrasts % CONTRAST_BINS]
         return ratios
 
     def save(self, path: Path) -> None:
@@ -130,7 +130,7 @@ _LIMITS = {
 _SHAPES = {"edges": (CLASSES, *EDGE_SHAPE), "contrasts": (CLASSES, *CONTRAST_SHAPE)}
 
 
-def _lines(tables: Image) -> str:
+def _lines(tables: Float32Array) -> str:
     return ",\n".join(
         " ["
         + ",\n  ".join(json.dumps([round(float(value), 3) for value in row]) for row in table)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Float32Array, FloatArray, Image
 from cable_tracker.compilation import compiled_fast_loop, compiled_loop
 
 REACH = 3.0
@@ -20,19 +20,19 @@ class ScanKernels(NamedTuple):
 
     Attributes
     ----------
-    gaussian, derivative : Image
+    gaussian, derivative : Float32Array
         Smoothing filter, and its derivative, of the same length; the derivative's answer to a ramp
         of slope one is one.
-    region : Image
+    region : Float32Array
         Wide smoothing filter, which takes away the fine texture; shape (0,) where only gradients
         are asked for: all other measures are zero then.
     contrast_lag : int
         Distance of the places whose difference is the contrast [px].
     """
 
-    gaussian: Image
-    derivative: Image
-    region: Image
+    gaussian: Float32Array
+    derivative: Float32Array
+    region: Float32Array
     contrast_lag: int
 
 
@@ -63,7 +63,12 @@ def _gaussian(x: FloatArray, sigma: float) -> FloatArray:
 
 @compiled_fast_loop
 def fold_across(
-    pixels: Image, row: int, gaussian: Image, derivative: Image, smooth: Image, slope: Image
+    pixels: Image,
+    row: int,
+    gaussian: Float32Array,
+    derivative: Float32Array,
+    smooth: Image,
+    slope: Image,
 ) -> None:
     """Apply the symmetric and the antisymmetric filter down the columns at a row."""
     height, width = pixels.shape
@@ -82,7 +87,7 @@ def fold_across(
 
 
 @compiled_fast_loop
-def sum_across(pixels: Image, row: int, kernel: Image, sums: Image) -> None:
+def sum_across(pixels: Image, row: int, kernel: Float32Array, sums: Image) -> None:
     """Apply a symmetric filter down the columns at a row; fill in the sums (n,)."""
     height, width = pixels.shape
     radius = len(kernel) // 2
@@ -113,7 +118,7 @@ def mirror_ends(padded: Image, margin: int, width: int) -> None:
 
 
 @compiled_fast_loop
-def symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
+def symmetric_along(padded: Image, margin: int, kernel: Float32Array, answers: Image) -> None:
     """Apply a symmetric filter along a line with margins; fill in the answers (n,)."""
     radius = len(kernel) // 2
     width = len(answers)
@@ -128,7 +133,7 @@ def symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -
 
 
 @compiled_fast_loop
-def antisymmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
+def antisymmetric_along(padded: Image, margin: int, kernel: Float32Array, answers: Image) -> None:
     """Apply an antisymmetric filter along a line with margins; fill in the answers (n,)."""
     radius = len(kernel) // 2
     width = len(answers)
