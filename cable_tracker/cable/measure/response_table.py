@@ -68,7 +68,7 @@ class ResponseTable:
     @property
     def absent(self) -> FloatArray:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
-        # In Python: a tracker needs no machine code for many points then.
+        # Looked up as a scalar in Python: `look_up` would compile `_cells_of` in every tracker.
         nothing = np.float32(0.0)
         ratios = self.ratios[point_cell(nothing, nothing, nothing)]
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
