@@ -46,10 +46,11 @@ class Event:
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
-        Time of the keyframe at the beginning, or of the next one beyond [ns]; 0 for events of
-        several dives.
+        Time of the keyframe at the beginning, or of the next one beyond [ns]. If several dives saw
+        the event, that of the dive whose own beginning of it is nearest to `along`; 0 where dives
+        disagree.
     frame : int
-        Number of the frame in the recording; -1 without one.
+        Number of the frame of that time in the recording; -1 without one.
     detail : str
         In words, with numbers and units.
     recording : str

@@ -375,10 +375,10 @@ def _events_of(route: MergedRoute, group: Sequence[PlacedRoute]) -> list[Event]:
             )
             x, y = interpolated(start, route.along, route.places).tolist()
             events.append(replace(event, along=start, end=end, place=(x, y)))
-    return _joined(sorted(events, key=lambda each: (each.kind.value, each.along)))
+    return _joined(route, sorted(events, key=lambda each: (each.kind.value, each.along)))
 
 
-def _joined(events: Sequence[Event]) -> list[Event]:
+def _joined(route: MergedRoute, events: Sequence[Event]) -> list[Event]:
     groups: list[list[Event]] = []
     for event in events:
         for group in reversed(groups[-4:]):
@@ -389,18 +389,20 @@ def _joined(events: Sequence[Event]) -> list[Event]:
                 break
         else:
             groups.append([event])
-    return [_one(group) for group in groups]
+    return [_one(route, group) for group in groups]
 
 
 def _names(group: Sequence[Event]) -> list[str]:
     return [each.recording for each in group]
 
 
-def _one(group: Sequence[Event]) -> Event:
+def _one(route: MergedRoute, group: Sequence[Event]) -> Event:
+    """Put an event that several dives saw together; the dive nearest to its beginning shows it."""
     if len(group) == 1:
         return group[0]
     along = float(np.median([each.along for each in group]))
     end = float(np.median([each.end for each in group]))
+    x, y = interpolated(along, route.along, route.places).tolist()
     nearest = min(group, key=lambda each: abs(each.along - along))
-    others = sorted(set(_names(group)) - {nearest.recording})
-    return replace(nearest, along=along, end=max(end, along), others=tuple(others))
+    others = tuple(sorted(set(_names(group)) - {nearest.recording}))
+    return replace(nearest, along=along, end=max(end, along), place=(x, y), others=others)

@@ -142,3 +142,14 @@ def test_what_a_dive_saw_where_it_has_left_the_route_is_there_and_not_on_the_rou
     assert merged.events == ()
     assert [each.kind for each in left.events] == [EventKind.BURIED]
     assert left.along[-1] == pytest.approx(end - 40.0, abs=1.0)
+
+
+def test_an_event_that_two_dives_saw_lies_on_the_route_where_it_begins():
+    first = straight("a", (0.0, 0.0), (100.0, 0.0))
+    second = straight("b", (0.0, 0.0), (100.0, 0.0))
+    long = Event(EventKind.BURIED, 0.0, 60.0, (0.0, 0.0), 1, 7, "seen", "a")
+    short = Event(EventKind.BURIED, 50.0, 70.0, (50.0, 0.0), 1, 7, "seen", "b")
+    (merged,) = merge([replace(first, events=(long,)), replace(second, events=(short,))])
+    (event,) = merged.events
+    assert (event.along, event.end) == pytest.approx((25.0, 65.0), abs=0.1)
+    assert event.place == pytest.approx((event.along, 0.0), abs=1e-6)
