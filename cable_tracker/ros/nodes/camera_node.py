@@ -287,11 +287,9 @@ class CameraNode(ProcessNode):
             self._note_refusal(str(error))
             return
         self._statistics.arrived(time.monotonic())
-        wait = self._metric.wait
-        if self._enabled and wait and frame.header.stamp:
-            self._hold.take(frame, wait)
-        else:
-            self._answer(frame)
+        # Frames that wait for nothing pass through the hold, too: they must not overtake one in it.
+        waits = self._enabled and frame.header.stamp
+        self._hold.take(frame, self._metric.wait if waits else 0.0)
 
     def _answer(self, frame: CameraFrame) -> None:
         given = frame.header

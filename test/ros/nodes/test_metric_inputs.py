@@ -9,6 +9,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, Quaternion
 from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
+from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
@@ -255,15 +256,15 @@ class Instruments:
     """Speaks for the time of one frame."""
 
     def __init__(self, world: Any, node: Any, image_message: Callable[..., Any]) -> None:
-        self._world, self._node, self._image = world, node, image_message
+        self.world, self.node, self.image = world, node, image_message
         self.states = world.listen(JointState, "state")
 
     def show(self, index: int) -> None:
-        self._world.show(self._node, self._image(index=index))
+        self.world.show(self.node, self.image(index=index))
 
     def speak(self, index: int) -> None:
-        header = self._image(index=index).header
-        take = self._node._metric.take_message
+        header = self.image(index=index).header
+        take = self.node._metric.take_message
         take(
             Instrument.CAMERA_INFO,
             CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K),
@@ -273,10 +274,10 @@ class Instruments:
         take(Instrument.ALTITUDE, Range(header=header, range=1.4, max_range=30.0))
 
     def has_answers(self, count: int) -> None:
-        self._world.spin(lambda: len(self.states) >= count)
+        self.world.spin(lambda: len(self.states) >= count)
 
     def has_no_more_than(self, count: int) -> None:
-        self._world.pass_time(0.4)
+        self.world.pass_time(0.4)
         assert len(self.states) == count
 
 
@@ -345,6 +346,34 @@ def test_the_next_frame_does_not_overtake_the_one_that_waits(
     vehicle.has_answers(2)
     stamps = [state.header.stamp.nanosec for state in vehicle.states]
     assert stamps == sorted(stamps)
+
+
+def is_disabled(vehicle: Instruments) -> None:
+    vehicle.node.on_enable(SetBool.Request(data=False), SetBool.Response())
+    vehicle.show(1)
+
+
+def waits_no_more(vehicle: Instruments) -> None:
+    vehicle.node.set_parameters([Parameter("instrument_wait", value=0.0)])
+    vehicle.show(1)
+
+
+def is_shown_a_frame_without_time(vehicle: Instruments) -> None:
+    message = vehicle.image(index=1)
+    message.header.stamp.sec = message.header.stamp.nanosec = 0
+    vehicle.world.show(vehicle.node, message)
+
+
+@pytest.mark.parametrize("goes_on", [is_disabled, waits_no_more, is_shown_a_frame_without_time])
+def test_a_frame_that_need_not_wait_does_not_overtake_one_that_waits(
+    instruments: Callable[..., Any], goes_on: Callable[[Instruments], None]
+) -> None:
+    vehicle = instruments(instrument_wait=60.0)
+    vehicle.show(0)
+    goes_on(vehicle)
+    vehicle.has_answers(1)
+    assert vehicle.states[0].header.stamp == vehicle.image(index=0).header.stamp
+    vehicle.has_answers(2)
 
 
 def test_instruments_can_be_read_reliably(world: Any) -> None:
