@@ -12,9 +12,7 @@ from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import LONGEST_GAP, Poses
-
-LATE = 2.0
-"""After a longer silence of the camera the tracker starts anew [s]."""
+from cable_tracker.tracking import succession
 
 
 @dataclass(slots=True)
@@ -76,8 +74,13 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
     return found
 
 
-def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[str]:
-    """Say why there is no route, or why it has gaps."""
+def find_faults(
+    dive: ForwardDive, poses: Poses, counted: CountedRows, maximum_gap: float
+) -> list[str]:
+    """Say why there is no route, or why it has gaps.
+
+    After a pause longer than `maximum_gap` [s], a parameter of the tracker, it has started anew.
+    """
     rows = dive.table.rows
     notes = []
     if len(poses.stamps) < 2:
@@ -107,11 +110,11 @@ def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[s
     if counted.refused:
         notes.append(
             f"{counted.refused} of {len(rows)} pictures could not be used: they are damaged, of a"
-            " video stream that lacks packets, or have the stamp of one before"
+            " video stream that lacks packets, have the stamp of one before, or came out of order"
         )
-    if counted.back < 0.0:
+    if counted.back < -succession.LATE:
         notes.append("the clock of the camera jumps back; the tracker starts anew there")
-    if counted.ahead > LATE:
+    if counted.ahead > maximum_gap:
         notes.append(
             f"there are no pictures for up to {counted.ahead:.0f} s, or the camera's clock jumps"
             " ahead; the tracker starts anew there"

@@ -122,7 +122,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     poses = joined_poses(dive.poses, disk)
     places = poses_of_rows(rows, poses, disk)
     counted = count_rows(dive, places)
-    notes += find_faults(dive, poses, counted)
+    notes += find_faults(dive, poses, counted, settings.forward.parameters.maximum_gap)
     course, routes, on_earth = None, [], False
     if counted.placed_partly and counted.in_metres:
         course = _course(dive, poses, places)

@@ -8,6 +8,7 @@ from cable_tracker.survey.navigation import Poses
 
 CLAIMS = 20
 NO_PLACES = np.full((CLAIMS, 3), np.nan)
+MAXIMUM_GAP = 5.0
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def faults(tmp_path):
                 row["aside"] = np.nan if reason else 0.1
         none = np.zeros(0, np.int64)
         poses = Poses(none, np.zeros((0, 3)))
-        return find_faults(dive, poses, count_rows(dive, NO_PLACES))[1:]
+        return find_faults(dive, poses, count_rows(dive, NO_PLACES), MAXIMUM_GAP)[1:]
 
     return tell
 
@@ -58,16 +59,18 @@ SECOND = 1_000_000_000
     [
         ([0, 1, 2, 3], None),
         ([0, 1, 8, 9], "no pictures for up to 7 s"),
+        ([0, 1, 5, 6], None),
         ([10, 11, 4, 5], "the clock of the camera jumps back"),
+        ([0, 1, 0.9, 2], None),
     ],
 )
-def test_a_pause_of_the_camera_is_no_clock_that_jumps_back(tmp_path, stamps, words):
+def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
     dive = ForwardDive(tmp_path)
     for stamp in stamps:
         row = dive.table.append()
-        row["status"], row["stamp"] = STATUSES.index("LOST"), stamp * SECOND
+        row["status"], row["stamp"] = STATUSES.index("LOST"), round(stamp * SECOND)
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]))[1:]
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]), MAXIMUM_GAP)[1:]
     assert notes == [] if words is None else (len(notes) == 1 and words in notes[0])
 
 
@@ -78,7 +81,7 @@ def test_pictures_that_could_not_be_used_are_counted(tmp_path):
         row["status"] = REFUSED if index else STATUSES.index("LOST")
         row["stamp"] = index * SECOND
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]))
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]), MAXIMUM_GAP)
     assert any(note.startswith("3 of 4 pictures could not be used") for note in notes)
 
 
@@ -98,5 +101,5 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, 
     stamps = (readings * SECOND).astype(np.int64)
     poses = Poses(stamps, np.zeros((len(stamps), 3)))
     places = poses.at(dive.table.rows["stamp"])
-    (note,) = find_faults(dive, poses, count_rows(dive, places))
+    (note,) = find_faults(dive, poses, count_rows(dive, places), MAXIMUM_GAP)
     assert words in note
