@@ -16,9 +16,9 @@ from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.homography import (
     PlaneMotion,
-    diffusion_covariance,
     homography,
     move_states,
+    prediction_covariance,
 )
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import NoMotion, Odometry
@@ -319,7 +319,7 @@ class MotionAiding:
         mapping = homography(flight, change)
         if rests and self._sigmas is not None and self._sigmas[0] >= change.seconds:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])
-        covariance = diffusion_covariance(before.state.to_array(), flight, change)
+        covariance = prediction_covariance(before.state.to_array(), flight, change)
         frames = change.seconds * REFERENCE_RATE
         scale = before.image_size[0] / REFERENCE_WIDTH
         floor = UNMODELLED * np.array([scale, 1.0, scale, 1.0]) * np.sqrt(frames)

@@ -98,7 +98,7 @@ def move_states(states: FloatArray, mapping: FloatArray) -> FloatArray:
     return states_from_borders(Borders(angles, -lines[..., 2]))
 
 
-def diffusion_covariance(state: FloatArray, flight: Overflight, change: PoseChange) -> FloatArray:
+def prediction_covariance(state: FloatArray, flight: Overflight, change: PoseChange) -> FloatArray:
     """Return how unsure odometry and altitude leave a cable that has moved, shape (4, 4).
 
     Of d, alpha, w, beta [px, rad]. Sigma points of the pose change's covariance and of the height
@@ -128,7 +128,7 @@ def diffusion_covariance(state: FloatArray, flight: Overflight, change: PoseChan
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneMotion:
-    """A motion between two frames, as the filters take it (`cable.motion_aid.MotionAid`).
+    """A motion between two frames, as the filters take it (`cable.model.motion_aid.MotionAid`).
 
     Attributes
     ----------

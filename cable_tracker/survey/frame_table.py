@@ -97,7 +97,7 @@ class FrameTable:
     """Rows of a dive.
 
     The cable beside the vehicle is a line in its level frame: at x = `look`, where the camera
-    keyframes, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
+    looks, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
     `heading_variance` are their covariance [m, rad]. All NaN where there are no metres; `reason`
     says why, by its number in `reasons`. `half_view` is how far to either side the camera sees at
     x = `look` [m]; `altitude`, `roll` and `pitch` are the vehicle's [m, rad]. `profile_score` says

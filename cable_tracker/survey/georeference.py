@@ -43,7 +43,7 @@ class Georeference:
         From the dive's x to east [rad].
     shift : FloatArray
         Position of the dive's origin, shape (2,) [m].
-    stamps : FloatArray
+    stamps : IndexArray
         Stamps of the fixes, shape (F,) [ns].
     drift : FloatArray
         By how much odometry is off then, shape (F, 2) [m].
@@ -95,11 +95,11 @@ def georeference(
         if kept.sum() < FEWEST_FIXES or np.ptp(places[kept], axis=0).max() < LEAST_WAY:
             return None
         turn, shift = _fitted(places[kept], measured[kept], 1.0 / variances[kept])
-        kept = _plausible(_left(places, measured, turn, shift), variances, disk)
+        kept = _plausible(_residuals(places, measured, turn, shift), variances, disk)
     if kept.sum() < FEWEST_FIXES:
         return None
-    left = _left(places, measured, turn, shift)[kept]
-    drift, doubts = _smoothed_drift(stamps[kept], left, variances[kept], disk)
+    residuals = _residuals(places, measured, turn, shift)[kept]
+    drift, doubts = _smoothed_drift(stamps[kept], residuals, variances[kept], disk)
     return Georeference(turn, shift, stamps[kept], drift, doubts, int((~kept).sum()))
 
 
@@ -116,26 +116,28 @@ def _fitted(
     return turn, other - rotation_in_plane(turn) @ own
 
 
-def _left(places: FloatArray, measured: FloatArray, turn: float, shift: FloatArray) -> FloatArray:
-    # Places are rows: they are turned by the transposed matrix, which turns back.
-    left: FloatArray = measured - (places @ rotation_in_plane(-turn) + shift)
-    return left
+def _residuals(
+    places: FloatArray, measured: FloatArray, turn: float, shift: FloatArray
+) -> FloatArray:
+    """Return by how much measured places (F, 2) miss those of the way, turned and shifted."""
+    residuals: FloatArray = measured - (turned(places, turn) + shift)
+    return residuals
 
 
-def _plausible(left: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray:
+def _plausible(residuals: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray:
     """Tell which fixes belong to the way: near a running median of what is left over."""
     half = 10
-    padded = np.pad(left, ((half, half), (0, 0)), mode="edge")
+    padded = np.pad(residuals, ((half, half), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    middles = disk.filled(len(left), lambda rows: np.median(windows[rows], axis=2))
-    off = np.hypot(*(left - middles).T)
+    middles = disk.filled(len(residuals), lambda rows: np.median(windows[rows], axis=2))
+    off = np.hypot(*(residuals - middles).T)
     spread = max(float(np.median(off)) / RAYLEIGH_MEDIAN, 1e-3)
     allowed = OUTLIER * np.maximum(np.sqrt(variances), spread)
     return np.asarray(off <= allowed)
 
 
 def _smoothed_drift(
-    stamps: IndexArray, left: FloatArray, variances: FloatArray, disk: Disk
+    stamps: IndexArray, residuals: FloatArray, variances: FloatArray, disk: Disk
 ) -> tuple[FloatArray, FloatArray]:
     """Smooth what is left over (F, 2); a Kalman filter forwards and Rauch, Tung, Striebel back."""
     count = len(stamps)
@@ -147,7 +149,7 @@ def _smoothed_drift(
         mean, spread = move @ mean, move @ spread @ move.T + noise
         before_means[k], before_spreads[k] = mean, spread
         gain = spread[:, 0] / (spread[0, 0] + variances[k])
-        mean = mean + np.outer(gain, left[k] - mean[0])
+        mean = mean + np.outer(gain, residuals[k] - mean[0])
         spread = spread - np.outer(gain, spread[0])
         means[k], spreads[k] = mean, spread
     for k in range(count - 2, -1, -1):

@@ -14,10 +14,10 @@ from cable_tracker.survey.frame_table import Rows, is_claimed
 from cable_tracker.survey.memory_mapped import Disk, interpolated_locally, running_sum
 from cable_tracker.survey.visibility import border_step_of
 
-STEP = 0.05
+LEAST_SPACING = 0.05
 """Smallest distance between keyframes; frames that are nearer together become one [m]."""
 
-LONGEST_STEP = 2.0
+MOST_SPACING = 2.0
 """Largest distance between consecutive keyframes of a connected piece [m]."""
 
 ODD_DIAMETER = 0.25
@@ -41,8 +41,8 @@ class Keyframes:
     ----------
     places : FloatArray
         Position and direction of the look line in the dive's frame, shape (S, 3) [m, rad].
-    stamps : FloatArray
-        Int64, shape (S,) [ns].
+    stamps : IndexArray
+        Shape (S,) [ns].
     claims : FloatArray
         Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
     covariances : FloatArray
@@ -51,9 +51,9 @@ class Keyframes:
         Whether a claim may be of something else than the cable, shape (S,): its diameter is out of
         the ordinary, its borders are hardly seen, or it is one of a few between silences.
     breaks : BoolArray
-        Whether a step does not go on from the one before, shape (S,).
-    first, last : FloatArray
-        Rows of the table that a step stands for, shape (S,): from, and up to but without.
+        Whether a keyframe does not go on from the one before, shape (S,).
+    first, last : IndexArray
+        Rows of the table that a keyframe stands for, shape (S,): from, and up to but without.
     """
 
     places: FloatArray
@@ -76,7 +76,7 @@ class Keyframes:
 
 
 def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Keyframes:
-    """Put frames together into steps of at least `STEP`.
+    """Put frames together into keyframes at least `LEAST_SPACING` apart.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
             (claims[part], covariances[part], diameters[part], border_steps[part]),
         )  # fmt: skip
     gaps = disk.filled(count, lambda part: way_to(own, part))
-    breaks = disk.filled(count, lambda part: gaps[part] > LONGEST_STEP, np.bool_)
+    breaks = disk.filled(count, lambda part: gaps[part] > MOST_SPACING, np.bool_)
     breaks[:1] = True
     isolated = _isolated_claims(summed(gaps, disk), claims, disk)
     odd, weak = _odd_limits(diameters, disk), _weak_limit(border_steps, disk)
@@ -135,7 +135,7 @@ def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexAr
     for part in disk.blocks(len(places)):
         known = np.flatnonzero(np.isfinite(places[part]).all(axis=1))
         own = places[part][known, :2]
-        found = known[_starts(own, latest, STEP)] + part.start
+        found = known[_starts(own, latest, LEAST_SPACING)] + part.start
         starts.extend(found)
         if len(found):
             latest = places[found[-1], :2].copy()
@@ -150,11 +150,14 @@ def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexAr
 def _put_claims(
     rows: Rows,
     places: FloatArray,
-    steps: tuple[IndexArray, IndexArray],
+    bounds: tuple[IndexArray, IndexArray],
     columns: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
 ) -> None:
-    """Write what each of some steps claims: claims, covariances, diameters, border steps."""
-    first, last = steps
+    """Write claims, covariances, diameters and border steps of some keyframes.
+
+    `bounds` are the rows that each is made of: the first, and the one after the last.
+    """
+    first, last = bounds
     start, end = int(first[0]), int(last[-1])
     rows, places = rows[start:end], places[start:end]
     names = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
@@ -285,8 +288,8 @@ def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> 
 
 
 @compiled
-def _starts(places: FloatArray, before: FloatArray, step: float) -> IndexArray:
-    """Return the first of each run of places (N, 2) that are nearer together than a step.
+def _starts(places: FloatArray, before: FloatArray, spacing: float) -> IndexArray:
+    """Return the first of each run of places (N, 2) that are nearer together than a spacing.
 
     The run of the place `before` (2,) may go on.
     """
@@ -295,7 +298,7 @@ def _starts(places: FloatArray, before: FloatArray, step: float) -> IndexArray:
     count = 0
     for k in range(len(places)):
         dx, dy = places[k, 0] - x, places[k, 1] - y
-        if dx * dx + dy * dy < step * step:
+        if dx * dx + dy * dy < spacing * spacing:
             continue
         x, y = places[k, 0], places[k, 1]
         starts[count] = k

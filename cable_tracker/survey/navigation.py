@@ -38,8 +38,8 @@ class Poses:
 
     Attributes
     ----------
-    stamps : FloatArray
-        Int64, shape (N,) [ns].
+    stamps : IndexArray
+        Shape (N,) [ns].
     places : FloatArray
         x, y, yaw (unwrapped), shape (N, 3) [m, rad].
     jumps : tuple of int

@@ -29,7 +29,7 @@ ON_ROUTE = 4.0
 LEAST_WEIGHT = 0.05
 """Claims that count less in the smoothing are of something else."""
 
-FEWEST_LOOKS = 4
+FEWEST_KEYFRAMES = 4
 
 BIN = SPACING / 4
 """Keyframes are averaged over this way [m]."""
@@ -95,7 +95,7 @@ def make_routes(  # noqa: PLR0917
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
         count, first, last = _claimed_way(dive, start, end)
-        if count >= FEWEST_LOOKS and last - first > SPACING:
+        if count >= FEWEST_KEYFRAMES and last - first > SPACING:
             routes.append(_Piece(dive, start, end, (first, last)).route())
     return routes
 

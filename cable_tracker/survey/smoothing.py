@@ -30,7 +30,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.curve_filter import filter_forwards, smooth_backwards
-from cable_tracker.survey.keyframes import STEP, Keyframes, summed, way_to
+from cable_tracker.survey.keyframes import LEAST_SPACING, Keyframes, summed, way_to
 from cable_tracker.survey.memory_mapped import Disk
 
 CORRELATION = 0.7
@@ -93,7 +93,7 @@ class SmoothedCable:
         Factors by which the tracker's standard deviations of place and direction were too small.
     bend : float
         Standard deviation of the cable's curvature [1/m].
-    piece : FloatArray
+    piece : IndexArray
         Number of the connected piece that a keyframe belongs to, shape (S,).
     """
 
@@ -240,7 +240,7 @@ def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> Fl
     claims : FloatArray
         Claims of the keyframes, shape (S, 2); NaN where a keyframe has none.
     disk : Disk
-        Folder of the arrays on disk.
+        Allocator of the arrays.
     """
     inflation: FloatArray = disk.filled(len(way), lambda part: np.ones(part.stop - part.start))
     where = disk.growing(np.int64)
@@ -261,7 +261,9 @@ def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> Fl
             np.where(before > CORRELATION, after, before),
             np.where(after > CORRELATION, before, after),
         )
-        inflation[claimed[part]] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
+        inflation[claimed[part]] = CORRELATION / np.clip(
+            (before + after) / 2, LEAST_SPACING, CORRELATION
+        )
     return inflation
 
 

@@ -51,6 +51,8 @@ class TargetEngine(ABC):
 
     Parameters
     ----------
+    parameters : TargetParameters
+        Parameters of the filter.
     rng : numpy.random.Generator
         The only source of randomness.
     """

@@ -13,9 +13,9 @@ from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.homography import (
     Overflight,
     PlaneMotion,
-    diffusion_covariance,
     homography,
     move_states,
+    prediction_covariance,
 )
 from cable_tracker.metric.motion import PoseChange, rotations_by
 
@@ -98,10 +98,10 @@ def test_an_angle_goes_on_across_the_wrap(overflight):
     assert np.abs(moved[:, 1] - STATES[:, 1]).max() < 0.2
 
 
-class TestDiffusion:
+class TestPredictionCovariance:
     def spread(self, overflight, covariance, height_sigma=0.0, translation=(0.02, 0.05, 0.0)):
         flight = dataclasses.replace(overflight, height_sigma=height_sigma)
-        return diffusion_covariance(
+        return prediction_covariance(
             STATES[0], flight, change_of(translation, [0, 0, 0], covariance)
         )
 

@@ -1,1 +1,1 @@
-"""Watches of an input: times of arrival, gaps, pictures that stand still."""
+"""Subscriptions of a node, and what watches them: arrival, gaps, pictures that stand still."""

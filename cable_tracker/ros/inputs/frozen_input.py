@@ -26,7 +26,7 @@ class FrozenInput:
 
     @property
     def picture(self) -> Image | None:
-        """The last picture, grey levels, shape (H, W)."""
+        """The last picture, shape (H, W) or (H, W, 3)."""
         return self._picture
 
     def take(self, picture: Image, stamp: int) -> float:
@@ -35,7 +35,7 @@ class FrozenInput:
         Parameters
         ----------
         picture : Image
-            Grey levels, shape (H, W). Kept until the next one, and never written to.
+            Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
         stamp : int
             Time of the frame [ns].
         """

@@ -36,8 +36,8 @@ class FrameTracker(Protocol):
         """Forget everything."""
         ...
 
-    def initialise(self, prior: GivenState) -> None:
-        """Start the next frame from a given belief."""
+    def initialise(self, given: GivenState) -> None:
+        """Start the next frame from a given state instead of the present belief."""
         ...
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:

@@ -64,9 +64,9 @@ class MethodTracker:
         """Forget everything."""
         self._method = self._make(self._parameters.seed)
 
-    def initialise(self, prior: GivenState) -> None:
-        """Start the next frame from the middle of a belief."""
-        self._method.initialise(prior.state)
+    def initialise(self, given: GivenState) -> None:
+        """Start the next frame from the middle of a given belief."""
+        self._method.initialise(given.state)
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
         """Take one frame (H, W) into account; `motion` is not used: baselines take no odometry.

@@ -51,7 +51,7 @@ class FirstLook(NamedTuple):
     score: float
 
 
-def near(mask: BoolArray) -> tuple[int, int, int, int]:
+def window_near(mask: BoolArray) -> tuple[int, int, int, int]:
     """Return the first column and row, and those after the last, of what is near a mask."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if len(rows) == 0:
@@ -134,5 +134,5 @@ def _widened(mask: BoolArray) -> BoolArray:
 
 
 def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins) -> Appearance:
-    target, surroundings = learn_histograms(bin_map, mask, near(mask), bins.count)
+    target, surroundings = learn_histograms(bin_map, mask, window_near(mask), bins.count)
     return Appearance(bins, target, target, surroundings)

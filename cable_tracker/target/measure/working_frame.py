@@ -37,7 +37,8 @@ class WorkingFrame:
     grey : array
         uint8, shape (H, W).
     is_coloured : bool
-        Whether the channels are those of colour; at first, whether there is enough of it.
+        Whether `channels` hold luma and chroma (else grey and texture); at first, whether there is
+        enough colour.
     has_chroma : bool
         Whether a single pixel has colour.
     zoom : float

@@ -12,7 +12,7 @@ from cable_tracker.contour.evolution import ContourSettings
 from cable_tracker.target.measure.appearance import Appearance, learn_histograms
 from cable_tracker.target.measure.clutter import UsualScore
 from cable_tracker.target.measure.features import bins_of, choose_bins
-from cable_tracker.target.measure.first_look import FirstLook, near
+from cable_tracker.target.measure.first_look import FirstLook, window_near
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline, find_outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
@@ -179,7 +179,7 @@ def relearnt(
         return known
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
-    target, around = learn_histograms(bin_map, mask, near(mask), bins.count)
+    target, around = learn_histograms(bin_map, mask, window_near(mask), bins.count)
     appearance = Appearance(bins, target, target, around)
     anew = replace(known, appearance=appearance, usual_likeness=first_likeness(frame))
     return _rescored(anew, state, frame, parameters)
@@ -205,7 +205,7 @@ def contour_histograms(
         return None
     mask = outline.in_picture(measured.frame.shape)
     appearance = known.appearance
-    target, around = learn_histograms(measured.bins, mask, near(mask), appearance.bins.count)
+    target, around = learn_histograms(measured.bins, mask, window_near(mask), appearance.bins.count)
     likeness = appearance.likeness(target, parameters.first_look_share)
     return ShownTarget(target, around, likeness)
 

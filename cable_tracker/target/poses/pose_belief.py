@@ -151,9 +151,9 @@ def _survival(
 def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:
     """Return the scales of the diffusion's kernel over some frames of 25 Hz, shape (4,)."""
     p = parameters
-    zoom = width / REFERENCE_WIDTH
+    reference_scale = width / REFERENCE_WIDTH
     root = math.sqrt(frames)
-    position = math.sqrt(p.position_variance) * zoom * root
+    position = math.sqrt(p.position_variance) * reference_scale * root
     scales: FloatArray = np.maximum(
         [position, position, p.scale_sigma * root, math.radians(p.angle_sigma) * root], 1e-6
     )

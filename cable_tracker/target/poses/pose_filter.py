@@ -71,6 +71,8 @@ class PoseFilter(TargetEngine):
 
     Parameters
     ----------
+    parameters : TargetParameters
+        Parameters of the filter.
     rng : numpy.random.Generator
         The only source of randomness.
     """

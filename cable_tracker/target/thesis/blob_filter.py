@@ -98,6 +98,8 @@ class BlobFilter(TargetEngine):
 
     Parameters
     ----------
+    parameters : TargetParameters
+        Parameters of the filter.
     rng : numpy.random.Generator
         The only source of randomness.
     """
@@ -193,8 +195,10 @@ class BlobFilter(TargetEngine):
         states = self._particles.states.copy()
         if motion is not None:
             states = motion.moved(states, frame.zoom)
-        zoom = frame.shape[1] / REFERENCE_WIDTH
-        sigma = math.sqrt(self._parameters.position_variance * dt * REFERENCE_RATE) * zoom
+        reference_scale = frame.shape[1] / REFERENCE_WIDTH
+        sigma = (
+            math.sqrt(self._parameters.position_variance * dt * REFERENCE_RATE) * reference_scale
+        )
         states[:, :2] += sigma * self._rng.standard_normal((len(states), 2))
         if self._parameters.blob_model == "boundary":
             states = self._border.placed(states, frame.shape, self._rng)
