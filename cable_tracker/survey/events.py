@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -191,9 +191,19 @@ def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
 
 def _long_claims(claimed: BoolArray, along: FloatArray) -> list[tuple[int, int]]:
     """Return runs of claims; silence over a short way does not end one."""
+    return _joined_runs(
+        claimed, lambda end, first: bool(abs(along[first] - along[end - 1]) < LEAST_LOST)
+    )
+
+
+def _joined_runs(mask: BoolArray, are_one: Callable[[int, int], bool]) -> list[tuple[int, int]]:
+    """Return first and last + 1 of each run of True in a mask (N,), some of them joined.
+
+    `are_one` tells, from the last + 1 of a run and the first of the next, whether to join the two.
+    """
     joined: list[tuple[int, int]] = []
-    for first, last in true_runs(claimed):
-        if joined and abs(along[first] - along[joined[-1][1] - 1]) < LEAST_LOST:
+    for first, last in true_runs(mask):
+        if joined and are_one(joined[-1][1], first):
             joined[-1] = (joined[-1][0], last)
         else:
             joined.append((first, last))
@@ -204,15 +214,9 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     """Return where the cable cannot be seen: from, to [m], and whether it was in view at all."""
     profile = route.profile
     along = profile.along
-    joined: list[tuple[int, int]] = []
     gap = round(MERGED_BURIALS / PROFILE_SPACING)
-    for first, last in true_runs(~profile.visible):
-        if joined and first - joined[-1][1] < gap:
-            joined[-1] = (joined[-1][0], last)
-        else:
-            joined.append((first, last))
     found = []
-    for first, last in joined:
+    for first, last in _joined_runs(~profile.visible, lambda end, first: first - end < gap):
         length = (last - first) * PROFILE_SPACING
         at_the_end = first == 0 or last == len(along)
         if length < least or at_the_end:

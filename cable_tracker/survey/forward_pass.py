@@ -225,7 +225,7 @@ class _Run:
         self._measured = self._posed = -(2**62)
 
     def close(self) -> None:
-        self._metres.__exit__(None, None, None)
+        self._metres.close()
 
     def wants(self, stamp: int) -> bool:
         """Tell whether the picture of a time [ns] is tracked; each is asked about once."""

@@ -120,7 +120,7 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     merged = []
     while left:
         left.sort(key=lambda each: -_length(each.route))
-        axis = _axis_of(left[0].route)
+        axis = left[0].route.places
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
         while True:
@@ -171,10 +171,6 @@ def _without(placed: PlacedRoute, stretches: Sequence[PlacedRoute]) -> PlacedRou
     """Return a dive without the events of some of its stretches."""
     moved = {id(event) for each in stretches for event in each.events}
     return replace(placed, events=tuple(e for e in placed.events if id(e) not in moved))
-
-
-def _axis_of(route: DiveRoute) -> FloatArray:
-    return route.places
 
 
 def _directions(axis: FloatArray) -> FloatArray:
@@ -326,14 +322,7 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
     disagreements = _disagreements(merged, apart, asides, beside)
     events = [*_events_of(merged, group), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
-    return _with_events(merged, tuple(events))
-
-
-def _with_events(route: MergedRoute, events: tuple[Event, ...]) -> MergedRoute:
-    return MergedRoute(
-        route.along, route.places, route.headings, route.sigmas, route.visible, route.diameters,
-        route.asides, route.dives, events, route.recordings,
-    )  # fmt: skip
+    return replace(merged, events=tuple(events))
 
 
 def _mean(columns: Sequence[FloatArray]) -> FloatArray:

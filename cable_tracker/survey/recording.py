@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import RecordingError, write_failure
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
@@ -131,7 +131,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         keyframes = course.keyframes
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
-        placing = None if earth is None else _placing(earth)
+        placing = None if earth is None else earth.apply
         turn = 0.0 if earth is None else earth.turn
         routes = make_routes(keyframes, course.cable, rows, placing, turn, disk)
     name = dive.name
@@ -154,12 +154,6 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
 def _course(dive: ForwardDive, poses: Poses, places: FloatArray) -> Course:
     keyframes = make_keyframes(dive.table.rows, places, dive.disk)
     return Course(poses, keyframes, smooth(keyframes, dive.disk))
-
-
-def _placing(
-    earth: Georeference,
-) -> Callable[[FloatArray, IndexArray], tuple[FloatArray, FloatArray]]:
-    return earth.apply
 
 
 def _on_earth(
