@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.detect.candidates import DETECTORS
-from cable_tracker.target.finding import Finding, TargetEngine
+from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (
     WorkingFrame,
@@ -65,7 +65,7 @@ class TargetTracker:
     def __init__(self, parameters: TargetParameters | None = None) -> None:
         self._parameters = parameters if parameters is not None else TargetParameters()
         self._rng = np.random.default_rng(self._parameters.seed)
-        self._engine = self._make_engine()
+        self._filter = self._make_filter()
         self._start: TargetStart | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -82,7 +82,7 @@ class TargetTracker:
     @property
     def particles(self) -> Particles | None:
         """The present belief, lengths in pixels of the frame; None before the first target."""
-        particles = self._engine.particles
+        particles = self._filter.particles
         if particles is None:
             return None
         return particles.moved_to(in_frame_pixels(particles.states, self._zoom))
@@ -95,15 +95,15 @@ class TargetTracker:
         """
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
-            self._engine = self._make_engine()
+            self._filter = self._make_filter()
             self._status = StatusMachine()
             return
-        self._engine.configure(parameters)
+        self._filter.configure(parameters)
 
     def reset(self) -> None:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
-        self._engine = self._make_engine()
+        self._filter = self._make_filter()
         self._start = None
         self._status = StatusMachine()
         self._frame = None
@@ -185,7 +185,7 @@ class TargetTracker:
         start, self._start = self._start, None
         self._has_begun = False
         if step.event:
-            self._engine = self._make_engine()
+            self._filter = self._make_filter()
             self._status = StatusMachine()
         self._frame = frame
         seen = make_working_frame(image, self._parameters.working_width)
@@ -202,8 +202,8 @@ class TargetTracker:
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
         if self.is_searching:
             return self._search(seen, event, apart)
-        finding = self._engine.step(seen, step.dt, motion, apart)
-        return self._estimate(finding, step.dt, event)
+        summary = self._filter.step(seen, step.dt, motion, apart)
+        return self._estimate(summary, step.dt, event)
 
     @property
     def has_begun(self) -> bool:
@@ -213,7 +213,7 @@ class TargetTracker:
     @property
     def is_searching(self) -> bool:
         """Whether there is no target, or only one that a detector wrongly proposed."""
-        if self._engine.particles is None:
+        if self._filter.particles is None:
             return True
         return (
             self._is_proposed
@@ -227,18 +227,18 @@ class TargetTracker:
             for candidate in DETECTORS[self._parameters.detector](seen):
                 if _covers_any(candidate.mask, others):
                     continue
-                engine = self._make_engine()
+                target_filter = self._make_filter()
                 try:
-                    finding = engine.start(seen, candidate.mask, is_exact=True)
+                    summary = target_filter.start(seen, candidate.mask, is_exact=True)
                 except FrameError:
                     # It does not stand out: the next candidate may.
                     continue
-                self._engine, self._is_proposed = engine, True
+                self._filter, self._is_proposed = target_filter, True
                 self._status = StatusMachine()
-                return self._estimate(finding, 0.0, event)
+                return self._estimate(summary, 0.0, event)
         return self._nothing(event)
 
-    def _make_engine(self) -> TargetEngine:
+    def _make_filter(self) -> TargetFilter:
         if self._parameters.filter == "blobs":
             return BlobFilter(self._parameters, self._rng)
         return PoseFilter(self._parameters, self._rng)
@@ -251,13 +251,13 @@ class TargetTracker:
         FrameError
             It does not stand out. Nothing has changed.
         """
-        engine = self._make_engine()
+        target_filter = self._make_filter()
         mask = start.mask(seen.shape, seen.zoom)
-        finding = engine.start(seen, mask, is_exact=not start.is_box)
+        summary = target_filter.start(seen, mask, is_exact=not start.is_box)
         self._status = StatusMachine().confirm_with_next_frame()
-        self._engine, self._is_proposed = engine, False
+        self._filter, self._is_proposed = target_filter, False
         self._has_begun = True
-        return self._estimate(finding, 1.0, event)
+        return self._estimate(summary, 1.0, event)
 
     def _nothing(self, event: str) -> TargetEstimate:
         assert self._frame is not None
@@ -270,17 +270,17 @@ class TargetTracker:
             event=event,
         )
 
-    def _estimate(self, finding: Finding, dt: float, event: str) -> TargetEstimate:
+    def _estimate(self, summary: TargetSummary, dt: float, event: str) -> TargetEstimate:
         assert self._frame is not None
-        self._presence = finding.presence
+        self._presence = summary.presence
         self._status = self._status.after(
-            supports_claim=finding.supports_claim,
-            supports_keeping=finding.supports_keeping,
+            supports_claim=summary.supports_claim,
+            supports_keeping=summary.supports_keeping,
             dt=dt,
             parameters=self._parameters,
         )
         zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
-        outline = finding.outline
+        outline = summary.outline
         corners = corners_of(outline, self._zoom) if outline is not None else np.empty((0, 2))
         box = None
         if outline is not None:
@@ -290,15 +290,15 @@ class TargetTracker:
             stamp=self._frame.stamp,
             status=self._status.status,
             image_size=self._frame.size,
-            state=in_frame_pixels(finding.state[None], self._zoom)[0],
-            covariance=finding.covariance * np.outer(zooms, zooms),
+            state=in_frame_pixels(summary.state[None], self._zoom)[0],
+            covariance=summary.covariance * np.outer(zooms, zooms),
             box=box,
             outline=corners,
             area=outline.area * self._zoom**2 if outline is not None else 0.0,
-            is_whole=finding.is_whole,
-            presence=finding.presence,
-            effective_sample_size=finding.effective_sample_size,
-            score=finding.score,
+            is_whole=summary.is_whole,
+            presence=summary.presence,
+            effective_sample_size=summary.effective_sample_size,
+            score=summary.score,
             event=event,
         )
 

@@ -1,1 +1,1 @@
-"""What a frame says about a target: appearance, scores of regions, places, outlines."""
+"""What a frame says about a target: appearance, scores of regions, peaks of the map, outlines."""

@@ -10,7 +10,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.contour.evolution import ContourSettings
 from cable_tracker.target.measure.appearance import Appearance, learn_histograms
 from cable_tracker.target.measure.features import BinMap, Bins, bins_of, choose_bins, looked_up
-from cable_tracker.target.measure.outline import find_outline
+from cable_tracker.target.measure.outline import Window, bounding_box, find_outline
 from cable_tracker.target.measure.region import HueModel, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.state import STATE_SIZE
@@ -51,17 +51,17 @@ class FirstLook(NamedTuple):
     score: float
 
 
-def window_near(mask: BoolArray) -> tuple[int, int, int, int]:
-    """Return the first column and row, and those after the last, of what is near a mask."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if len(rows) == 0:
+def window_near(mask: BoolArray) -> Window:
+    """Return the window of what is near a mask (H, W); an empty window for an empty mask."""
+    box = bounding_box(mask)
+    if box is None:
         return 0, 0, 0, 0
-    reach_x = int(NEAR_REACH * (columns[-1] - columns[0] + 1)) + LEAST_NEAR_REACH
-    reach_y = int(NEAR_REACH * (rows[-1] - rows[0] + 1)) + LEAST_NEAR_REACH
+    left, top, right, bottom = box
+    reach_x = int(NEAR_REACH * (right - left)) + LEAST_NEAR_REACH
+    reach_y = int(NEAR_REACH * (bottom - top)) + LEAST_NEAR_REACH
     return (
-        max(int(columns[0]) - reach_x, 0), max(int(rows[0]) - reach_y, 0),
-        min(int(columns[-1]) + reach_x + 1, mask.shape[1]),
-        min(int(rows[-1]) + reach_y + 1, mask.shape[0]),
+        max(left - reach_x, 0), max(top - reach_y, 0),
+        min(right + reach_x, mask.shape[1]), min(bottom + reach_y, mask.shape[0]),
     )  # fmt: skip
 
 
@@ -121,15 +121,14 @@ def look_first(
 
 
 def _widened(mask: BoolArray) -> BoolArray:
-    """Return the box around a mask, and a little more on every side."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    across = int(BOX_ERROR * (columns[-1] - columns[0] + 1)) + 1
-    down = int(BOX_ERROR * (rows[-1] - rows[0] + 1)) + 1
+    """Return the box around a mask that is not empty, and a little more on every side."""
+    box = bounding_box(mask)
+    assert box is not None
+    left, top, right, bottom = box
+    across = int(BOX_ERROR * (right - left)) + 1
+    down = int(BOX_ERROR * (bottom - top)) + 1
     widened = np.zeros_like(mask)
-    widened[
-        max(rows[0] - down, 0) : rows[-1] + down + 1,
-        max(columns[0] - across, 0) : columns[-1] + across + 1,
-    ] = True
+    widened[max(top - down, 0) : bottom + down, max(left - across, 0) : right + across] = True
     return widened
 
 

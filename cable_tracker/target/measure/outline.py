@@ -54,15 +54,12 @@ class Outline:
     @property
     def box(self) -> tuple[float, float, float, float]:
         """Left, top, right, bottom from the top left corner [px]; of an empty mask, the window."""
-        rows = np.flatnonzero(self.mask.any(axis=1))
-        columns = np.flatnonzero(self.mask.any(axis=0))
-        left, top, right, bottom = self.window
-        if len(rows) == 0:
+        box = bounding_box(self.mask)
+        if box is None:
+            left, top, right, bottom = self.window
             return float(left), float(top), float(right), float(bottom)
-        return (
-            float(left + columns[0]), float(top + rows[0]),
-            float(left + columns[-1] + 1), float(top + rows[-1] + 1),
-        )  # fmt: skip
+        left, top = self.window[:2]
+        return float(left + box[0]), float(top + box[1]), float(left + box[2]), float(top + box[3])
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the mask in a picture of this shape."""
@@ -75,6 +72,14 @@ class Outline:
         """Tell whether the target reaches the border of a picture of this shape."""
         left, top, right, bottom = self.box
         return left <= 0 or top <= 0 or right >= shape[1] or bottom >= shape[0]
+
+
+def bounding_box(mask: BoolArray) -> Window | None:
+    """Return the smallest window that holds all pixels of a mask (H, W); None: it has none."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if len(rows) == 0:
+        return None
+    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1
 
 
 def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) -> Window | None:

@@ -15,12 +15,12 @@ from cable_tracker.target.model.expected_place import ExpectedPlace
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
 from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE, wrap_angle
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.poses.map_maxima import MapMaxima
+from cable_tracker.target.poses.peak_poses import PeakPoses
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE
 
-MAXIMA_SPREAD = (0.25, 0.15, 0.12)
-"""Scales of the kernels about maxima: position in roots of the area, log scale, angle [rad]."""
+PEAK_SPREAD = (0.25, 0.15, 0.12)
+"""Scales of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
 
 REFINED_SPREAD = (0.06, 0.05, 0.06)
 """Scales of the kernels about the best particles of the frame, in the same units."""
@@ -29,7 +29,7 @@ REFINED = 5
 """Number of best-scoring particles that refinement kernels are centred on."""
 
 DRAWN_TAIL = 4.0
-"""Degrees of freedom of the kernels about maxima and best particles."""
+"""Degrees of freedom of the kernels about peaks and best particles."""
 
 OWN_REACH = 0.8
 """The target is seen at its own place this near to where it is expected, in roots of the area."""
@@ -42,8 +42,8 @@ class ProposalCounts(NamedTuple):
     ----------
     followed : int
         Number drawn about particles of the frame before.
-    maxima : int
-        Number drawn about maxima of the map of log-ratios.
+    peaks : int
+        Number drawn about peaks of the map of log-ratios.
     search : int
         Number drawn where a target may come into view.
     refined : int
@@ -51,21 +51,21 @@ class ProposalCounts(NamedTuple):
     """
 
     followed: int
-    maxima: int
+    peaks: int
     search: int
     refined: int
 
 
-def proposal_counts(parameters: TargetParameters, *, has_maxima: bool) -> ProposalCounts:
+def proposal_counts(parameters: TargetParameters, *, has_peaks: bool) -> ProposalCounts:
     """Divide the particles among the parts of the proposal."""
     p = parameters
     refined = round(p.refinement_share * p.particle_count)
     search = round(p.search_share * p.particle_count)
-    maxima = round(p.place_share * p.particle_count) if has_maxima else 0
-    followed = p.particle_count - maxima - search - refined
+    peaks = round(p.place_share * p.particle_count) if has_peaks else 0
+    followed = p.particle_count - peaks - search - refined
     if followed < 1:  # Of a handful, all follow.
         return ProposalCounts(p.particle_count, 0, 0, 0)
-    return ProposalCounts(followed, maxima, search, refined)
+    return ProposalCounts(followed, peaks, search, refined)
 
 
 class ScoredPoses(NamedTuple):
@@ -144,15 +144,15 @@ class FrameSampler:
         """Weight of the score in the likelihood."""
         return self.parameters.sharpness * self.belief.rivals.sharpness_factor
 
-    def draw(self, maxima: MapMaxima, rng: np.random.Generator) -> DrawnParticles:
+    def draw(self, peaks: PeakPoses, rng: np.random.Generator) -> DrawnParticles:
         """Draw the particles, with the densities of belief and proposal at each."""
-        counts = proposal_counts(self.parameters, has_maxima=len(maxima.poses) > 0)
+        counts = proposal_counts(self.parameters, has_peaks=len(peaks.poses) > 0)
         followed = Proposal(self.forecast.kernels, self.forecast.even, self._share(counts.followed))
         others = []
         parts = [followed.draw(counts.followed, rng)]
-        if counts.maxima:
-            others.append(self._about(maxima.poses, maxima.strengths, MAXIMA_SPREAD, counts.maxima))
-            parts.append(others[-1].draw(counts.maxima, rng))
+        if counts.peaks:
+            others.append(self._about(peaks.poses, peaks.strengths, PEAK_SPREAD, counts.peaks))
+            parts.append(others[-1].draw(counts.peaks, rng))
         parts.append(self.forecast.draw_births(counts.search, rng))
         scored = self._scored(np.concatenate(parts))
         own = self._expected_place(scored)

@@ -1,6 +1,6 @@
 """The filter of the preset `default`: particles are poses, weighed by learnt appearance.
 
-Every frame, particles are drawn from a mixture: about those of the frame before, about maxima of
+Every frame, particles are drawn from a mixture: about those of the frame before, about peaks of
 the map of log-ratios, and where a target may come into view. Their weight is the density of the
 predicted belief over that of the whole mixture, times the likelihood of their region.
 """
@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
-from cable_tracker.target.finding import Finding, TargetEngine
+from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.first_look import look_first
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline, find_outline
@@ -33,7 +33,7 @@ from cable_tracker.target.poses.known_target import (
     first_known,
     prior_softness,
 )
-from cable_tracker.target.poses.map_maxima import propose_from_map, watch_rivals
+from cable_tracker.target.poses.peak_poses import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
 from cable_tracker.target.poses.presence import (
     MOST_PRESENCE,
@@ -66,7 +66,7 @@ WHOLE_HASTE = 3.0
 """Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
 
 
-class PoseFilter(TargetEngine):
+class PoseFilter(TargetFilter):
     """See the module.
 
     Parameters
@@ -86,7 +86,7 @@ class PoseFilter(TargetEngine):
         """The present belief, in pixels of the working image; None before the first target."""
         return None if self._belief is None else self._belief.particles
 
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
         """Learn a target from its pixels in a frame.
 
         Raises
@@ -117,10 +117,10 @@ class PoseFilter(TargetEngine):
         )
         measured = measure_frame(frame, belief.known.appearance, p)
         weights = np.full(p.particle_count, 1.0 / p.particle_count)
-        finding, self._belief = estimate_and_adapt(
+        summary, self._belief = estimate_and_adapt(
             belief, measured, weights, 1.0 / REFERENCE_RATE, p
         )
-        return finding
+        return summary
 
     def step(
         self,
@@ -128,18 +128,18 @@ class PoseFilter(TargetEngine):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
-    ) -> Finding:
-        """Follow the target into the next frame; see `TargetEngine`."""
+    ) -> TargetSummary:
+        """Follow the target into the next frame; see `TargetFilter`."""
         assert self._belief is not None
         p, rng = self._parameters, self._rng
         belief = self._belief.aged(frame, dt, motion, p)
         seen = frame.measured_in(colour=belief.known.is_coloured)
         measured = measure_frame(seen, belief.known.appearance, p)
-        maxima = propose_from_map(belief, measured, p)
-        belief = replace(belief, rivals=watch_rivals(belief, measured, maxima, dt))
+        peaks = propose_from_map(belief, measured, p)
+        belief = replace(belief, rivals=watch_rivals(belief, measured, peaks, dt))
         forecast = forecast_of(belief, frame.shape, dt, p, rng)
         sampler = FrameSampler(belief, forecast, measured, dt, p)
-        drawn = sampler.draw(maxima, rng)
+        drawn = sampler.draw(peaks, rng)
         presence = presence_by_scores(sampler, drawn, rng)
         log_weights = drawn.log_prior - drawn.log_proposal
         log_weights += sampler.sharpness * drawn.own_scores
@@ -148,9 +148,9 @@ class PoseFilter(TargetEngine):
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        finding, belief = estimate_and_adapt(belief, measured, weights, dt, p)
-        self._belief = _with_followed_size(belief, dt, p, is_whole=finding.is_whole)
-        return finding
+        summary, belief = estimate_and_adapt(belief, measured, weights, dt, p)
+        self._belief = _with_followed_size(belief, dt, p, is_whole=summary.is_whole)
+        return summary
 
 
 def crowding(states: FloatArray, others: FloatArray, cost: float, reach: float) -> FloatArray:
@@ -192,7 +192,7 @@ def estimate_and_adapt(
     weights: FloatArray,
     dt: float,
     parameters: TargetParameters,
-) -> tuple[Finding, PoseBelief]:
+) -> tuple[TargetSummary, PoseBelief]:
     """Find the outline, learn from it, and say what was found.
 
     Parameters
@@ -224,7 +224,7 @@ def estimate_and_adapt(
             known = adapted_to_contour(
                 known, outline, shown, p, dt=dt, angle=belief.angle, score=score
             )
-    finding = Finding(
+    summary = TargetSummary(
         state=belief.estimate.copy(),
         covariance=covariance,
         outline=outline,
@@ -235,7 +235,7 @@ def estimate_and_adapt(
         supports_claim=is_sure,
         supports_keeping=presence >= p.presence_to_lose and is_near,
     )
-    return finding, replace(belief, presence=presence, known=known)
+    return summary, replace(belief, presence=presence, known=known)
 
 
 def _is_whole(outline: Outline | None, shape: tuple[int, int]) -> bool:

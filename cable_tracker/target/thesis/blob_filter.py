@@ -23,7 +23,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import multinomial_resampling
 from cable_tracker.particle_filter.weights import effective_sample_size
-from cable_tracker.target.finding import Finding, TargetEngine
+from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
@@ -93,7 +93,7 @@ class Blob:
     contrast: float
 
 
-class BlobFilter(TargetEngine):
+class BlobFilter(TargetFilter):
     """See the module.
 
     Parameters
@@ -117,7 +117,7 @@ class BlobFilter(TargetEngine):
         """The present belief, in pixels of the working image; None before the first target."""
         return self._particles
 
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
         """Take the pixels of a target for the prior of its shape.
 
         Raises
@@ -147,7 +147,7 @@ class BlobFilter(TargetEngine):
                 "the marked target leaves too little of the picture around it for a contour; mark"
                 " one with surroundings"
             )
-        return self._finding(frame, blob, float(len(states)), claims=True)
+        return self._summary(frame, blob, float(len(states)), claims=True)
 
     def step(
         self,
@@ -155,8 +155,8 @@ class BlobFilter(TargetEngine):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
-    ) -> Finding:
-        """Follow the target into the next frame; see `TargetEngine`. `others` are not heeded."""
+    ) -> TargetSummary:
+        """Follow the target into the next frame; see `TargetFilter`. `others` are not heeded."""
         assert self._particles is not None and self._prior is not None
         image = _intensities(frame)
         states = self._moved(frame, dt, motion)
@@ -187,7 +187,7 @@ class BlobFilter(TargetEngine):
             self._border = self._border.after(self._estimate, frame.shape, is_seen, self._rng)
         if blob is None:
             return self._nothing(n_eff)
-        return self._finding(frame, blob, n_eff, claims=is_seen)
+        return self._summary(frame, blob, n_eff, claims=is_seen)
 
     def _moved(self, frame: WorkingFrame, dt: float, motion: CameraMotion | None) -> FloatArray:
         """Return the places after a random walk."""
@@ -231,7 +231,9 @@ class BlobFilter(TargetEngine):
         unlike = level_set_energy(found, start) / (image.shape[1] / REFERENCE_WIDTH) ** 2
         return Blob(found, left, top, float(energy) / cut.size, unlike, contrast)
 
-    def _finding(self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool) -> Finding:
+    def _summary(
+        self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool
+    ) -> TargetSummary:
         """Take over the contour as the prior where it is near, and say what was found."""
         assert self._prior is not None and self._particles is not None
         prior, p = self._prior, self._parameters
@@ -250,7 +252,7 @@ class BlobFilter(TargetEngine):
             self._prior = replace(prior, mask=_cut_about(whole))
             state[:2] = self._estimate[:2] = centroid(whole)
         spread = self._particles.states[:, :STATE_SIZE]
-        return Finding(
+        return TargetSummary(
             state=state,
             covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
             outline=outline,
@@ -262,10 +264,10 @@ class BlobFilter(TargetEngine):
             supports_keeping=claims,
         )
 
-    def _nothing(self, n_eff: float) -> Finding:
+    def _nothing(self, n_eff: float) -> TargetSummary:
         """Say that nothing of the target can be in the picture."""
         assert self._prior is not None
-        return Finding(
+        return TargetSummary(
             state=self._estimate.copy(),
             covariance=np.eye(STATE_SIZE) * 1e6,
             outline=None,

@@ -24,8 +24,8 @@ ELLIPSE_SIDE = 0.87
 """Side of the box of an ellipse's area, over that of the box about it: about the root of pi/4."""
 
 
-class Place(NamedTuple):
-    """A peak.
+class MapPeak(NamedTuple):
+    """A peak of the filtered map of log-ratios.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class Place(NamedTuple):
     strength: float
 
 
-def find_places(
+def find_peaks(
     ratios: NDArray[np.float32],
     half_extent: tuple[float, float],
     log_scales: FloatArray,
     count: int,
-) -> list[Place]:
+) -> list[MapPeak]:
     """Return the strongest peaks, at most `count` a scale, strongest first.
 
     Parameters
@@ -65,7 +65,7 @@ def find_places(
     height, width = ratios.shape
     small = (-(-width // COARSENESS), -(-height // COARSENESS))
     coarse = cv2.resize(ratios, small, interpolation=cv2.INTER_AREA)
-    places = []
+    peaks = []
     for log_scale in log_scales:
         factor = float(np.exp(log_scale)) * 2.0 / COARSENESS
         sides = [max(ELLIPSE_SIDE * half * factor, 1.0) for half in half_extent]
@@ -80,12 +80,12 @@ def find_places(
                 break
             x = (column + 0.5) * width / small[0] - 0.5 - (width - 1) / 2
             y = (height - 1) / 2 - (row + 0.5) * height / small[1] + 0.5
-            places.append(Place(x, y, float(log_scale), strength))
+            peaks.append(MapPeak(x, y, float(log_scale), strength))
             response[
                 max(row - reach[1], 0) : row + reach[1] + 1,
                 max(column - reach[0], 0) : column + reach[0] + 1,
             ] = -np.inf
-    return sorted(places, key=lambda place: -place.strength)
+    return sorted(peaks, key=lambda peak: -peak.strength)
 
 
 def _kernel(sides: list[float], factor: float) -> tuple[int, int]:

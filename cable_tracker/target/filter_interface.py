@@ -1,4 +1,4 @@
-"""What a filter has found in one frame, whatever filter it is."""
+"""What the target tracker asks of a filter, and what a filter says about each frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Finding:
+class TargetSummary:
     """One frame's result, in pixels of the working image.
 
     Attributes
@@ -46,7 +46,7 @@ class Finding:
     supports_keeping: bool
 
 
-class TargetEngine(ABC):
+class TargetFilter(ABC):
     """A filter over the outline of one target.
 
     Parameters
@@ -67,7 +67,7 @@ class TargetEngine(ABC):
         """The present belief, in pixels of the working image; None before the first target."""
 
     @abstractmethod
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
         """Learn a target from its pixels in a frame.
 
         Raises
@@ -83,7 +83,7 @@ class TargetEngine(ABC):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
-    ) -> Finding:
+    ) -> TargetSummary:
         """Follow the target into the next frame.
 
         Parameters
