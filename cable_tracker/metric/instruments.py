@@ -92,6 +92,8 @@ class Instruments:
         meter = CrossTrackMeter(self._settings.metric, self._calibration)
         attitude = self.attitude_at(estimate.stamp)
         if isinstance(attitude, Withheld):
+            # An altitude is read with an attitude: what withholds one withholds both. The meter
+            # says first if no cable is claimed.
             return meter.measure(estimate, attitude, attitude)
         return meter.measure(estimate, self.altitude_at(estimate.stamp, attitude), attitude)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,49 @@ ROUGHNESS = 1e-4
 
 FIRST = (4.0, math.radians(30.0) ** 2)
 """Variances of place and direction where nothing is known [m², rad²]."""
+
+
+class KeyframeClaims(NamedTuple):
+    """What is known at S keyframes of the cable, and how one follows the other.
+
+    Attributes
+    ----------
+    places : FloatArray
+        Position and direction of the look lines, shape (S, 3) [m, rad].
+    seconds : FloatArray
+        Time from the keyframe before to each, shape (S,) [s].
+    claims : FloatArray
+        Place beside the look line and direction from it, shape (S, 2) [m, rad].
+    weights : FloatArray
+        Weights of the claims, shape (S,); 0: none.
+    breaks : BoolArray
+        Whether a keyframe does not go on from the one before, shape (S,).
+    """
+
+    places: FloatArray
+    seconds: FloatArray
+    claims: FloatArray
+    weights: FloatArray
+    breaks: BoolArray
+
+
+class CurveStates(NamedTuple):
+    """The cable at S keyframes, as it is written.
+
+    Attributes
+    ----------
+    along : FloatArray
+        Way along the cable, shape (S,) [m].
+    means, spreads : FloatArray
+        State y, h, kappa, shape (S, 3), and its covariance, shape (S, 3, 3).
+    is_new : BoolArray
+        Whether nothing of the state before went into a state, shape (S,).
+    """
+
+    along: FloatArray
+    means: FloatArray
+    spreads: FloatArray
+    is_new: BoolArray
 
 
 @compiled
@@ -100,27 +144,18 @@ def _claimed(
 
 
 @compiled
-def filter_forwards(  # noqa: PLR0917
-    places: FloatArray,
-    seconds: FloatArray,
-    claims: FloatArray,
-    noise: FloatArray,
-    weights: FloatArray,
-    breaks: BoolArray,
-    bend: float,
-    first: int,
-    last: int,
-    along: FloatArray,
-    means: FloatArray,
-    spreads: FloatArray,
-    is_new: BoolArray,
+def filter_forwards(
+    known: KeyframeClaims, noise: FloatArray, bend: float, first: int, cable: CurveStates
 ) -> None:
-    """Filter the keyframes from `first` up to `last`, into the last four arrays; see `smooth`.
+    """Filter K keyframes from `first` on, and write `cable` there.
 
-    `noise` has those of these keyframes; of the other arrays one before the first is read.
+    `noise` is that of their claims, shape (K, 3); of the other arrays one row before the first is
+    read.
     """
+    places, seconds, claims, weights, breaks = known
+    along, means, spreads, is_new = cable
     moved = np.zeros(4)
-    for k in range(first, last):
+    for k in range(first, first + len(noise)):
         is_new[k] = breaks[k]
         if not is_new[k]:
             moved = _moved(places[k - 1], places[k], means[k - 1])
@@ -137,17 +172,12 @@ def filter_forwards(  # noqa: PLR0917
 
 
 @compiled
-def smooth_backwards(  # noqa: PLR0917
-    places: FloatArray,
-    seconds: FloatArray,
-    is_new: BoolArray,
-    bend: float,
-    first: int,
-    last: int,
-    means: FloatArray,
-    spreads: FloatArray,
+def smooth_backwards(
+    known: KeyframeClaims, bend: float, first: int, last: int, cable: CurveStates
 ) -> None:
-    """Smooth the keyframes from the one before `last` back to `first`, in the last two arrays."""
+    """Smooth `cable` at the keyframes from the one before `last` back to `first`."""
+    places, seconds, _, _, _ = known
+    _, means, spreads, is_new = cable
     for k in range(min(last, len(places) - 1) - 1, first - 1, -1):
         if is_new[k + 1]:
             continue

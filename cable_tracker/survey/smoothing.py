@@ -29,7 +29,12 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.curve_filter import filter_forwards, smooth_backwards
+from cable_tracker.survey.curve_filter import (
+    CurveStates,
+    KeyframeClaims,
+    filter_forwards,
+    smooth_backwards,
+)
 from cable_tracker.survey.keyframes import LEAST_SPACING, Keyframes, summed, way_to
 from cable_tracker.survey.memory_mapped import Disk
 
@@ -130,20 +135,17 @@ def smooth(
     seconds = disk.filled(count, lambda part: _seconds_to(keyframes.stamps, part))
     inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
     usual = _usual_variance(keyframes, disk)
+    known = KeyframeClaims(
+        keyframes.places, seconds, keyframes.claims, cable.weights, keyframes.breaks
+    )
+    states = CurveStates(cable.along, cable.states, cable.covariances, is_new)
     for _ in range(ROUNDS):
         for part in disk.blocks(count):
             noise = _noise(keyframes.covariances[part], cable.scales, usual)
             noise *= inflation[part, None]
-            filter_forwards(
-                keyframes.places, seconds, keyframes.claims, noise, cable.weights, keyframes.breaks,
-                cable.bend, part.start, part.stop, cable.along, cable.states, cable.covariances,
-                is_new,
-            )  # fmt: skip
+            filter_forwards(known, noise, cable.bend, part.start, states)
         for part in disk.blocks_back(count) if way_back else ():
-            smooth_backwards(
-                keyframes.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
-                cable.covariances,
-            )  # fmt: skip
+            smooth_backwards(known, cable.bend, part.start, part.stop, states)
         cable = _with_new_weights(keyframes, cable, usual, disk)
     return cable
 
