@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
+from cable_tracker.metric.agreement_gate import AgreementGate
 from cable_tracker.metric.homography import (
     PlaneMotion,
     homography,
@@ -23,6 +23,8 @@ from cable_tracker.metric.homography import (
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import NoMotion, Odometry
 from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
+from cable_tracker.metric.texture_gate import TextureGate
+from cable_tracker.metric.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.succession import is_out_of_order
@@ -32,170 +34,12 @@ UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
 the vehicle does not cause: bends of the cable, relief of the bottom, time stamps [px at the
 reference width, rad]."""
 
-WINDOW = 12
-"""Frames over which predicted and observed motion are compared."""
-
-FEWEST = 5
-"""Smallest number of frames for a judgement."""
-
 CHECKED = 2
 """Number of components compared, d and alpha: they show every wrong velocity that does harm."""
-
-LARGEST_DRIFT = 4.0
-"""Largest drift of predictions over the window [standard deviations]."""
-
-LARGEST_STEP = 2.0
-"""Largest error of predictions in half of the frames [standard deviations]."""
-
-AGREEMENT = 0.6
-"""Share of both limits below which there is agreement."""
-
-CALM_FRAMES = 15
-"""Number of frames in a row with agreement before the filter is aided."""
-
-CALM_PICTURES = 5
-"""Number of pictures in a row that must agree with odometry after one that did not."""
-
-REMEMBERED_PICTURES = 12
-"""Number of pictures without texture for which the last one with some counts."""
 
 UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
 """Standard deviations of d, alpha, w, beta for each pixel of the corners' median error: 60 px from
 the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Unaided:
-    """Stands for a motion that the filter is not told of.
-
-    Attributes
-    ----------
-    why : str
-        In words.
-    disagrees : bool
-        Whether odometry has come and contradicts what the camera sees.
-    """
-
-    why: str
-    disagrees: bool = False
-
-
-NO_FRAME = Unaided("no frame has come")
-NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
-CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)
-TEXTURE_DISAGREES = Unaided(
-    "odometry disagrees with how the sea bed moves in the image", disagrees=True
-)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Step:
-    """One frame: what it showed beside what was predicted of d and alpha.
-
-    `residual` (2,), `unknown` (2,) variances of the prediction, `observed` (2,) of the estimates.
-    """
-
-    residual: FloatArray
-    unknown: FloatArray
-    observed: FloatArray
-
-
-class AgreementGate:
-    """Compares predicted with observed motion, and says whether predictions may be used.
-
-    Closed at first: odometry has to prove itself. Two medians are watched, which one frame in which
-    the filter jumps does not move. That of the residuals, times their number, is how far the
-    predictions have drifted off: a velocity that is always wrong shows in it, also while the filter
-    is drawn along. That of their sizes shows a motion that is missed and swings to and fro.
-    """
-
-    def __init__(self) -> None:
-        self._steps: deque[_Step] = deque(maxlen=WINDOW)
-        self._calm = 0
-        self._open = False
-        self._proved_wrong = False
-
-    def copy(self) -> AgreementGate:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._steps = self._steps.copy()
-        return other
-
-    @property
-    def is_open(self) -> bool:
-        """Whether predictions may be used."""
-        return self._open
-
-    @property
-    def doubt(self) -> Unaided | None:
-        """Why they may not; None if they may."""
-        if self._open:
-            return None
-        return CABLE_DISAGREES if self._proved_wrong else NOT_PROVED
-
-    def interrupt(self) -> None:
-        """Note that a frame could not be compared: drift does not add up across it."""
-        self._steps.clear()
-
-    def compare(self, residual: FloatArray, unknown: FloatArray, observed: FloatArray) -> None:
-        """Take one frame into account.
-
-        Parameters
-        ----------
-        residual : FloatArray
-            Observed minus predicted d and alpha, shape (2,) [px, rad].
-        unknown : FloatArray
-            Variances of the prediction, shape (2,).
-        observed : FloatArray
-            Variances of the estimate, shape (2,).
-        """
-        self._steps.append(_Step(residual, unknown, observed))
-        disagreement = self.disagreement()
-        if disagreement is None:
-            return
-        self._calm = self._calm + 1 if disagreement < AGREEMENT else 0
-        if disagreement > 1.0:
-            self._open, self._proved_wrong = False, True
-        elif not self._open and self._calm >= CALM_FRAMES:
-            self._open, self._proved_wrong = True, False
-
-    def disagreement(self) -> float | None:
-        """Return by how much the predictions are off, 1 at the limit; None: not known."""
-        count = len(self._steps)
-        if count < FEWEST:
-            return None
-        residuals = np.array([step.residual for step in self._steps])
-        unknown = np.array([step.unknown for step in self._steps])
-        ends = self._steps[0].observed + self._steps[-1].observed
-        drift = count * np.abs(np.median(residuals, axis=0)) / np.sqrt(unknown.sum(axis=0) + ends)
-        step = np.median(np.abs(residuals) / np.sqrt(unknown), axis=0)
-        return float(max(drift.max() / LARGEST_DRIFT, step.max() / LARGEST_STEP))
-
-
-class TextureGate:
-    """Says by the sea bed's texture whether predictions may be used.
-
-    Two pictures show at once what is wrong: odometry is believed until a picture speaks against it.
-    """
-
-    def __init__(self) -> None:
-        self._calm = CALM_PICTURES
-        self._unseen = REMEMBERED_PICTURES
-
-    @property
-    def verdict(self) -> bool | None:
-        """Whether predictions may be used; None: there is too little texture to tell."""
-        if self._unseen >= REMEMBERED_PICTURES:
-            return None
-        return self._calm >= CALM_PICTURES
-
-    def take(self, motion: TextureMotion | None) -> None:
-        """Take one picture into account; None: it showed too little."""
-        if motion is None:
-            self._unseen += 1
-            return
-        self._unseen = 0
-        self._calm = self._calm + 1 if motion.agrees else 0
 
 
 class MotionAiding:

@@ -14,7 +14,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.metric.aiding import MotionAiding, Unaided
+from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
@@ -24,6 +24,7 @@ from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.motion import Odometry
 from cable_tracker.metric.sea_bed_texture import TextureMotion
 from cable_tracker.metric.settings import instrument_settings, number
+from cable_tracker.metric.unaided import Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message

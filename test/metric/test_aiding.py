@@ -8,116 +8,19 @@ import pytest
 
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.aiding import (
-    CABLE_DISAGREES,
-    CALM_FRAMES,
-    CALM_PICTURES,
-    FEWEST,
-    NOT_PROVED,
-    REMEMBERED_PICTURES,
-    TEXTURE_DISAGREES,
-    AgreementGate,
-    MotionAiding,
-    TextureGate,
-)
+from cable_tracker.metric.agreement_gate import CALM_FRAMES, FEWEST
+from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.homography import PlaneMotion
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
+from cable_tracker.metric.sea_bed_texture import SeaBedTexture
+from cable_tracker.metric.texture_gate import CALM_PICTURES
+from cable_tracker.metric.unaided import CABLE_DISAGREES, NOT_PROVED, TEXTURE_DISAGREES
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25
-UNKNOWN = np.array([0.36, 1e-5])
-OBSERVED = np.array([1.0, 1e-4])
 PROVED = CALM_FRAMES + FEWEST + 1
 """The frame in which sound odometry is used for the first time, counted from 1."""
-
-
-def shown(gate, residuals):
-    for residual in residuals:
-        gate.compare(np.array([residual, 0.0]), UNKNOWN, OBSERVED)
-    return gate
-
-
-@pytest.fixture
-def proved() -> AgreementGate:
-    """A gate that has seen enough agreement to be open."""
-    gate = shown(AgreementGate(), [0.1, -0.1] * (CALM_FRAMES + FEWEST))
-    assert gate.is_open
-    return gate
-
-
-class TestGate:
-    def test_odometry_has_to_prove_itself(self):
-        gate = AgreementGate()
-        assert not gate.is_open
-        assert gate.disagreement() is None
-        assert gate.doubt == NOT_PROVED
-        shown(gate, [0.1, -0.1] * ((CALM_FRAMES + FEWEST - 2) // 2))
-        assert not gate.is_open
-        assert shown(gate, [0.1, -0.1]).is_open
-        assert gate.doubt is None
-
-    def test_noise_does_not_close_it(self, proved):
-        rng = np.random.default_rng(1)
-        for residual in rng.normal(0.0, 0.6, 2000):
-            assert shown(proved, [residual]).is_open
-
-    def test_a_drift_closes_it(self, proved):
-        assert not shown(proved, [1.1] * 12).is_open
-        assert proved.doubt == CABLE_DISAGREES
-
-    def test_a_motion_to_and_fro_that_is_missed_closes_it(self, proved):
-        assert not shown(proved, [2.0, -2.0] * 6).is_open
-
-    def test_a_jump_of_the_filter_does_not(self, proved):
-        assert shown(proved, [60.0] + [0.1, -0.1] * 10).is_open
-
-    def test_a_drift_of_the_angle_closes_it_too(self, proved):
-        for _ in range(12):
-            proved.compare(np.array([0.0, 0.02]), UNKNOWN, OBSERVED)
-        assert not proved.is_open
-
-    def test_it_opens_again_after_long_agreement(self, proved):
-        shown(proved, [2.5] * 12)
-        assert not shown(proved, [0.1, -0.1] * (CALM_FRAMES // 2)).is_open
-        assert shown(proved, [0.1, -0.1] * CALM_FRAMES).is_open
-
-    def test_drift_does_not_add_up_across_a_gap(self, proved):
-        proved.interrupt()
-        shown(proved, [2.5] * (FEWEST - 1))
-        proved.interrupt()
-        assert shown(proved, [2.5] * (FEWEST - 1)).is_open
-
-
-RIGHT, WRONG = TextureMotion(0.4, 8.0), TextureMotion(9.0, 8.0)
-
-
-class TestTextureGate:
-    @staticmethod
-    def shown(*motions):
-        gate = TextureGate()
-        for motion in motions:
-            gate.take(motion)
-        return gate
-
-    def test_at_first_nothing_is_known(self):
-        assert TextureGate().verdict is None
-
-    def test_odometry_is_believed_from_the_first_picture_that_agrees(self):
-        assert self.shown(RIGHT).verdict is True
-
-    def test_one_picture_that_disagrees_is_enough(self):
-        assert self.shown(*[RIGHT] * 50, WRONG).verdict is False
-
-    def test_then_it_takes_several_that_agree(self):
-        assert self.shown(WRONG, *[RIGHT] * (CALM_PICTURES - 1)).verdict is False
-        assert self.shown(WRONG, *[RIGHT] * CALM_PICTURES).verdict is True
-
-    @pytest.mark.parametrize("last", [RIGHT, WRONG])
-    def test_without_texture_the_last_verdict_holds_for_a_while(self, last):
-        assert self.shown(last, *[None] * (REMEMBERED_PICTURES - 1)).verdict is last.agrees
-        assert self.shown(last, *[None] * REMEMBERED_PICTURES).verdict is None
 
 
 class Drive:
