@@ -82,9 +82,12 @@ class MetricInputs(InstrumentInputs[CableSight]):
             )
         return motion
 
-    def publish(self, header: Message, estimate: CableEstimate) -> None:
-        """Publish the cable of an estimate in metres, if it can be told, and learn from it."""
+    def observe(self, estimate: CableEstimate) -> None:
+        """Take the filter's answer to a frame: odometry is judged by it."""
         self._sight.observe(estimate)
+
+    def publish(self, header: Message, estimate: CableEstimate) -> None:
+        """Publish the cable of an estimate in metres, if it can be told."""
         before, result = self._result, self._sight.measure(estimate)
         self._result = result
         if isinstance(result, Withheld):

@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
-from cable_tracker.ros.nodes.simulator_node import VehicleNode
+from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage

@@ -158,6 +158,7 @@ class TrackerNode(CameraNode):
         estimate = self._tracker.process(picture, stamp, self._metric.motion(stamp, picture))
         milliseconds = (time.perf_counter() - begin) * 1e3
         self._outputs.publish_centreline(header, estimate)
+        self._metric.observe(estimate)
         self._metric.publish(header, estimate)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1

@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
 
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.ros.nodes.simulator_node import TICKS
+from cable_tracker.ros.nodes.vehicle_node import TICKS
 from cable_tracker.sequences.messages.headers import stamp_of
 
 CURRENT_AHEAD = 2

@@ -1,0 +1,284 @@
+"""Base of the simulator nodes: `cmd_vel` in, a vehicle's camera and instruments out."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any, ClassVar, Protocol, cast
+
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, Imu
+
+from cable_tracker.cable.parameters.parameters import ParameterSpec
+from cable_tracker.errors import RosError
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
+from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.frame import RawImage
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header, make_time
+from cable_tracker.sequences.messages.images import make_image
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.instrument_messages import (
+    BASE,
+    CAMERA,
+    ODOM,
+    make_camera_info,
+    make_imu,
+    make_odometry,
+    make_true_odometry,
+)
+from cable_tracker.simulation.instruments import InstrumentSet
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+
+TICKS = 2
+"""Readings of odometry and imu for each frame."""
+
+
+class WorldSettings(Protocol):
+    """The settings of a world that its node needs."""
+
+    @property
+    def altitude(self) -> float:
+        """At which the vehicle begins [m]."""
+        ...
+
+    @property
+    def rate(self) -> float:
+        """Frames per second."""
+        ...
+
+
+class SimulatedWorld(Protocol):
+    """A vehicle in its surroundings, as `LiveWorld`."""
+
+    @property
+    def instruments(self) -> InstrumentSet:
+        """Instruments of the vehicle."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+        ...
+
+    @property
+    def settings(self) -> WorldSettings:
+        """Its settings."""
+        ...
+
+    @property
+    def camera(self) -> Camera:
+        """Camera of the vehicle."""
+        ...
+
+    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
+        """Let time pass."""
+        ...
+
+    def motion(self) -> VehicleState:
+        """Return where the vehicle is."""
+        ...
+
+
+class VehicleNode(ProcessNode):
+    """Lets a vehicle move as it is told, in real time or in lockstep with what tells it.
+
+    Holds what does not depend on the world: commands, time, odometry and imu. A subclass names its
+    parameters and implements the methods that raise `NotImplementedError`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    """
+
+    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = ()
+    """Parameters of the node."""
+
+    def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__(name, **node_arguments)
+        self._factory = RclpyMessages()
+        self._values = node_parameters.declare_all(self, self.PARAMETERS, read_only=True)
+        node_parameters.warn_of_unknown_overrides(self)
+        self._lockstep = bool(self._values["lockstep"])
+        self._vehicle_world = self._make_world()
+        self._altitude = self._vehicle_world.settings.altitude
+        self._command = VelocityCommand()
+        self._command_time = -math.inf
+        self._awaits_command = False
+        self._last: LastMessages | None = None
+        self._deadline = 0.0
+        self._tick = 0
+        self._begun = False
+        self._first_stamp = FIRST_STAMP
+        self._due = 0.0
+        self._create_topics()
+        self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
+
+    def _number(self, name: str) -> float:
+        return float(cast(float, self._values[name]))
+
+    def _whole(self, name: str) -> int:
+        return int(cast(int, self._values[name]))
+
+    def _make_world(self) -> SimulatedWorld:
+        raise NotImplementedError
+
+    def _publish_altitude(self, stamp: int) -> None:
+        """Publish what the altimeter reads at a frame, if the vehicle has one."""
+        return
+
+    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
+        """Publish what is true at a frame."""
+        raise NotImplementedError
+
+    def _draw(self, motion: VehicleState) -> RawImage:
+        """Return what the camera sees."""
+        raise NotImplementedError
+
+    def _is_at_end(self, motion: VehicleState) -> bool:
+        """Tell whether a frame is the last."""
+        raise NotImplementedError
+
+    def _create_topics(self) -> None:
+        self._image = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
+        self._info = self.create_publisher(CameraInfo, node_topics.CAMERA_INFO.name, qos.RESULTS)
+        self._imu = self.create_publisher(Imu, node_topics.IMU.name, qos.RESULTS)
+        self._odometry = self.create_publisher(Odometry, node_topics.ODOMETRY.name, qos.RESULTS)
+        self._true_odometry = self.create_publisher(
+            Odometry, node_topics.TRUE_ODOMETRY.name, qos.RESULTS
+        )
+        self._clock_publisher = None
+        if self._values["publish_clock"]:
+            self._clock_publisher = self.create_publisher(
+                Clock, node_topics.CLOCK.global_name, qos.RESULTS
+            )
+        self.create_subscription(Twist, node_topics.COMMAND.name, self.on_command, qos.RESULTS)
+
+    @property
+    def frames(self) -> int:
+        """How many frames have been sent."""
+        return (self._tick + TICKS - 1) // TICKS
+
+    def on_command(self, message: Message) -> None:
+        """Take a velocity through the water; what is not finite counts as 0."""
+        numbers = (message.linear.x, message.linear.y, message.linear.z, message.angular.z)
+        self._command = VelocityCommand(
+            *(float(value) if math.isfinite(value) else 0.0 for value in numbers)
+        )
+        self._command_time = time.monotonic()
+        self._awaits_command = False
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]."""
+        if self._last is not None:
+            return LOOK_AGAIN
+        if not self._begun or self._awaits_command:
+            return WAKE_UP
+        return 0.0 if self._lockstep else self._due - time.monotonic()
+
+    def work(self) -> None:
+        """Let the vehicle go on when it is time, and tell what its instruments say."""
+        if not self._begun:
+            self._begin()
+            return
+        if self._last is not None:
+            self.finished = self._last.have_arrived()
+            return
+        if self._awaits_command:
+            self._check_deadline()
+            return
+        if not self._lockstep and time.monotonic() < self._due:
+            return
+        self._go_on()
+
+    def _begin(self) -> None:
+        readers = (
+            (self._image, self._whole("image_readers")),
+            (self._odometry, self._whole("odometry_readers")),
+            *((each, self._whole("truth_readers")) for each in self._last_publishers()),
+        )
+        if any(publisher.get_subscription_count() < count for publisher, count in readers):
+            return
+        self._begun = True
+        self._due = time.monotonic()
+        if not self._lockstep:
+            self._first_stamp = int(self.get_clock().now().nanoseconds)
+
+    def _check_deadline(self) -> None:
+        if time.monotonic() > self._deadline:
+            raise RosError(
+                f"no cmd_vel came for frame {self.frames - 1} within"
+                f" {self._number('answer_timeout'):g} s; are tracker and controller running?"
+            )
+
+    def _go_on(self) -> None:
+        """Move on by one tick, and publish what is due at its end."""
+        period = 1.0 / (TICKS * self._vehicle_world.settings.rate)
+        passed = 0.0
+        if self._tick:
+            passed = period
+            self._vehicle_world.advance(self._current_command(), self._altitude, period)
+        stamp = self._first_stamp + round(self._tick * period * NANOSECONDS)
+        motion = self._vehicle_world.motion()
+        self._publish_readings(motion, stamp, passed)
+        if self._tick % TICKS == 0:
+            self._publish_frame(motion, stamp)
+        self._tick += 1
+        # A machine that is too slow makes time pass more slowly; frames do not pile up.
+        self._due = max(self._due + period, time.monotonic() - period)
+
+    def _current_command(self) -> VelocityCommand:
+        is_old = time.monotonic() - self._command_time > self._number("command_timeout")
+        return VelocityCommand() if is_old and not self._lockstep else self._command
+
+    def _publish_readings(self, motion: VehicleState, stamp: int, passed: float) -> None:
+        instruments = self._vehicle_world.instruments
+        if self._clock_publisher is not None:
+            self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
+        in_odom = make_header(self._factory, stamp, ODOM)
+        self._odometry.publish(
+            make_odometry(self._factory, in_odom, instruments.odometry(motion, passed))
+        )
+        header = make_header(self._factory, stamp, BASE)
+        self._imu.publish(
+            make_imu(self._factory, header, instruments.imu(motion), instruments.errors)
+        )
+
+    def _publish_frame(self, motion: VehicleState, stamp: int) -> None:
+        self._altitude = self._vehicle_world.instruments.altitude(motion)
+        camera_header = make_header(self._factory, stamp, CAMERA)
+        self._info.publish(
+            make_camera_info(self._factory, camera_header, self._vehicle_world.camera)
+        )
+        in_odom = make_header(self._factory, stamp, ODOM)
+        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, motion))
+        picture = self._draw(motion)
+        self._publish_altitude(stamp)
+        self._publish_truth(motion, stamp)
+        is_at_end = self._is_at_end(motion)
+        self._awaits_command = self._lockstep and not is_at_end
+        self._deadline = time.monotonic() + self._number("answer_timeout")
+        self._image.publish(make_image(self._factory, picture, camera_header))
+        if is_at_end:
+            ending = (self._image, self._true_odometry, *self._last_publishers())
+            self._last = LastMessages(ending)
+            self.get_logger().info(f"the way is at its end after {self._vehicle_world.time:.1f} s")
+
+    def _last_publishers(self) -> tuple[Publisher, ...]:
+        """Return further publishers whose last message must arrive before the node ends."""
+        return ()
