@@ -37,7 +37,11 @@ from cable_tracker.cable.hypotheses.evidence_correction import (
 from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
-from cable_tracker.cable.hypotheses.sample import Sample, importance_log_weights
+from cable_tracker.cable.hypotheses.sample import (
+    Sample,
+    importance_log_weights,
+    lost_to_shadows,
+)
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.score_likelihood import (
     KNOWN_MODEL,
@@ -255,6 +259,7 @@ def corrected_clusters(
         log_posterior,
         sample.densities,
         sample.map_log_ratios[: len(states)],
+        lost_to_shadows(sample, len(states)),
     )
     measured = MeasuredGroups(groups, background.alike, appearances)
     log_weights = normalise_log_weights(

@@ -123,6 +123,20 @@ def fill_log_likelihoods(
 
 
 @compiled_part
+def lost_to_shadows(sample: Sample, count: int) -> FloatArray:
+    """Return what shadows take from the log-likelihood ratios of the first particles, (count,).
+
+    As a bright cable a particle loses nothing: at most what makes the dark one the likelier.
+    """
+    losses = np.empty(count)
+    for row in range(count):
+        log_ratios = sample.measured.log_ratios[row]
+        darker = max(log_ratios[DARK] - log_ratios[BRIGHT], 0.0)
+        losses[row] = min(sample.shadow_losses[row], darker)
+    return losses
+
+
+@compiled_part
 def importance_log_weights(sample: Sample, count: int, power: float) -> FloatArray:
     """Return log(f L^power / q) of the first particles, shape (count,)."""
     weights = np.empty(count)
