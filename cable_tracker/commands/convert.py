@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     ForceOption,
     OutsideOption,
     RateOption,
@@ -32,7 +33,7 @@ def convert(  # noqa: PLR0917
         ImageFormat, typer.Option("--format", help="Pixels: as recorded, grey, or JPEG.")
     ] = ImageFormat.AS_IS,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,

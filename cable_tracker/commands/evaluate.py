@@ -22,9 +22,9 @@ from cable_tracker.commands.campaign_options import (
     seeds_from,
 )
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     ForceOption,
     OutsideOption,
-    RateOption,
     SkipOption,
     TopicOption,
     TruthOption,
@@ -117,7 +117,10 @@ def evaluate(  # noqa: PLR0917
     dashboard: DashboardOption = False,
     resume: ResumeOption = False,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: Annotated[
+        float | None,
+        typer.Option(help=f"Frames per second of a folder of images.  [default: {USUAL_RATE:g}]"),
+    ] = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
@@ -134,6 +137,7 @@ def evaluate(  # noqa: PLR0917
         of_recordings = {
             "--unlabelled-is-empty": unlabelled_is_empty,
             "--topic": topic,
+            "--rate": rate,
             "--skip-bad-frames": skip_bad_frames,
             "--allow-outside": allow_outside,
         }
@@ -144,7 +148,8 @@ def evaluate(  # noqa: PLR0917
     numbers = seeds_from(seeds, first_seed)
     chosen = None
     if source is not None:
-        chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+        known_rate = USUAL_RATE if rate is None else rate
+        chosen = ChosenRecording(source, topic, known_rate, truth, skip_bad_frames, allow_outside)
     if targets:
         tuned = tuned_targets(params)
         followed = TargetCampaign(

@@ -10,6 +10,7 @@ import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     AltitudeOption,
     CameraInfoOption,
     ImuOption,
@@ -77,7 +78,7 @@ def gui(  # noqa: PLR0917
     params: ParamsOption = None,
     seed: SeedOption = None,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     OutsideOption,
     RateOption,
     SkipOption,
@@ -37,7 +38,7 @@ def label(  # noqa: PLR0917
         ),
     ] = None,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
     host: HostOption = "127.0.0.1",

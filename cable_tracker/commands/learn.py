@@ -23,6 +23,7 @@ from cable_tracker.commands.learning_sources import (
     total_of,
 )
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     ForceOption,
     OutsideOption,
     PresetOption,
@@ -80,7 +81,7 @@ def learn(  # noqa: PLR0917
     seed: SeedOption = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:

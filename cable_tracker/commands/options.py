@@ -53,6 +53,8 @@ SourceArgument = Annotated[
 TopicOption = Annotated[
     str | None, typer.Option(help="Image topic of a bag; needed only where it has several.")
 ]
+USUAL_RATE = 25.0
+"""Frames per second of image folders, unless the user says otherwise."""
 RateOption = Annotated[
     float, typer.Option(help="Frames per second of image folders, which have no times.")
 ]

@@ -17,6 +17,7 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
 )
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     AltitudeOption,
     CameraInfoOption,
     FixOption,
@@ -79,7 +80,7 @@ def survey(  # noqa: PLR0917
     params: ParamsOption = None,
     seed: SeedOption = None,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     vehicle: VehicleOption = None,
     camera_info_topic: CameraInfoOption = None,
     altitude_topic: AltitudeOption = None,

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     BagOption,
     CameraInfoOption,
     ForceOption,
@@ -77,7 +78,7 @@ def target(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
     target_size: Annotated[

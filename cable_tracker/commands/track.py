@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     AltitudeOption,
     BagOption,
     CameraInfoOption,
@@ -74,7 +75,7 @@ def track(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,

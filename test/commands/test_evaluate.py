@@ -135,6 +135,7 @@ def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
         (("--first-seed", "2000000000"), "first-seed is 2000000000: give 0 to"),
         (("--truth", "x.txt"), "give it with --source"),
         (("--unlabelled-is-empty",), "--unlabelled-is-empty can only do something for a recording"),
+        (("--rate", "25"), "--rate can only do something for a recording"),
         (("--topic", "x", "--allow-outside"), "--topic and --allow-outside can only do something"),
         (("--skip-bad-frames", "--targets"), "--skip-bad-frames can only do something"),
         (("--source", "x.txt", "--scenario", "S1"), "--source takes the place of"),

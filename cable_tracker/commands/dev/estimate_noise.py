@@ -13,6 +13,7 @@ import typer
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.commands.options import (
+    USUAL_RATE,
     OutsideOption,
     RateOption,
     SkipOption,
@@ -36,7 +37,7 @@ def estimate_noise(  # noqa: PLR0917
     source: Annotated[Path, typer.Argument(help="Labelled recording of any kind.")],
     truth: TruthOption = None,
     topic: TopicOption = None,
-    rate: RateOption = 25.0,
+    rate: RateOption = USUAL_RATE,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
