@@ -84,7 +84,8 @@ class WeighedParticles(NamedTuple):
         What the map of the frame added to their log-likelihoods, shape (N,) [nats]: of groups the
         appearance says it.
     shadow_losses : FloatArray
-        What their log-likelihood ratios have lost because they may be shadows, shape (N,) [nats].
+        What their log-likelihood ratios have lost because they may be shadows, shape (N,) [nats];
+        see `lost_to_shadows`.
     """
 
     states: FloatArray
@@ -124,7 +125,8 @@ class GroupEvidence(NamedTuple):
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
     counted : FloatArray
         share x `thin_factor` x (`log_ratio` - map - background), plus, where no cable is known, the
-        appearance above `ORDINARY_APPEARANCE` [nats]; see `background_share`.
+        appearance above `ORDINARY_APPEARANCE` less (1 - share) x the loss to shadows, the rest of
+        which is in `log_ratio` [nats]; see `background_share`.
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
