@@ -11,6 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
+from cable_tracker.cable.measure.bend import STRAIGHT
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, working_image_for
@@ -63,6 +64,7 @@ class CableTracker:
         self._table = load_table(self._parameters.response_table)
         self._filter: CableFilter[Any] | None = None
         self._belief: ParticleBelief | None = None
+        self._bend = STRAIGHT
         self._given: GivenState | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -115,6 +117,7 @@ class CableTracker:
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = None
         self._belief = None
+        self._bend = STRAIGHT
         self._given = None
         self._status = StatusMachine()
         self._frame = None
@@ -164,11 +167,13 @@ class CableTracker:
         if step.event:
             self._filter = None
             self._belief = None
+            self._bend = STRAIGHT
             self._status = StatusMachine()
         self._frame = frame
-        working_image = working_image_for(image, self._parameters)
+        working_image = working_image_for(image, self._parameters, self._bend)
         known = motion if has_previous_frame and not step.event else None
         summary = self._find(working_image, step.dt, known)
+        self._bend = working_image.next_bend
         return self._estimate(summary, step.dt, step.event)
 
     def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> BeliefSummary:

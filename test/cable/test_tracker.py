@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cable_tracker.cable.measure.bend import Bend, straightened
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
@@ -632,6 +633,17 @@ def test_with_its_detector_a_cable_anywhere_is_found_lost_and_found_elsewhere(
     again = run(tracker, repeated(draw_strip(elsewhere, (160, 120)), 40, START + 50 * FRAME))
     assert again[-1].status is TRACKING
     assert again[-1].state.distance == pytest.approx(-40.0, abs=2.0)
+
+
+def test_a_thin_cable_that_curves_is_claimed_along_its_straight_line(draw_strip):
+    state = CableState(12.0, 0.2, 6.0, 0.0)
+    curved = straightened(draw_strip(state), Bend(-0.06))
+    tracker = make_tracker(preset("default"))
+    *_, last = run(tracker, repeated(curved, 12))
+    assert last.status is TRACKING
+    assert last.state.distance == pytest.approx(state.distance, abs=3.0)
+    assert last.state.angle == pytest.approx(state.angle, abs=2.0 * DEGREE)
+    assert last.state.width < 12.0
 
 
 def test_with_its_detector_the_same_frames_and_seed_give_the_same_bits(dive):

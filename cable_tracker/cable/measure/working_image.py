@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.cable_map import CableMap
+from cable_tracker.cable.measure.bend import (
+    STRAIGHT,
+    Bend,
+    bend_after,
+    bend_of_map,
+    straightened,
+)
+from cable_tracker.cable.measure.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.illumination import evenly_lit
 from cable_tracker.cable.measure.map_network import make_cable_map
@@ -61,6 +68,8 @@ class WorkingImage:
         Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
     gradients_alone : bool
         Whether nothing else is measured, as by the observation of the thesis.
+    bend : Bend
+        What is taken out of the frame before anything but the map is worked out.
     """
 
     frame: Image
@@ -69,6 +78,7 @@ class WorkingImage:
     sample_spacing: float
     light_correction: float = 0.0
     gradients_alone: bool = False
+    bend: Bend = STRAIGHT
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -78,12 +88,19 @@ class WorkingImage:
     @cached_property
     def pixels(self) -> Image:
         """Grey levels, float32, shape (h, w); those of a reduced uint8 frame are whole numbers."""
-        return np.array(self._reduced(self.frame), dtype=np.float32, order="C")
+        return np.array(self._straight, dtype=np.float32, order="C")
 
-    def _reduced(self, frame: Image) -> Image:
+    @cached_property
+    def _straight(self) -> Image:
+        """The reduced frame without its bend, of the frame's dtype."""
+        return straightened(self._reduced, self.bend)
+
+    @cached_property
+    def _reduced(self) -> Image:
+        """The reduced frame, of its dtype."""
         if self.size == self.frame_size:
-            return frame
-        height = len(frame)
+            return self.frame
+        frame, height = self.frame, len(self.frame)
         if height >= THINNED_FROM * self.size[1] and height % ROWS_PER_THINNED == 0:
             # The middle one of every three rows: the centre of the picture stays where it is.
             frame = frame[ROWS_PER_THINNED // 2 :: ROWS_PER_THINNED]
@@ -107,7 +124,22 @@ class WorkingImage:
     @cached_property
     def cable_map(self) -> CableMap:
         """Where a cable may be, worked out when it is first asked for."""
-        return make_cable_map(self.pixels, self.frame_size[0])
+        bent = self._bent_map
+        if self.bend.amplitude == 0.0:
+            return bent
+        probabilities = straightened(bent.probabilities, self.bend)
+        return cable_map_of(probabilities, bent.left, bent.top, bent.cell)
+
+    @cached_property
+    def _bent_map(self) -> CableMap:
+        return make_cable_map(self._reduced.astype(np.float32), self.frame_size[0])
+
+    @property
+    def next_bend(self) -> Bend:
+        """The bend for the next frame: as the map shows it, or as it was if none was asked for."""
+        if "_bent_map" not in vars(self):
+            return self.bend
+        return bend_after(self.bend, bend_of_map(self._bent_map.probabilities))
 
     @cached_property
     def scanned(self) -> ScannedFrame:
@@ -119,7 +151,7 @@ class WorkingImage:
         )
         if self.gradients_alone:
             kernels = kernels._replace(region=kernels.region[:0])
-        picture = evenly_lit(self._reduced(self.frame), self.light_correction)
+        picture = evenly_lit(self._straight, self.light_correction)
         return scan_frame(picture, self.line_spacing, kernels)
 
 
@@ -177,9 +209,11 @@ def make_working_image(
     )
 
 
-def working_image_for(image: Image, parameters: TrackerParameters) -> WorkingImage:
+def working_image_for(
+    image: Image, parameters: TrackerParameters, bend: Bend = STRAIGHT
+) -> WorkingImage:
     """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
-    return make_working_image(
+    made = make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
@@ -187,3 +221,4 @@ def working_image_for(image: Image, parameters: TrackerParameters) -> WorkingIma
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
     )
+    return replace(made, bend=bend)
