@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from cable_tracker.ros.entry import run
+from cable_tracker.ros.process.stop_request import StopRequest
+
 
 @pytest.mark.parametrize(
     ("name", "raised", "missing"),
@@ -49,22 +52,14 @@ def test_another_missing_module_is_not_taken_for_ros(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code"),
-    [
-        (["--help"], 0),
-        (["-p", "particle_count:=9"], 2),
-        pytest.param(["thesis"], 2, marks=pytest.mark.slow),
-    ],
+    ("arguments", "code"), [(["--help"], 0), (["-p", "particle_count:=9"], 2), (["thesis"], 2)]
 )
 def test_what_does_not_stand_behind_ros_args_is_not_passed_over(
-    arguments: list[str], code: int
+    arguments: list[str],
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
-    run = subprocess.run(
-        [sys.executable, "-m", "cable_tracker.ros.entry", "tracker", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
-    assert run.returncode == code
-    assert run.stderr.startswith("usage: tracker --ros-args")
+    monkeypatch.setattr("cable_tracker.ros.entry.stop_on_signals", StopRequest)
+    assert run("tracker", ["tracker", *arguments]) == code
+    assert capfd.readouterr().err.startswith("usage: tracker --ros-args")

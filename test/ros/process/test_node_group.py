@@ -15,11 +15,13 @@ def test_nodes_stand_in_the_namespace_under_the_names_that_are_given(namespace, 
         assert group.what_has_died() == ""
 
 
-def test_a_node_that_ends_with_an_error_has_died(namespace):
+def test_a_node_that_ends_with_an_error_has_died(namespace, stand_in):
+    stand_in("import sys; sys.exit('error: there is no such file')\n")
     with NodeGroup(namespace) as group:
         process = group.start("replay", {"source": "/nowhere"}, may_end=True)
         assert process.wait(300.0)
-        assert group.what_has_died().startswith("the replay node has died: error: ")
+        words = "the replay node has died: error: there is no such file"
+        assert group.what_has_died() == words
 
 
 def test_a_process_ends_with_the_group(namespace):

@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 
 from cable_tracker.errors import RosError
+from cable_tracker.ros import entry
 from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.ros_context import PLAIN_FILE_ADVICE
 from cable_tracker.ros.process.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
-ONE_IN_QUICK = [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
-"""Both are handled by the same function; where that is held elsewhere, one will do."""
+"""Both are handled by the same function; one test holds that, for the others one will do."""
 
 LONGEST_END = 300.0
 """What has not ended by then does not end [s]."""
@@ -88,15 +88,14 @@ def start(tmp_path: Path, namespace: str) -> Iterator[Callable[..., Run]]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 class TestSignals:
-    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
-    @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
+    @pytest.mark.parametrize("delay", [0.0, 0.3])
     def test_a_signal_while_it_starts_ends_it(
-        self, start: Callable[..., Run], signal_number: int, delay: float
+        self, start: Callable[..., Run], delay: float
     ) -> None:
         run = start("tracker", NO_WATCH)
         run.wait_until_it_listens_to_signals()
         time.sleep(delay)
-        code = run.end(signal_number)
+        code = run.end(signal.SIGTERM)
         unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
 
@@ -110,14 +109,8 @@ class TestSignals:
         unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
 
-    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     def test_a_signal_ends_a_tracker_in_the_middle_of_its_frames(
-        self,
-        start: Callable[..., Run],
-        world: Any,
-        make_dive: Callable[..., Path],
-        namespace: str,
-        signal_number: int,
+        self, start: Callable[..., Run], world: Any, make_dive: Callable[..., Path]
     ) -> None:
         from sensor_msgs.msg import JointState  # noqa: PLC0415
 
@@ -127,29 +120,43 @@ class TestSignals:
         tracker = start("tracker", "image_reliability:=reliable", "particle_count:=20000")
         replay = start("replay", source, "lockstep:=true", "loop:=true", NO_HASTE)
         world.spin(lambda: len(states) > 2)
-        assert tracker.end(signal_number) == 0
+        assert tracker.end(signal.SIGINT) == 0
         assert "Traceback" not in tracker.errors()
-        assert replay.end(signal_number) == 0
+        assert replay.end(signal.SIGINT) == 0
         assert "Traceback" not in replay.errors()
 
-    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     def test_a_signal_ends_a_replay_that_waits(
         self,
         start: Callable[..., Run],
         world: Any,
         make_dive: Callable[..., Path],
         namespace: str,
-        signal_number: int,
     ) -> None:
         run = start("replay", f"source:={make_dive(3)}", "lockstep:=true", NO_HASTE)
         wait_for(world, "replay", namespace)
-        assert run.end(signal_number) == 0
+        assert run.end(signal.SIGINT) == 0
         assert "Traceback" not in run.errors()
         assert "sent 0 frames" in run.errors()
 
 
 def wait_for(world: Any, name: str, namespace: str) -> None:
     world.spin(lambda: (name, namespace) in world.me.get_node_names_and_namespaces())
+
+
+@pytest.fixture
+def run_here(
+    namespace: str, capfd: pytest.CaptureFixture[str]
+) -> Iterator[Callable[..., tuple[int, str]]]:
+    """Run a node as its executable does, but in this process; exit code and errors."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+
+    def run_and_read(name: str, *words: str) -> tuple[int, str]:
+        code = entry.run(name, [name, "--ros-args", "-r", f"__ns:={namespace}", *words])
+        return code, capfd.readouterr().err
+
+    yield run_and_read
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 class TestExitCodes:
@@ -161,61 +168,67 @@ class TestExitCodes:
         assert run.end() == 0
         assert "sent 3 frames" in run.errors()
 
-    def test_a_missing_recording_is_one_line_and_exit_code_2(
-        self, start: Callable[..., Run], tmp_path: Path
+    def test_what_the_user_must_mend_ends_a_process_with_2_and_without_a_traceback(
+        self, start: Callable[..., Run]
     ) -> None:
-        missing = tmp_path / "missing.mcap"
-        run = start("replay", f"source:={missing}")
+        run = start("tracker", "particle_count:=many")
         assert run.end() == 2
         lines = run.errors().splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith("error: ") and "particle_count" in lines[0]
+
+    def test_a_missing_recording_is_one_line_and_exit_code_2(
+        self, run_here: Callable[..., tuple[int, str]], tmp_path: Path
+    ) -> None:
+        missing = tmp_path / "missing.mcap"
+        code, errors = run_here("replay", "-p", f"source:={missing}")
+        assert code == 2
+        lines = errors.splitlines()
         assert len(lines) == 1
         assert lines[0].startswith(f"error: {missing}: there is no such file")
 
     @pytest.mark.parametrize(
         ("parameter", "name"),
         [
-            ("particle_count:=many", "particle_count"),
-            pytest.param("particle_count:=[]", "particle_count", marks=pytest.mark.slow),
-            pytest.param("response_table:=nowhere.json", "response_table", marks=pytest.mark.slow),
+            ("particle_count:=[]", "particle_count"),
+            ("response_table:=nowhere.json", "response_table"),
             ("use_sim_time:=3", "use_sim_time"),
         ],
     )
     def test_a_bad_parameter_is_one_line_and_exit_code_2(
-        self, start: Callable[..., Run], parameter: str, name: str
+        self, run_here: Callable[..., tuple[int, str]], parameter: str, name: str
     ) -> None:
-        run = start("tracker", parameter)
-        assert run.end() == 2
-        lines = run.errors().splitlines()
+        code, errors = run_here("tracker", "-p", parameter)
+        assert code == 2
+        lines = errors.splitlines()
         assert len(lines) == 1
         assert lines[0].startswith("error: ") and name in lines[0]
 
     def test_a_bad_parameter_file_is_told_without_a_traceback(
-        self, start: Callable[..., Run], tmp_path: Path
+        self, run_here: Callable[..., tuple[int, str]]
     ) -> None:
-        run = start("tracker", "particle_count:=[1.0, 2]")
-        assert run.end() == 2
-        assert "error: ROS does not start; look at the --ros-args" in run.errors()
-        assert "Traceback" not in run.errors()
+        code, errors = run_here("tracker", "-p", "particle_count:=[1.0, 2]")
+        assert code == 2
+        assert "error: ROS does not start; look at the --ros-args" in errors
+        assert "Traceback" not in errors
 
     def test_for_a_plain_parameter_file_it_is_told_how_a_node_wants_it(
-        self, tmp_path: Path
+        self, run_here: Callable[..., tuple[int, str]], tmp_path: Path
     ) -> None:
         file = tmp_path / "vehicle.yaml"
         file.write_text("cable_height: 0.056\n")
-        run = Run("tracker", ["--ros-args", "--params-file", str(file)], tmp_path)
-        try:
-            assert run.end() == 2
-            assert PLAIN_FILE_ADVICE in run.errors()
-        finally:
-            run.close()
+        code, errors = run_here("tracker", "--params-file", str(file))
+        assert code == 2
+        assert PLAIN_FILE_ADVICE in errors
 
     def test_a_damaged_recording_ends_with_2_after_its_frames(
-        self, start: Callable[..., Run], damaged_dive: Path
+        self, run_here: Callable[..., tuple[int, str]], damaged_dive: Path
     ) -> None:
-        run = start("replay", f"source:={damaged_dive}", "rate:=100.0", "wait_for_tracker:=false")
-        assert run.end() == 2
-        assert f"error: {damaged_dive}: damaged" in run.errors()
-        assert "Traceback" not in run.errors()
+        given = (f"source:={damaged_dive}", "rate:=100.0", "wait_for_tracker:=false")
+        code, errors = run_here("replay", *(word for each in given for word in ("-p", each)))
+        assert code == 2
+        assert f"error: {damaged_dive}: damaged" in errors
+        assert "Traceback" not in errors
 
 
 class Worker(ProcessNode):
