@@ -2,6 +2,7 @@
 
 import tracemalloc
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -27,12 +28,18 @@ MOST_BYTES = 120
 these pictures are 5 cm apart. All in memory it would be more than 700."""
 
 
+@cache
+def dive_to_read(plan: Plan) -> ForwardDive:
+    """A dive of which only copies are worked on."""
+    return make_dive(plan)
+
+
 def hard_dive(disk: Disk, length: float = 50.0) -> ForwardDive:
     """Two ways along the cable, the second with an odometry that began anew; with fixes."""
     dive, frame = ForwardDive(make_dive(Plan(length=1.0)).path, disk), LocalFrame(*DATUM)
-    plan = Plan(length=length, hidden=[(10.0, 14.0)], rope=[(30.0, 33.0)], wrong=[(20.0, 21.0)])
+    plan = Plan(length=length, hidden=((10.0, 14.0),), rope=((30.0, 33.0),), wrong=((20.0, 21.0),))
     for number, turn in enumerate((0.0, 3.0)):
-        other = make_dive(replace(plan, seed=number))
+        other = dive_to_read(replace(plan, seed=number))
         later = number * 10**12
         for row in other.table.rows:
             own = dive.table.append()
