@@ -83,7 +83,7 @@ def test_there_are_not_more_runs_at_once_than_domains(tmp_path):
 @pytest.mark.slow
 def test_several_runs_make_one_table(tmp_path):
     run(
-        "loop", "--length", "1.5", "--size", "160x120", "--method", "hough", "--method", "lsd",
+        "loop", "--length", "1", "--size", "160x120", "--method", "hough", "--method", "lsd",
         "--workers", "2", "--output", str(tmp_path / "loops"),
     )  # fmt: skip
     with (tmp_path / "loops" / RUNS).open(encoding="utf-8") as file:

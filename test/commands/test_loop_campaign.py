@@ -8,7 +8,7 @@ pytestmark = pytest.mark.slow
 
 pytest.importorskip("rclpy")
 
-SHORT = ("--length=1.5", "--buried=0", "--size=160x120", "--no-video")
+SHORT = ("--length=1", "--buried=0", "--size=160x120", "--no-video")
 
 
 def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
