@@ -392,7 +392,7 @@ class TestServices:
 
     def test_pausing_stops_the_frames(self, world: Any, make_dive: Dive) -> None:
         heard = world.listen(Image, "image")
-        node = world.replay(source=str(make_dive(30)), rate=1, loop=True)
+        node = world.replay(source=str(make_dive(15)), rate=1, loop=True)
         world.spin(lambda: len(heard) >= 2)
         assert world.call(SetBool, "replay/pause", data=True).message == "paused"
         world.spin(lambda: len(heard) == node.sent)
@@ -403,7 +403,7 @@ class TestServices:
         world.spin(lambda: node.sent > sent)
 
     def test_stepping_while_playing_is_refused(self, world: Any, make_dive: Dive) -> None:
-        world.replay(source=str(make_dive(30)), rate=0.1, loop=True)
+        world.replay(source=str(make_dive(15)), rate=0.1, loop=True)
         response = world.call(Trigger, "replay/step")
         assert not response.success and response.message == "not paused"
 
@@ -435,7 +435,7 @@ class TestServices:
         self, world: Any, make_dive: Dive
     ) -> None:
         # So slowly that the call comes long before the end.
-        node = world.replay(source=str(make_dive(30)), loop=True, rate=0.01)
+        node = world.replay(source=str(make_dive(15)), loop=True, rate=0.01)
         node.set_parameters([Parameter("start", value=60.0)])
         assert not world.call(Trigger, "replay/restart").success
         node.work()
@@ -475,8 +475,8 @@ class TestLockstep:
             evidence_to_lose=-10.0,
             confirmation_time=0.0,
         )
-        path = str(make_dive(20))
-        for count in (20, 40):
+        path = str(make_dive(10))
+        for count in (10, 20):
             node = world.replay(source=path, lockstep=True)
             world.spin(lambda node=node: node.finished)
             world.spin(lambda count=count: len(states) == count)
@@ -484,7 +484,7 @@ class TestLockstep:
             node.destroy_node()
             tracker.on_reset(Trigger.Request(), Trigger.Response())
         assert any(state.position for state in states)
-        assert states[:20] == states[20:]
+        assert states[:10] == states[10:]
 
     def test_refused_frames_are_answered_too(
         self, world: Any, make_dive: Dive, tmp_path: Path
