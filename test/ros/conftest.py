@@ -272,6 +272,11 @@ def world(context: Any, namespace: str) -> Iterator[World]:
 
 def draw_strip(state: CableState = TRUTH, size: tuple[int, int] = (320, 240)) -> Image:
     """Draw a bright strip on a noisy ground, uint8."""
+    return drawn_strip(state, size).copy()
+
+
+@cache
+def drawn_strip(state: CableState, size: tuple[int, int]) -> Image:
     width, height = size
     x = np.arange(width) - (width - 1) / 2
     y = (height - 1) / 2 - np.arange(height)
@@ -281,7 +286,7 @@ def draw_strip(state: CableState = TRUTH, size: tuple[int, int] = (320, 240)) ->
     return np.clip(np.rint(70.0 + 100.0 * inside + noise), 0, 255).astype(np.uint8)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def strip() -> Callable[..., Image]:
     return draw_strip
 
@@ -292,13 +297,13 @@ def truth() -> CableState:
     return TRUTH
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def near() -> str:
     """An initial state near the strip of `strip`."""
     return NEAR
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def stamp_of_index() -> Callable[[int], int]:
     return lambda index: FIRST + index * STEP
 

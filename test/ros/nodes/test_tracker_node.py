@@ -21,7 +21,7 @@ from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.trackers import make_tracker
 
-FRAMES = 6
+FRAMES = 4
 
 
 def stacked(*planes: Any) -> np.ndarray:
@@ -33,26 +33,25 @@ def in_encoding(grey: np.ndarray, encoding: str) -> np.ndarray:
     full, neutral = np.full_like(grey, 255), np.full_like(grey, 128)
     if encoding == "32FC1":
         return grey.astype(np.float32) / np.float32(255.0)
-    if encoding in ("mono8", "8UC1") or (encoding.startswith("bayer") and encoding.endswith("8")):
+    if encoding in ("mono8", "bayer_rggb8"):
         return grey
-    if encoding in ("mono16", "16UC1") or encoding.startswith("bayer"):
+    if encoding in ("mono16", "bayer_rggb16"):
         return grey.astype(np.uint16) * np.uint16(257)
-    if encoding in ("yuv422", "uyvy"):
+    if encoding == "uyvy":
         return stacked(neutral, grey)
-    if encoding in ("yuyv", "yuv422_yuy2"):
+    if encoding == "yuyv":
         return stacked(grey, neutral)
-    if encoding in ("bgra8", "rgba8"):
+    if encoding == "rgba8":
         return stacked(grey, grey, grey, full)
     return stacked(grey, grey, grey)
 
 
 ENCODINGS = [
-    *(("mono8", False), ("8UC1", False), ("bgr8", False), ("rgb8", False), ("8UC3", False)),
-    *(("bgra8", False), ("rgba8", False), ("yuv422", False), ("uyvy", False), ("yuyv", False)),
-    *((f"bayer_{pattern}8", False) for pattern in ("rggb", "bggr", "gbrg", "grbg")),
-    *((name, big) for name in ("mono16", "16UC1", "32FC1") for big in (False, True)),
-    *(("bayer_rggb16", big) for big in (False, True)),
+    *(("mono8", False), ("bgr8", False), ("rgba8", False), ("uyvy", False), ("yuyv", False)),
+    *(("bayer_rggb8", False), ("bayer_rggb16", True)),
+    *((name, big) for name in ("mono16", "32FC1") for big in (False, True)),
 ]
+"""One of each kind: what else stands in their table is decoded as these are."""
 
 
 @pytest.fixture
@@ -78,7 +77,7 @@ def assert_same_line(state: CableState | None, other: CableState | None, toleran
     assert math.degrees(state.angle - other.angle) == pytest.approx(0.0, abs=tolerance)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def reference(
     near: str, strip: Callable[..., np.ndarray], stamp_of_index: Callable[[int], int]
 ) -> CableState:
@@ -95,7 +94,7 @@ class TestEncodings:
         ("encoding", "bigendian", "padding"),
         [
             *((encoding, bigendian, 12) for encoding, bigendian in ENCODINGS),
-            *(("mono8", False, 0), ("bgr8", False, 0), ("mono16", True, 0), ("uyvy", False, 0)),
+            *(("mono8", False, 0), ("mono16", True, 0)),
         ],
     )
     def test_every_encoding_gives_the_estimate_of_mono8(
@@ -157,13 +156,8 @@ class TestEncodings:
 
 BAD_IMAGES = {
     "unknown encoding": ({"encoding": "mono7"}, "unknown encoding 'mono7'"),
-    "empty encoding": ({"encoding": ""}, "unknown encoding"),
     "short data": ({"data": b"\x00" * 100}, "too short"),
-    "no data": ({"data": b""}, "too short"),
-    "long data": ({"data": b"\x00" * (320 * 240 + 1)}, "too long"),
     "small step": ({"step": 319}, "step 319 is too small"),
-    "zero step": ({"step": 0}, "step 0 is too small"),
-    "zero width": ({"width": 0}, "no pixels"),
     "zero height": ({"height": 0}, "no pixels"),
     "huge": ({"width": 2**32 - 1, "height": 2**32 - 1}, "pixels"),
     "tiny": ({"width": 1, "height": 1, "step": 1, "data": b"\x00"}, "too small"),
@@ -203,7 +197,7 @@ class TestBadFrames:
         world.spin(lambda: len(states) == 5)
         assert read_state(states[-1]) is not None
 
-    @pytest.mark.parametrize("length", [0, 10, 1000, -1000])
+    @pytest.mark.parametrize("length", [0, -1000])
     def test_a_truncated_jpeg_is_refused(
         self, world: Any, compressed_message: Callable[..., Any], length: int
     ) -> None:
@@ -279,11 +273,11 @@ class TestTopics:
         states = world.listen(JointState, "state")
         lines = world.listen(PoseWithCovarianceStamped, "centreline")
         statuses = []
-        for index in range(40):
-            blank = np.full((240, 320), 90, np.uint8) if index >= 20 else strip()
+        for index in range(20):
+            blank = np.full((240, 320), 90, np.uint8) if index >= 6 else strip()
             world.show(node, image_message(blank, index=index))
             statuses.append(node.status)
-        world.spin(lambda: len(states) == 40)
+        world.spin(lambda: len(states) == 20)
         world.spin(lambda: len(lines) == statuses.count("TRACKING"))
         assert statuses[0] == "INITIALISING"
         assert "TRACKING" in statuses
@@ -604,7 +598,7 @@ class TestServicesAndStatus:
         diagnostics: Callable[..., list[Any]],
     ) -> None:
         node = world.tracker(initial_state=near, diagnostics_period=3600.0, input_timeout=3600.0)
-        for index in range(30):
+        for index in range(18):
             picture = np.full((240, 320), 90, np.uint8) if index >= 5 else strip()
             world.show(node, image_message(picture, index=index))
         node.on_reset(Trigger.Request(), Trigger.Response())
