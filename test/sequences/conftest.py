@@ -35,6 +35,8 @@ class BagPlan:
     stamped: bool = True
     bad_frame: int | None = None
     size: tuple[int, int] = (32, 24)
+    chunk: int = 1 << 20
+    """After so many bytes a ROS 1 bag begins another chunk."""
 
 
 class MessageMaker:
@@ -156,6 +158,7 @@ def make_ros1_bag(tmp_path: Path) -> Callable[..., Path]:
         plan = BagPlan(**changes)
         path = tmp_path / name
         writer = Writer1(path)
+        writer.chunk_threshold = plan.chunk
         if plan.compression != "none":
             writer.set_compression(Writer1.CompressionFormat[plan.compression.upper()])
         with writer:

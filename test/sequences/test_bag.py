@@ -242,7 +242,8 @@ def test_frames_before_the_cut_of_a_db3_are_delivered(make_bag, share):
 @pytest.mark.parametrize("share", [0.5, 0.7, 0.95])
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 def test_frames_before_the_cut_of_a_ros1_bag_are_delivered(make_ros1_bag, share, compression):
-    path = make_ros1_bag(frames=30, size=(320, 240), compression=compression)
+    # As much of it is in a chunk as of frames of 320x240 in one of a recorder.
+    path = make_ros1_bag(frames=30, size=(80, 60), compression=compression, chunk=1 << 16)
     os.truncate(path, int(share * path.stat().st_size))
     frames, message = read_until_damage(path)
     # Of a compressed chunk that was cut off not everything can be unpacked.

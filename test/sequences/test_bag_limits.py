@@ -92,7 +92,7 @@ def test_a_chunk_that_unpacks_to_very_much_takes_no_memory(tmp_path, compression
 def test_a_ros1_chunk_that_unpacks_to_very_much_takes_no_memory(
     make_ros1_bag, tmp_path, compression
 ):
-    path = make_ros1_bag(compression=compression, size=(1600, 1200), frames=2, truth=False)
+    path = make_ros1_bag(compression=compression, size=(1200, 1000), frames=1, truth=False)
 
     def refused() -> None:
         with pytest.raises(RecordingError, match="unpacks to more than 1 MB"):
