@@ -90,7 +90,7 @@ class TestSigns:
 
 
 @settings(
-    max_examples=30,
+    max_examples=15,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
@@ -176,7 +176,7 @@ class TestCovariance:
 
         rng = np.random.default_rng(7)
         drawn = []
-        for noise in rng.standard_normal((800, 7)):
+        for noise in rng.standard_normal((400, 7)):
             shifted = CableState(*(state.to_array()[:4] + noise[:4] * sigmas))
             one = measured(
                 instrument,
