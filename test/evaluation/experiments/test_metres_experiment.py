@@ -34,6 +34,6 @@ def test_over_several_dives_medians_stand_with_their_range():
 
 
 def test_a_flight_without_a_cable_has_no_metres():
-    experiment = MetresExperiment((0,), (ScenarioSequence("no_cable", 3),))
+    experiment = MetresExperiment((0,), (ScenarioSequence("no_cable", 1),))
     for table in run(experiment):
         assert set(table.rows[0][2:]) == {"–"}
