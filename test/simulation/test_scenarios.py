@@ -60,7 +60,7 @@ def test_the_truth_of_frames_is_that_of_the_geometry():
     "name", ["S5", *(pytest.param(f"S{n}", marks=pytest.mark.slow) for n in (1, 2, 4, 6))]
 )
 def test_hard_sequences_hide_much_of_the_borders_but_rarely_nearly_all(name):
-    frames = (each for seed in range(100, 104) for each in _some(name, 0, 121, seed=seed, step=20))
+    frames = (each for seed in range(100, 102) for each in _some(name, 0, 121, seed=seed, step=20))
     shares = np.array([each.visibility for each in frames])
     assert 0.45 < shares.mean() < 0.85
     assert np.mean(shares > 0.35) > 0.8

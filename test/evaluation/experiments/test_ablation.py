@@ -60,8 +60,8 @@ def test_a_note_names_the_values_that_were_changed(short_stripe):
 
 
 def test_the_number_of_workers_changes_only_the_times():
-    sequences = simulated_sequences(("S6",), 3)
-    experiment = AblationExperiment((3, 4), ("thesis", "any_width"), sequences)
+    sequences = simulated_sequences(("S6",), 2)
+    experiment = AblationExperiment((3,), ("thesis", "any_width"), sequences)
     alone = experiment.run(1, lambda count: None)
     together = experiment.run(2, lambda count: None)
     for one, other in zip(alone.tables, together.tables, strict=True):
