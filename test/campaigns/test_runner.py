@@ -127,7 +127,7 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
     assert states(outcomes) == [TaskState.DONE] * 3
 
 
-@pytest.mark.parametrize("count", [100, pytest.param(400, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [60, pytest.param(200, marks=pytest.mark.slow)])
 def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path, count):
     counted = []
     tasks = [Square(n) for n in range(count)]
