@@ -95,7 +95,7 @@ def test_any_likelihoods_keep_the_weights_normalised(weights, data):
 
 
 @given(states, st.data())
-@settings(max_examples=200)
+@settings(max_examples=60)
 def test_a_covariance_is_finite_symmetric_and_positive(sample, data):
     weights = np.exp(normalise_log_weights(data.draw(log_weights(len(sample)))).log_weights)
     mean = weighted_mean(sample, weights)

@@ -41,7 +41,7 @@ def survives(path: Path, content: bytes, changes: list[tuple[float, int]], cut: 
 
 def relaxed(test):
     fixtures = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-    return settings(max_examples=60, suppress_health_check=fixtures)(test)
+    return settings(max_examples=25, suppress_health_check=fixtures)(test)
 
 
 @pytest.mark.parametrize(

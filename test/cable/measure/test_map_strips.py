@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
@@ -35,6 +35,7 @@ def pose_near(found, strip) -> np.ndarray:
     ),
     st.floats(0.2, 1.0),
 )
+@settings(max_examples=12)
 def test_the_only_strip_of_a_map_is_found(strip, probability):
     where = map_of(strip, probability=probability)
     (found,) = strips_of_map(where, 1)
@@ -60,6 +61,7 @@ def test_a_map_that_shows_nothing_has_no_strips():
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.integers(1, 40))
+@settings(max_examples=15)
 def test_any_map_has_strips_that_are_numbers(seed, rows, columns):
     probabilities = np.random.default_rng(seed).random((rows, columns)).astype(np.float32)
     assume(probabilities.sum() > 1.0)

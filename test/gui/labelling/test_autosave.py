@@ -68,7 +68,10 @@ pieces = st.sampled_from(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(
+    max_examples=25,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
 @given(st.lists(pieces | st.text(max_size=5), max_size=12))
 def test_whatever_a_file_holds_only_one_error_comes_of_it(tmp_path, parts):
     path = tmp_path / "dive.txt.autosave"
