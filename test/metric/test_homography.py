@@ -42,7 +42,7 @@ def test_without_motion_nothing_moves(overflight):
 
 
 @settings(
-    max_examples=25,
+    max_examples=12,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
@@ -110,7 +110,7 @@ class TestPredictionCovariance:
         spread = self.spread(overflight, covariance, height_sigma=0.1)
         rng = np.random.default_rng(3)
         moved = []
-        for noise in rng.standard_normal((2000, 7)):
+        for noise in rng.standard_normal((800, 7)):
             errors = noise[:6] * np.sqrt(np.diag(covariance))
             change = change_of(np.array([0.02, 0.05, 0.0]) + errors[:3], errors[3:])
             flight = dataclasses.replace(overflight, height=1.4 + 0.1 * noise[6])
