@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 EXAMPLES = sorted(path for path in (HERE / "examples").rglob("*") if path.is_file())
-RUNS = 500
+RUNS = 250
 """Inputs for each target in the suite; `make fuzz RUNS=1000000` takes more."""
 
 MUTATIONS = 150
