@@ -109,7 +109,7 @@ def test_wherever_the_cable_is_believed_to_be_the_estimate_is_sound(parameters, 
     | arrays(np.float32, (20, 30), elements=st.floats(0, 255, width=32)),
     gaps=st.lists(st.integers(-(10**10), 10**11), min_size=1, max_size=5),
 )
-@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 def test_any_picture_at_any_time_is_answered_or_refused(name, picture, gaps):
     tracker = CableTracker(preset(name).replaced({"particle_count": PARTICLES}))
     stamp = 10**12
