@@ -17,7 +17,8 @@ def command(*words):
 
 def test_a_world_is_written_with_its_labels(tmp_path):
     folder = tmp_path / "world"
-    result = command(folder, "--scenario", "report_clear", "--format", "sequence")
+    options = ("--scenario", "report_clear", "--size", "64x48")
+    result = command(folder, *options, "--format", "sequence")
     assert result.exit_code == 0
     assert len(read_labels(folder / "sequence.txt")) == 250
 

@@ -17,7 +17,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 CURRENT_AHEAD = 2
 """A seed whose current carries the vehicle along the cable."""
 
-SMALL = {"image_width": 64, "image_height": 48, "length": 20.0, "buried": 0.0, "seed": 2}
+SMALL = {"image_width": 64, "image_height": 48, "length": 8.0, "buried": 0.0, "seed": 2}
 
 
 class Pilot:
