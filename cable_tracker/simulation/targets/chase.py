@@ -176,7 +176,7 @@ class ChaseWorld:
         width, height = self.settings.image_size
         focal = self.camera.focal
         roll, pitch, yaw = (float(angle) for angle in motion.angles)
-        offset = ((-yaw * focal) % self._around, -math.tan(pitch) * focal)
+        offset = ((-yaw * focal) % self._around, math.tan(pitch) * focal)
         picture = self._surroundings.view((width, height), offset, self.time)
         place = self.place(motion)
         coverage = np.zeros((height, width), np.float32)

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,6 +33,22 @@ def test_the_picture_shows_the_target_where_its_place_says():
     ahead, left, up = view.place
     assert columns.mean() == pytest.approx(159.5 - world.camera.focal * left / ahead, abs=2.0)
     assert rows.mean() == pytest.approx(119.5 - world.camera.focal * up / ahead, abs=4.0)
+
+
+def test_where_the_bow_goes_down_target_and_background_go_up_alike():
+    world = ChaseWorld(ChaseSettings(seed=2))
+    motion, pitch = world.motion(), math.radians(5.0)
+    level, lowered = (
+        world.view(replace(motion, angles=np.array([0.0, angle, 0.0]))) for angle in (0.0, pitch)
+    )
+    rise = world.camera.focal * math.tan(pitch)
+    rows = [np.nonzero(view.mask)[0].mean() for view in (level, lowered)]
+    assert rows[0] - rows[1] == pytest.approx(rise, abs=2.0)
+    # The rows' mean brightness, of the left third, which does not show the target.
+    before, after = (view.image[:, :100].mean(axis=(1, 2)) for view in (level, lowered))
+    shifts = range(-40, 41)
+    unlike = [(np.roll(before, -shift) - after)[45:-45].std() for shift in shifts]
+    assert shifts[int(np.argmin(unlike))] == pytest.approx(rise, abs=3.0)
 
 
 def test_the_same_seed_gives_the_same_pictures():
