@@ -115,7 +115,9 @@ class LaidCable:
                 extra += here.level(along)
         return CableSkin(
             surface=texels[..., CHANNELS.surface],
-            growth=texels[..., CHANNELS.growth] * (1 - extra * np.float32(1 / SAND_DEPTH)),
+            # Where stretches overlap, their levels add up to more than hides everything.
+            growth=texels[..., CHANNELS.growth]
+            * (1 - np.minimum(extra, np.float32(SAND_DEPTH)) * np.float32(1 / SAND_DEPTH)),
             growth_tone=texels[..., CHANNELS.growth_tone],
             burial=burial_cover(texels[..., CHANNELS.sand] + extra),
             turf=texels[..., CHANNELS.turf],
