@@ -224,10 +224,8 @@ class Vehicle:
         """Return how the pose changes, shape (4,) [m/s, rad/s]."""
         surge, sway, heave, turn = self._velocity
         cos, sin = math.cos(self._pose[3]), math.sin(self._pose[3])
-        east, north = self._current.at(self._time)
-        return np.array(
-            [cos * surge - sin * sway + east, sin * surge + cos * sway + north, heave, turn]
-        )
+        x, y = self._current.at(self._time)
+        return np.array([cos * surge - sin * sway + x, sin * surge + cos * sway + y, heave, turn])
 
     def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves over the ground."""
@@ -244,13 +242,14 @@ class Vehicle:
         angles = np.array([roll, pitch, yaw])
         to_world = rotation_of(angles)
         over_ground = self._drift()[:3]
-        # The mean of four bodies of their own turns level.
+        # Surge, sway and heave are along axes that turn with the yaw, but stay level.
         level = rotation_of(np.array([0.0, 0.0, yaw]))
+        turning = np.cross([0.0, 0.0, self._velocity[3]], self._velocity[:3])
         return VehicleState(
             position=self._pose[:3].copy(),
             angles=angles,
             twist=np.concatenate((to_world.T @ over_ground, body_rates(angles, rates))),
-            acceleration=to_world.T @ (level @ self._gain[:3]),
+            acceleration=to_world.T @ (level @ (self._gain[:3] + turning)),
         )
 
 

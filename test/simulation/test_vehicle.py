@@ -105,6 +105,21 @@ def test_the_twist_is_how_the_pose_changes():
     assert middle[3:] == pytest.approx(rates, abs=2e-3)
 
 
+def test_the_acceleration_is_how_the_velocity_over_ground_changes_in_a_turn_too():
+    craft = vehicle()
+    command, step = VelocityCommand(surge=0.5, sway=0.1, turn=0.3), 0.01
+    run(craft, command, 8.0)
+    motions = [craft.motion()]
+    for _ in range(2):
+        craft.advance(command, ALTITUDE, step)
+        motions.append(craft.motion())
+    before, now, after = motions
+    first, last = (rotation_of(each.angles) @ each.twist[:3] for each in (before, after))
+    gained = rotation_of(now.angles).T @ (last - first) / (2 * step)
+    assert np.hypot(*gained[:2]) > 0.1
+    assert now.acceleration == pytest.approx(gained, abs=5e-3)
+
+
 def test_roll_and_pitch_stay_small_but_not_zero():
     craft = vehicle()
     tilts = []
