@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
@@ -16,7 +17,6 @@ from cable_tracker.simulation.flight import motions_at
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.survey_bag import VEHICLE, InstrumentWriter, vehicle_text
 from cable_tracker.simulation.survey_dive import FIX_SIGMA, Tick
-from cable_tracker.simulation.vehicle import VehicleState
 
 READING_RATE = 50.0
 """Odometry and imu speak about so often [1/s]."""
@@ -36,6 +36,8 @@ def write_instrumented_bag(
     overwrite: bool = False,
 ) -> int:
     """Write the frames of a dive, and calibration, altitude, imu, odometry, fixes and mounting.
+
+    The altimeter is read with each frame; a fix comes with the first frame in each second.
 
     Parameters
     ----------
@@ -74,36 +76,16 @@ def write_instrumented_bag(
             if instruments is None:
                 instruments = InstrumentSet(errors, motions[0], rng)
             for number, (seconds, motion) in enumerate(zip(times, motions, strict=True)):
-                tick = _tick(float(seconds), motion, instruments, rng, (number == 0, count, rate))
-                writer.write(tick)
+                # Odometry counts the time since the reading before.
+                elapsed = 1.0 / (rate * readings) if count or number else 0.0
+                is_fixed = count == 0 or int(count / rate) > int((count - 1) / rate)
+                fix = None
+                if number == 0 and is_fixed:
+                    fix = motion.position[:2] + FIX_SIGMA * rng.standard_normal(2)
+                altitude = instruments.altitude(motion) if number == 0 else None
+                odometry, imu = instruments.odometry(motion, elapsed), instruments.imu(motion)
+                writer.write(Tick(float(seconds), motion, odometry, imu, altitude, fix))
             write_frame(bag, frame)
             count += 1
-    (path / VEHICLE).write_text(vehicle_text(dive.tube.height), encoding="utf-8")
+    write_bytes(path / VEHICLE, vehicle_text(dive.tube.height).encode())
     return count
-
-
-def _tick(
-    seconds: float,
-    motion: VehicleState,
-    instruments: InstrumentSet,
-    rng: np.random.Generator,
-    frame: tuple[bool, int, float],
-) -> Tick:
-    """Read the instruments; altimeter with each frame, and a fix with the first in each second."""
-    is_frame, count, rate = frame
-    period = 0.0
-    if count or not is_frame:
-        period = 1.0 / (rate * int(np.clip(round(READING_RATE / rate), 1, MOST_READINGS)))
-    is_new_second = (is_frame and int(count / rate) > int((count - 1) / rate)) or count == 0
-    fix = None
-    if is_frame and is_new_second:
-        fix = motion.position[:2] + FIX_SIGMA * rng.standard_normal(2)
-    altitude = instruments.altitude(motion) if is_frame else None
-    return Tick(
-        seconds,
-        motion,
-        instruments.odometry(motion, period),
-        instruments.imu(motion),
-        altitude,
-        fix,
-    )

@@ -17,6 +17,7 @@ import numpy as np
 from pyproj import Transformer
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import BagWriter
@@ -143,8 +144,8 @@ def write_survey_bag(
             if tick.picture is not None:
                 frames += 1
                 advance(float(tick.motion.position[0]))
-    (path / VEHICLE).write_text(vehicle_text(dive.cable_height), encoding="utf-8")
-    (path / TRUTH).write_text(json.dumps(truth_of(settings)), encoding="utf-8")
+    write_bytes(path / VEHICLE, vehicle_text(dive.cable_height).encode())
+    write_bytes(path / TRUTH, json.dumps(truth_of(settings)).encode())
     return WrittenDive(frames, seconds)
 
 

@@ -1,11 +1,16 @@
+import errno
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cable_tracker.errors import OutputError
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
 from cable_tracker.simulation.survey_bag import (
     ORIGIN,
     TRUTH,
@@ -54,3 +59,26 @@ def test_the_origin_of_the_world_lies_where_it_is_said_to():
 
 def test_the_height_of_the_cable_is_written_with_sensible_digits():
     assert "\ncable_height: 0.056\n" in vehicle_text(0.055999999999999994)
+
+
+def _write_survey(path: Path) -> None:
+    write_survey_bag(path, SurveyDiveSettings(length=1.0, image_size=(64, 48), rate=1.0))
+
+
+def _write_instrumented(path: Path) -> None:
+    settings = SimulationSettings(frame_count=1, image_size=(64, 48))
+    write_instrumented_bag(path, simulate(settings), simulated_dive(settings), 25.0, 0)
+
+
+@pytest.mark.parametrize("write", [_write_survey, _write_instrumented])
+def test_a_disk_that_is_full_after_the_bag_is_an_output_error(write, tmp_path, monkeypatch):
+    original = Path.open
+
+    def full(path, *args, **kwargs):
+        if "vehicle" in path.name:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return original(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(OutputError):
+        write(tmp_path / "dive")
