@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
@@ -138,7 +138,8 @@ def simulate_scenario(
     Raises
     ------
     ParameterError
-        A scenario of that name is unknown, or a value is out of its range.
+        A scenario of that name is unknown, a value is out of its range, or no cable is in view
+        where it is to be buried or crossed.
     RecordingError
         There are no photographs in the folder.
     """
@@ -228,20 +229,28 @@ def _scenario_dive(
     )
 
 
+def _places_in_view(dive: Dive, frames: IndexArray) -> FloatArray:
+    """Return the places along the cable that are seen in any of some frames, shape (K,) [m]."""
+    projected = dive.views(frames / SCENARIO_RATE).projected
+    seen: FloatArray = projected.along[projected.inside.any(axis=1)]
+    if not seen.size:
+        raise ParameterError(
+            f"no cable is in view in the frames {frames[0]} to {frames[-1]}: choose others in which"
+            " it is buried or crossed"
+        )
+    return seen
+
+
 def _bury(dive: Dive, frames: tuple[int, int]) -> BuriedStretch:
     """Return the stretch that hides the cable from all of the frames from first to last."""
-    times = np.arange(frames[0], frames[1] + 1) / SCENARIO_RATE
-    projected = dive.views(times).projected
-    inside = projected.inside.any(axis=1)
-    seen = projected.along[inside]
+    seen = _places_in_view(dive, np.arange(frames[0], frames[1] + 1))
     margin = 0.5 * dive.tube.radius
     return BuriedStretch(float(seen.min()) - margin, float(seen.max()) + margin, 0.1)
 
 
 def _cross(dive: Dive, crossing: Crossing) -> Tube:
     """Return the cable that crosses the other one in the middle of the view of a frame."""
-    projected = dive.views(np.array([crossing.frame / SCENARIO_RATE])).projected
-    along = projected.along[projected.inside.any(axis=1)]
+    along = _places_in_view(dive, np.array([crossing.frame]))
     middle, _ = dive.tube.axis(np.array([np.median(along)]))
     origin = (float(middle[0, 0]), float(middle[0, 1]))
     return Tube(crossing.radius, (), origin, float(np.deg2rad(crossing.angle)))

@@ -39,7 +39,7 @@ NEAREST_STEPS = 6
 
 
 def bent_cable(rng: np.random.Generator) -> Tube:
-    """Draw a cable."""
+    """Draw the course of a cable along x, which wanders about it."""
     return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
 
 

@@ -6,7 +6,9 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
+from cable_tracker.simulation.scenario_description import Crossing, Sway
+from cable_tracker.simulation.scenarios import find_scenario
 from cable_tracker.stamps import FIRST_STAMP
 
 SMALL = SimulationSettings(frame_count=4, image_size=(96, 72), seed=11)
@@ -102,3 +104,11 @@ def test_values_out_of_range_are_refused(change, named):
     with pytest.raises(ParameterError, match=named) as caught:
         SimulationSettings(**change)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("event", [{"buried": (2, 4)}, {"crossing": Crossing(frame=3)}])
+def test_no_cable_is_buried_or_crossed_where_none_is_in_view(event):
+    calm = find_scenario("stop")
+    aside = dataclasses.replace(calm.motion, distance=Sway(900.0, 0.0))
+    with pytest.raises(ParameterError, match="no cable is in view"):
+        simulate_scenario(dataclasses.replace(calm, motion=aside, **event))
