@@ -80,9 +80,13 @@ class LoopRow:
     @property
     def is_right(self) -> bool:
         """Whether it was that of the cable."""
-        turned = abs(math.remainder(self.measured_heading - self.heading, 2 * math.pi))
         aside = abs(self.measured_offset - self.offset)
-        return aside <= RIGHT_WITHIN and turned <= RIGHT_TURNED
+        return aside <= RIGHT_WITHIN and abs(self.heading_error) <= RIGHT_TURNED
+
+    @property
+    def heading_error(self) -> float:
+        """Measured less true heading of the line, which has no sense along it [rad]."""
+        return math.remainder(self.measured_heading - self.heading, math.pi)
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,9 +194,7 @@ def summarise_loop(
         most=percentile_of_size(errors[settled], 100.0),
         rms_in_sight=root_mean_square(errors[in_sight]),
         rms_offset=root_mean_square(np.array([row.measured_offset - row.offset for row in right])),
-        rms_heading=math.degrees(
-            root_mean_square(np.array([row.measured_heading - row.heading for row in right]))
-        ),
+        rms_heading=math.degrees(root_mean_square(np.array([row.heading_error for row in right]))),
         answered=sum(bool(row.status) for row in rows) / len(rows),
         measured=len(measured) / len(rows),
         wrong=(len(measured) - len(right)) / len(rows),

@@ -108,6 +108,13 @@ def test_following_something_else_is_wrong(something_else):
     assert summary.lost_for_good
 
 
+def test_a_heading_is_that_of_a_line_without_a_sense():
+    across = {"heading": math.radians(91.0), "measured_heading": math.radians(-88.0)}
+    summary = judged([replace(each, **across) for each in way("FOLLOWING", 0.1)])
+    assert summary.wrong == 0.0
+    assert summary.rms_heading == pytest.approx(1.0)
+
+
 def test_waiting_at_the_start_is_no_loss():
     rows = [replace(each, mode="WAITING") if each.x < 2.0 else each for each in way("FOLLOWING")]
     assert judged(rows).losses == 0
