@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cable_tracker.evaluation.sample_statistics import mean
+from cable_tracker.atomic_output import write_bytes
+from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.visualisation.plots import write_figure
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
 
@@ -107,12 +108,10 @@ def summarise_chase(rows: Sequence[ChaseRow], wanted: float) -> ChaseSummary:
         claimed_in_view=mean(claimed[visible]),
         claimed_while_absent=mean(claimed[~visible]),
         times_hidden=int((~visible[1:] & visible[:-1]).sum()),
-        times_found_again=sum(_is_found(rows, int(start)) for start in returns),
-        range_error=(
-            float(np.median(np.abs(ranges[known] / distances[known] - 1.0)))
-            if known.any()
-            else float("nan")
+        times_found_again=sum(
+            _is_found(rows, int(start)) for start in returns if visible[:start].any()
         ),
+        range_error=median(np.abs(ranges[known] / distances[known] - 1.0)),
         within_two_sigmas=mean(np.abs(ranges - distances)[known] < 2.0 * sigmas[known]),
     )
 
@@ -123,12 +122,18 @@ def _is_found(rows: Sequence[ChaseRow], start: int) -> bool:
 
 
 def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -> None:
-    """Write table, figures and a plot of the distance into a folder."""
+    """Write table, figures and a plot of the distance into a folder.
+
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
+    """
     names = [field.name for field in fields(ChaseRow)]
     cells = ([str(getattr(row, name)).replace("nan", "") for name in names] for row in rows)
     write_csv(folder / TABLE, names, cells)
     text = yaml.safe_dump(asdict(summary), sort_keys=False)
-    (folder / SUMMARY).write_text(text, encoding="utf-8")
+    write_bytes(folder / SUMMARY, text.encode())
     figure = Figure(figsize=(9.0, 3.2))
     axes = figure.subplots()
     times = [row.time for row in rows]
@@ -142,5 +147,4 @@ def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -
     axes.set_ylabel("[m]")
     axes.legend(loc="lower right")
     figure.tight_layout()
-    FigureCanvasAgg(figure)
-    figure.savefig(folder / PLOT)
+    write_figure(folder / PLOT, figure)

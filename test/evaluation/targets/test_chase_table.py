@@ -41,6 +41,12 @@ def test_a_target_that_is_claimed_too_late_is_not_found_again():
     assert summarise_chase(late, 2.5).times_found_again == 0
 
 
+def test_a_target_that_is_out_of_view_at_first_was_not_lost_before():
+    late = [row(-1, visible=False, claimed=False), *ROWS]
+    summary = summarise_chase(late, 2.5)
+    assert (summary.times_hidden, summary.times_found_again) == (1, 1)
+
+
 def test_table_figures_and_plot_are_written(tmp_path):
     write_chase(tmp_path, ROWS, summarise_chase(ROWS, 2.5))
     assert {path.name for path in tmp_path.iterdir()} == {TABLE, SUMMARY, PLOT}
