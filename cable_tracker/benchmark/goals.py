@@ -70,22 +70,23 @@ def goals_of(result: BenchmarkResult) -> list[Goal]:
 def _frame_goals(result: BenchmarkResult) -> list[Goal]:
     goals = []
     for name, limit in (("thesis", 0.4), ("default", 0.8)):
-        ratio = _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES)
+        ratio = _ratio(result, "frame", name)
         goals.append(Goal(f"`{name}`, 320x240, over the yardstick", limit, False, ratio))
-    ratio = _ratio(result, "default", FULL_HD, REFERENCE_PARTICLES)
+    ratio = _ratio(result, "frame", "default", FULL_HD)
     goals.append(Goal("`default`, 1920x1080, over the yardstick", 1.5, False, ratio))
-    ratio = _ratio(result, "default", RENDERED_SIZE, 10_000)
+    ratio = _ratio(result, "frame", "default", particles=10_000)
     goals.append(Goal("`default`, 10 000 particles, over the yardstick", 6.0, False, ratio))
     return goals
 
 
 def _ratio(
     result: BenchmarkResult,
+    section: str,
     name: str,
-    size: tuple[int, int],
-    particles: int,
+    size: tuple[int, int] = RENDERED_SIZE,
+    particles: int = REFERENCE_PARTICLES,
 ) -> float | None:
-    found = result.find(CaseLabel("frame", name, size, particles))
+    found = result.find(CaseLabel(section, name, size, particles))
     return found.ratio.median if found is not None and found.ratio is not None else None
 
 
@@ -95,13 +96,9 @@ def _over(first: float | None, second: float | None) -> float | None:
 
 def _rival_goals(result: BenchmarkResult) -> list[Goal]:
     goals = []
-    ours = {
-        name: _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES) for name in TIMED_PRESETS
-    }
+    ours = {name: _ratio(result, "frame", name) for name in TIMED_PRESETS}
     for rival in ("particles", "filterpy"):
-        found = result.find(CaseLabel("library", rival, RENDERED_SIZE, REFERENCE_PARTICLES))
-        theirs = found.ratio.median if found is not None and found.ratio is not None else None
-        faster = _over(theirs, ours["thesis"])
+        faster = _over(_ratio(result, "library", rival), ours["thesis"])
         goals.append(Goal(f"`thesis`: the same on {rival} over ours", 5.0, True, faster))
     for name in ("thesis", "default"):
         fastest = _over(ours[name], _fastest_as_good(result, name))

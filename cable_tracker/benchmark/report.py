@@ -44,10 +44,10 @@ def tables_of(result: BenchmarkResult) -> list[ResultTable]:
 
 def _number(value: float | None, digits: int = 3) -> str:
     """Write a number with some significant digits, and no exponent."""
-    if value is None:
+    if value is None or math.isnan(value):
         return NOTHING
     if math.isinf(value):
-        return "∞"
+        return "∞" if value > 0 else "−∞"
     if abs(value) < SMALLEST:
         return "0"
     if abs(value) >= 10 ** (digits - 1):

@@ -1,5 +1,9 @@
+import dataclasses
+import math
+
 import pytest
 
+from cable_tracker.benchmark.accuracy import Accuracy
 from cable_tracker.benchmark.report import (
     BEGIN,
     END,
@@ -39,6 +43,13 @@ def test_spread_ratio_and_what_was_left_out_are_in_the_grid():
     (grid,) = [table for table in tables_of(RESULT) if table.title.startswith("Whole frames")]
     assert grid.headings[2:] == ("320x240 [ms]", "1920x1080 [ms]")
     assert grid.rows == (("thesis", "500", "1234 (0.00012–0.5) = 1234x", "left out: about 3.0 s"),)
+
+
+def test_what_is_no_number_is_left_open():
+    unknown = Accuracy("thesis", math.nan, math.nan, -math.inf)
+    result = dataclasses.replace(RESULT, accuracies=(unknown,))
+    (rivals,) = [table for table in tables_of(result) if table.title.startswith("Against")]
+    assert rivals.rows[0][3:] == ("–", "–", "−∞")
 
 
 def test_an_absent_library_is_said_to_be_absent():
