@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.chain_code import outline
+from cable_tracker.contour.chain_code import chain_code
 from cable_tracker.contour.features import segment_histograms
 from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
@@ -57,6 +57,6 @@ def shape_energy(
     """
     energy = level_weight * level_set_energy(first, second)
     if histogram_weight != 0.0:
-        histograms = [segment_histograms(outline(mask).orientations) for mask in (first, second)]
+        histograms = [segment_histograms(chain_code(mask)) for mask in (first, second)]
         energy += histogram_weight * histogram_energy(histograms[0], histograms[1])
     return energy
