@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
-import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
@@ -47,9 +46,6 @@ FIRST_DISTANCE = 3.0
 
 FIELD = 0.75
 """Focal length as a share of the picture's width."""
-
-NOISE = 3.0
-"""Standard deviation of the sensor's noise [grey levels]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,10 +187,7 @@ class ChaseWorld:
             clear = math.exp(-float(np.linalg.norm(place)) / CLEAR_RANGE)
             colours = clear * colours + (1.0 - clear) * HAZE * coverage[..., None]
             picture = (1.0 - coverage)[..., None] * picture + colours
-        self._surroundings.snow(picture, self.time)
-        picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
-        picture += self._noise_rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
-        image = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+        image = self._surroundings.recorded(picture, self.time, self._noise_rng)
         return ChaseView(image, coverage > 0.5, place)
 
 

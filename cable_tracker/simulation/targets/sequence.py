@@ -24,9 +24,6 @@ LEAST_AREA = 40
 HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
 
-NOISE = 3.0
-"""Standard deviation of the sensor's noise [grey levels]."""
-
 STALK = np.array([52.0, 74.0, 58.0], np.float32)
 
 
@@ -139,27 +136,20 @@ def _frame(  # noqa: PLR0917
     zoom: float,
     rng: np.random.Generator,
 ) -> TargetFrame:
-    height, width = picture.shape[:2]
-    nothing = np.zeros((height, width), np.float32)
     if scenario.surface is not None:
         _mirror(scenario, cast, picture, time, zoom)
     pose, twin_pose = cast.way(time), cast.twin(time) if cast.twin else None
     own = _painted(scenario, pose, picture, zoom)
     twin = _painted(scenario, twin_pose, picture, zoom)
-    hidden = nothing.copy()
     for colours, coverage in (own, twin) if cast.twin_in_front else (twin, own):
         picture *= (1.0 - coverage)[..., None]
         picture += colours
-    stalks = _stalks(cast, picture, time, zoom)
-    np.maximum(hidden, stalks, out=hidden)
+    hidden = _stalks(cast, picture, time, zoom)
     own_hidden = np.maximum(hidden, twin[1]) if cast.twin_in_front else hidden
     twin_hidden = hidden if cast.twin_in_front else np.maximum(hidden, own[1])
-    surroundings.snow(picture, time)
-    picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
-    picture += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
     mask = _visible(own[1], own_hidden, pose, zoom)
     return TargetFrame(
-        image=np.clip(np.rint(picture), 0, 255).astype(np.uint8),
+        image=surroundings.recorded(picture, time, rng),
         stamp=stamp,
         mask=mask,
         twin_mask=_visible(twin[1], twin_hidden, twin_pose, zoom),

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.simulation.texture import spectral_noise
+from cable_tracker.arrays import FloatArray, Image, eight_bits
+from cable_tracker.simulation.texture import frequencies, spectral_noise
 from cable_tracker.tracking.image_frame import image_centre
 
 MARGIN = 160
@@ -17,6 +17,9 @@ MARGIN = 160
 
 SHALLOW, DEEP = np.array([165.0, 150.0, 75.0]), np.array([105.0, 82.0, 38.0])
 """Colour of the water above and below: blue, green, red."""
+
+BLUR, NOISE = 0.7, 3.0
+"""Standard deviations of the camera's blur [px] and of its sensor's noise [grey levels]."""
 
 SAND = np.array([122.0, 128.0, 105.0])
 
@@ -55,7 +58,20 @@ class TargetBackground:
         lit: Image = picture * (light * (1.0 + 0.04 * math.sin(3.1 * time)))[..., None]
         return lit.astype(np.float32)
 
-    def snow(self, picture: Image, time: float) -> None:
+    def recorded(self, picture: Image, time: float, rng: np.random.Generator) -> Image:
+        """Return what the camera makes of a picture, float32 (H, W, 3): with snow, blur and noise.
+
+        Returns
+        -------
+        Image
+            uint8, shape (H, W, 3).
+        """
+        self._snow(picture, time)
+        blurred = cv2.GaussianBlur(picture, (0, 0), BLUR)
+        blurred += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
+        return eight_bits(blurred)
+
+    def _snow(self, picture: Image, time: float) -> None:
         """Strew the marine snow over a picture (H, W, 3), in place."""
         height, width = picture.shape[:2]
         x = (self.flakes[:, 0] + self.flakes[:, 2] * time) % 1.0 * width
@@ -99,8 +115,7 @@ def make_surroundings(
 
 
 def _clouds(shape: tuple[int, int], length: float, rng: np.random.Generator) -> Image:
-    across = np.fft.rfftfreq(shape[1])[None, :]
-    along = np.fft.fftfreq(shape[0])[:, None]
+    across, along = frequencies(shape, 1.0)
     response = 1.0 / (1.0 + (length * np.hypot(across, along)) ** 2)
     return spectral_noise(response.astype(np.float32), shape, rng)
 
@@ -124,8 +139,7 @@ def _lay_bottom(panorama: Image, horizon: int, rng: np.random.Generator) -> None
 def _lay_surface(panorama: Image, line: int, rng: np.random.Generator) -> None:
     """Paint the bright, wavy under side of the surface above a line."""
     height, width = panorama.shape[:2]
-    across = np.fft.rfftfreq(width)[None, :]
-    along = np.fft.fftfreq(height)[:, None]
+    across, along = frequencies((height, width), 1.0)
     ripples = spectral_noise(
         (1.0 / (1.0 + (25.0 * across) ** 2 + (7.0 * along) ** 2)).astype(np.float32),
         (height, width), rng,
