@@ -15,12 +15,12 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.working_image import check_frame
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.kalman import MEASURED, CableKalmanFilter, KalmanNoise
+from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.tracking.succession import FrameMark, succession
 
@@ -172,7 +172,7 @@ class DetectorTracker:
     def _region(self, belief: CableKalmanFilter) -> SearchRegion:
         settings = self._settings
         scale = belief.image_width / REFERENCE_WIDTH
-        sigmas = settings.region_sigmas * np.sqrt(np.diag(belief.covariance)[:MEASURED])
+        sigmas = settings.region_sigmas * np.sqrt(np.diag(belief.covariance)[:POSE_SIZE])
         return SearchRegion(
             state=belief.state,
             distance=max(float(sigmas[StateColumn.DISTANCE]), settings.region_distance * scale),
@@ -187,7 +187,7 @@ class DetectorTracker:
         best, highest = None, 0.0
         for detection in detections:
             squared = belief.squared_distance(detection.state)
-            merit = detection.score * math.exp(-squared / (2 * MEASURED))
+            merit = detection.score * math.exp(-squared / (2 * POSE_SIZE))
             if squared <= self._settings.gate and merit > highest:
                 best, highest = detection, merit
         return best

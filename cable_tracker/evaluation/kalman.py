@@ -12,15 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, states_in_chart, wrap_angles
-from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
-
-MEASURED = 4
-"""d, alpha, w, beta."""
-
-_TURNED = np.array([-1.0 if column in SIGN_CHANGING_COLUMNS else 1.0 for column in StateColumn])
-"""Signs by which the components change when the normal of the line is turned round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +104,7 @@ class CableKalmanFilter:
             Width of the frames [px].
         """
         mean = np.zeros(STATE_SIZE)
-        mean[:MEASURED] = state.to_array()[:MEASURED]
+        mean[:POSE_SIZE] = state.to_array()[:POSE_SIZE]
         rates = noise.initial_rate.variances(image_width) * REFERENCE_RATE**2
         variances = np.concatenate((noise.measurement.variances(image_width), rates))
         return cls(mean, np.diag(variances), noise, image_width)._wrapped()
@@ -122,7 +117,7 @@ class CableKalmanFilter:
     def predicted(self, dt: float) -> CableKalmanFilter:
         """Return the belief `dt` seconds later: the rates go on, and uncertainty grows."""
         transition = np.eye(STATE_SIZE)
-        transition[:MEASURED, MEASURED:] = dt * np.eye(MEASURED)
+        transition[:POSE_SIZE, POSE_SIZE:] = dt * np.eye(POSE_SIZE)
         covariance = transition @ self.covariance @ transition.T + self._process_noise(dt)
         return replace(self, mean=transition @ self.mean, covariance=covariance)._wrapped()
 
@@ -133,11 +128,11 @@ class CableKalmanFilter:
 
     def updated(self, measured: CableState) -> CableKalmanFilter:
         """Return the belief after a measurement of d, alpha, w, beta."""
-        gain = np.linalg.solve(self._innovation_covariance(), self.covariance[:MEASURED]).T
+        gain = np.linalg.solve(self._innovation_covariance(), self.covariance[:POSE_SIZE]).T
         mean = self.mean + gain @ self._innovation(measured)
         # Joseph's form stays symmetric and positive whatever the rounding.
         keep = np.eye(STATE_SIZE)
-        keep[:, :MEASURED] -= gain
+        keep[:, :POSE_SIZE] -= gain
         covariance = keep @ self.covariance @ keep.T + gain @ self._measurement_noise() @ gain.T
         return replace(self, mean=mean, covariance=covariance)._wrapped()
 
@@ -145,11 +140,11 @@ class CableKalmanFilter:
         """Return measured minus expected, with the line written as the expected one is."""
         angle = float(self.mean[StateColumn.ANGLE])
         chart = states_in_chart(measured.to_array()[None, :], angle)[0]
-        innovation: FloatArray = chart[:MEASURED] - self.mean[:MEASURED]
+        innovation: FloatArray = chart[:POSE_SIZE] - self.mean[:POSE_SIZE]
         return innovation
 
     def _innovation_covariance(self) -> FloatArray:
-        return self.covariance[:MEASURED, :MEASURED] + self._measurement_noise()
+        return self.covariance[:POSE_SIZE, :POSE_SIZE] + self._measurement_noise()
 
     def _measurement_noise(self) -> FloatArray:
         return np.diag(self.noise.measurement.variances(self.image_width))
@@ -159,16 +154,12 @@ class CableKalmanFilter:
         own = self.noise.diffusion.variances(self.image_width) * REFERENCE_RATE
         rate = self.noise.rate_diffusion.variances(self.image_width) * REFERENCE_RATE**3
         result = np.zeros((STATE_SIZE, STATE_SIZE))
-        result[:MEASURED, :MEASURED] = np.diag(own * dt + rate * dt**3 / 3)
-        result[:MEASURED, MEASURED:] = result[MEASURED:, :MEASURED] = np.diag(rate * dt**2 / 2)
-        result[MEASURED:, MEASURED:] = np.diag(rate * dt)
+        result[:POSE_SIZE, :POSE_SIZE] = np.diag(own * dt + rate * dt**3 / 3)
+        result[:POSE_SIZE, POSE_SIZE:] = result[POSE_SIZE:, :POSE_SIZE] = np.diag(rate * dt**2 / 2)
+        result[POSE_SIZE:, POSE_SIZE:] = np.diag(rate * dt)
         return result
 
     def _wrapped(self) -> CableKalmanFilter:
         """Write the line with alpha in (-pi/2, pi/2]."""
-        angle = float(wrap_angles(np.asarray(self.mean[StateColumn.ANGLE])))
-        mean, covariance = self.mean.copy(), self.covariance
-        if round((mean[StateColumn.ANGLE] - angle) / np.pi) % 2:
-            mean, covariance = mean * _TURNED, covariance * np.outer(_TURNED, _TURNED)
-        mean[StateColumn.ANGLE] = angle
+        mean, covariance = wrapped_estimate(self.mean, self.covariance)
         return replace(self, mean=mean, covariance=covariance)

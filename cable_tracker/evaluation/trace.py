@@ -10,12 +10,10 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, states_in_chart
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.statistics import turned_covariance
 from cable_tracker.evaluation.failure_criteria import is_off_cable
-
-COMPONENTS = 4
-"""d, alpha, w, beta: what there is truth for."""
 
 UNKNOWN_VISIBILITY = float("nan")
 """Visibility of a frame that has no label; it is not judged."""
@@ -176,20 +174,18 @@ def trace_of(outcomes: Sequence[FrameOutcome]) -> Trace:
 
 def _truth(outcome: FrameOutcome) -> FloatArray:
     if outcome.truth is None:
-        return np.full(COMPONENTS, np.nan)
-    return outcome.truth.to_array()[:COMPONENTS]
+        return np.full(POSE_SIZE, np.nan)
+    return outcome.truth.to_array()[:POSE_SIZE]
 
 
 def _in_chart(outcome: FrameOutcome) -> tuple[FloatArray, FloatArray]:
     """Return estimate (4,) and covariance (4, 4), on the same side of the wrap as the truth."""
     values = outcome.estimate.state.to_array()
-    covariance = outcome.estimate.covariance[:COMPONENTS, :COMPONENTS]
+    covariance = outcome.estimate.covariance
     if outcome.truth is None or not np.isfinite(values).all():
-        return values[:COMPONENTS], covariance
+        return values[:POSE_SIZE], covariance[:POSE_SIZE, :POSE_SIZE]
     chart = states_in_chart(values[None, :], outcome.truth.angle)[0]
     half_turns = round((chart[StateColumn.ANGLE] - values[StateColumn.ANGLE]) / np.pi)
     if half_turns % 2:
-        signs = np.ones(COMPONENTS)
-        signs[[column for column in SIGN_CHANGING_COLUMNS if column < COMPONENTS]] = -1.0
-        covariance = covariance * np.outer(signs, signs)
-    return chart[:COMPONENTS], covariance
+        covariance = turned_covariance(covariance)
+    return chart[:POSE_SIZE], covariance[:POSE_SIZE, :POSE_SIZE]

@@ -39,7 +39,7 @@ def _outcome(
         stamp=1_000_000_000 + index * FRAME_NS,
         status=TrackingStatus.TRACKING if claimed else TrackingStatus.LOST,
         state=CableState.from_array(values),
-        covariance=np.diag(np.square((*sigma, 1.0, 1.0))),
+        covariance=np.diag(np.square((*sigma, 1.0, 1.0, 1.0, 1.0))),
         effective_sample_size=100.0,
         evidence=2.0,
         image_size=(width, width * 3 // 4),

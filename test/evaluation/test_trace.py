@@ -17,7 +17,7 @@ def test_a_line_on_the_other_side_of_the_wrap_is_no_error_and_turns_its_covarian
     first = outcome(0, truth)
     # The same cable, written with its normal turned round: d and beta change their signs.
     turned = CableState(-20.0, -math.pi / 2 - 0.01 + 1e-12, 40.0, -0.03)
-    covariance = np.eye(6)
+    covariance = np.eye(8)
     covariance[0, 1] = covariance[1, 0] = 0.5
     covariance[0, 3] = covariance[3, 0] = 0.25
     estimate = type(first.estimate)(

@@ -30,14 +30,6 @@ from cable_tracker.compilation import compiled, compiled_inside
 
 Number = TypeVar("Number", float, FloatArray)
 
-SIGN_CHANGING_COLUMNS = (
-    StateColumn.DISTANCE,
-    StateColumn.SKEW,
-    StateColumn.DISTANCE_RATE,
-    StateColumn.SKEW_RATE,
-)
-"""Components that change their sign when the normal is turned round."""
-
 LEAST_SLOPE = 1e-12
 """A line that comes nearer to a side of the image by less, over a pixel, never meets it [px]."""
 

@@ -12,14 +12,12 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import (
-    SIGN_CHANGING_COLUMNS,
-    states_in_chart,
-    wrap_angles,
-    wrap_state,
-)
+from cable_tracker.cable.model.geometry import states_in_chart, wrap_angles, wrap_state
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+
+TURNED_SIGNS: FloatArray = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+"""Factors of the components of a state whose normal is turned round: d, beta and their rates."""
 
 
 def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
@@ -52,7 +50,5 @@ def wrapped_estimate(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArr
 
 def turned_covariance(covariance: FloatArray) -> FloatArray:
     """Return the covariance (8, 8) of a cable whose normal is turned round."""
-    signs = np.ones(len(covariance))
-    signs[list(SIGN_CHANGING_COLUMNS)] = -1.0
-    turned: FloatArray = covariance * np.outer(signs, signs)
+    turned: FloatArray = covariance * np.outer(TURNED_SIGNS, TURNED_SIGNS)
     return turned

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -28,7 +28,7 @@ from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.tables import chosen
-from cable_tracker.evaluation.trace import COMPONENTS, Trace
+from cable_tracker.evaluation.trace import Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.split import Split
 
@@ -164,7 +164,7 @@ def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
     """
     dives = [trace.where(trace.claimed & trace.visible) for trace in traces]
     dives = [dive for dive in dives if len(dive)]
-    errors = np.concatenate([np.empty((0, COMPONENTS)), *(dive.errors for dive in dives)])
+    errors = np.concatenate([np.empty((0, POSE_SIZE)), *(dive.errors for dive in dives)])
     squares = [nees(dive.errors, dive.covariances) for dive in dives]
     pooled = np.concatenate([np.empty(0), *squares])
     shares = (*coverage(dives, np.array([PROBABILITY]))[0], _share_in_region(pooled))

@@ -10,7 +10,8 @@ from statistics import NormalDist
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.evaluation.trace import COMPONENTS, Trace
+from cable_tracker.cable.model.state import POSE_SIZE
+from cable_tracker.evaluation.trace import Trace
 
 REGION_NEES = 9.4877
 """95th percentile of the chi-square distribution of 4 degrees of freedom."""
@@ -42,7 +43,7 @@ def consistency_statistics(trace: Trace) -> ConsistencyStatistics:
     chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
     errors, covariances = trace.errors[chosen], trace.covariances[chosen]
     if not len(errors):
-        return ConsistencyStatistics(math.nan, math.nan, np.full(COMPONENTS, np.nan), math.nan)
+        return ConsistencyStatistics(math.nan, math.nan, np.full(POSE_SIZE, np.nan), math.nan)
     squares = nees(errors, covariances)
     return ConsistencyStatistics(
         nees_mean=float(squares.mean()),
@@ -93,7 +94,7 @@ def coverage(traces: Iterable[Trace], nominal: FloatArray) -> FloatArray:
     """
     ratios = _errors_in_sigmas(traces)
     if not len(ratios):
-        return np.full((len(nominal), COMPONENTS), np.nan)
+        return np.full((len(nominal), POSE_SIZE), np.nan)
     limits = np.array([central_limit(probability) for probability in nominal])
     shares: FloatArray = (ratios[None, :, :] <= limits[:, None, None]).mean(axis=1)
     return shares
@@ -117,7 +118,7 @@ def sigma_factors(traces: Iterable[Trace], probability: float) -> FloatArray:
     """
     ratios = _errors_in_sigmas(traces)
     if not len(ratios):
-        return np.full(COMPONENTS, np.nan)
+        return np.full(POSE_SIZE, np.nan)
     # An observed ratio, because one may be infinite.
     held: FloatArray = np.quantile(ratios, probability, axis=0, method="higher")
     return held / central_limit(probability)
@@ -130,7 +131,7 @@ def central_limit(probability: float) -> float:
 
 def _errors_in_sigmas(traces: Iterable[Trace]) -> FloatArray:
     """Return absolute errors over sigma of all claimed and visible frames, shape (K, 4)."""
-    ratios = [np.full((0, COMPONENTS), np.nan)]
+    ratios = [np.full((0, POSE_SIZE), np.nan)]
     for trace in traces:
         chosen = trace.claimed & trace.visible
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.state import POSE_SIZE, CableState
 from cable_tracker.evaluation.failure_criteria import is_outside_borders
-from cable_tracker.evaluation.trace import COMPONENTS
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.sequences.estimates import EstimateRow
 
 
@@ -60,7 +59,7 @@ class ErrorSummary:
 def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
     """Return estimate minus truth of d, alpha, w, beta, shape (4,), also across the wrap."""
     chart = states_in_chart(estimate.to_array()[None, :], truth.angle)[0]
-    errors: FloatArray = chart[:4] - truth.to_array()[:4]
+    errors: FloatArray = chart[:POSE_SIZE] - truth.to_array()[:POSE_SIZE]
     return errors
 
 
@@ -68,7 +67,7 @@ def error_statistics(errors: FloatArray) -> ErrorStatistics:
     """Summarise errors of shape (K, 4); rows that are not finite are left out."""
     finite = errors[np.isfinite(errors).all(axis=1)]
     if not len(finite):
-        unknown = np.full(COMPONENTS, np.nan)
+        unknown = np.full(POSE_SIZE, np.nan)
         return ErrorStatistics(unknown, unknown, unknown, unknown)
     return ErrorStatistics(
         bias=finite.mean(axis=0),
@@ -86,11 +85,11 @@ def summarise_errors(rows: Sequence[EstimateRow], truths: Mapping[int, CableStat
         if row.state is not None and row.frame in truths
     ]
     errors = np.array([state_errors(estimate, truth) for estimate, truth in pairs])
-    errors = errors.reshape(-1, COMPONENTS)
+    errors = errors.reshape(-1, POSE_SIZE)
     off = is_outside_borders(errors, np.array([truth.width for _, truth in pairs]))
     return ErrorSummary(
         labelled=len(truths),
         claimed=len(pairs),
         errors=error_statistics(errors),
-        share_off=float(np.mean(off)) if len(off) else math.nan,
+        share_off=mean(off),
     )
