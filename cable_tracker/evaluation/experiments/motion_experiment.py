@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
@@ -17,6 +15,7 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
+from cable_tracker.evaluation.spread import spread_of
 
 MOTION_SEQUENCES = ("S1", "S2", "S6")
 METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")
@@ -214,6 +213,5 @@ def _metric_text(metric: str, runs: Sequence[RunResult]) -> str:
 
 def _mean_of_medians(metric: str, groups: Sequence[Sequence[RunResult]]) -> str:
     spec = METRICS_BY_NAME[metric]
-    medians = [metric_spread(spec, [run.metrics for run in group]).median for group in groups]
-    known = [median for median in medians if not np.isnan(median)]
-    return format_number(float(np.mean(known)) if known else np.nan, spec.unit)
+    medians = (metric_spread(spec, [run.metrics for run in group]).median for group in groups)
+    return format_number(spread_of(medians).mean, spec.unit)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
 
 UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))
@@ -47,8 +47,6 @@ def increment_variances(states: FloatArray) -> FloatArray:
         )
     before, after = full[:-1][pairs], full[1:][pairs]
     # In the chart of the state before, a step across the wrap is as small as any other.
-    after[:, 1] -= before[:, 1]
-    steps = wrap_states(after)
-    steps[:, (0, 2, 3)] -= before[:, (0, 2, 3)]
-    variances: FloatArray = np.var(steps[:, :4], axis=0, ddof=1) * UNITS
+    steps = states_in_chart(after, before[:, StateColumn.ANGLE]) - before
+    variances: FloatArray = np.var(steps[:, :POSE_SIZE], axis=0, ddof=1) * UNITS
     return variances

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-
-import numpy as np
 
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
@@ -17,6 +14,7 @@ from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExp
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.sample_statistics import mean
 
 STRIPS_PER_SEED = 100
 """Number of strips drawn for each seed of the experiment: five seeds make 500."""
@@ -97,5 +95,5 @@ def is_measured(run: RunResult) -> bool:
 def _cells(runs: Sequence[RunResult]) -> tuple[str, ...]:
     wrong = [bool(run.trace.claimed.any()) and not is_found(run) for run in runs]
     shares = ([is_found(run) for run in runs], [is_measured(run) for run in runs], wrong)
-    numbers = (100.0 * float(np.mean(each)) if runs else math.nan for each in shares)
+    numbers = (100.0 * mean(each) for each in shares)
     return str(len(runs)), *(format_number(number, "%") for number in numbers)

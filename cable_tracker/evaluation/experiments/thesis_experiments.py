@@ -44,6 +44,7 @@ from cable_tracker.evaluation.metrics.initialisation import (
 )
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
+from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
 
@@ -204,9 +205,7 @@ def _starts(results: Sequence[RunResult]) -> list[Trace]:
 def _start_row(sequence: str, method: str, parts: Sequence[Trace]) -> tuple[str, ...]:
     starts = [start_statistics(part) for part in parts]
     shares = (
-        100.0 * float(np.mean([start.outcome is outcome for start in starts]))
-        if starts
-        else math.nan
+        100.0 * mean([start.outcome is outcome for start in starts])
         for outcome in (StartOutcome.RIGHT, StartOutcome.WRONG, StartOutcome.NONE)
     )
     known = [s.frames_to_right for s in starts if not math.isnan(s.frames_to_right)]
@@ -216,7 +215,7 @@ def _start_row(sequence: str, method: str, parts: Sequence[Trace]) -> tuple[str,
     ))  # fmt: skip
     numbers = (
         *(format_number(share, "%") for share in shares),
-        format_number(float(np.median(known)) if known else math.nan, "frames"),
+        format_number(median(known), "frames"),
         format_number(100.0 * lost / visible if visible else math.nan, "%"),
     )
     return sequence, method, str(len(starts)), *numbers

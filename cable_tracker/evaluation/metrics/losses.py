@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import true_runs
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.stamps import NANOSECONDS
 
@@ -89,6 +90,6 @@ def loss_statistics(trace: Trace) -> LossStatistics:
         share=float(trace.lost[visible].mean()),
         longest_frames=float(max((episode.frame_count for episode in episodes), default=0)),
         longest_seconds=max((episode.seconds for episode in episodes), default=0.0),
-        recovery_seconds=float(np.mean(recoveries)) if recoveries else math.nan,
+        recovery_seconds=mean(recoveries),
         unrecovered=float(len(episodes) - len(recoveries)),
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.stamps import NANOSECONDS
 
@@ -95,5 +96,5 @@ def return_statistics(trace: Trace) -> ReturnStatistics:
     return ReturnStatistics(
         count=float(len(returns)),
         found=len(known) / len(returns) if returns else math.nan,
-        seconds=float(np.mean(known)) if known else math.nan,
+        seconds=mean(known),
     )
