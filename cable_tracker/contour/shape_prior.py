@@ -13,8 +13,9 @@ from cable_tracker.libraries import without_ipp
 def signed_distances(mask: BoolArray) -> NDArray[np.float32]:
     """Return the distance of every pixel from the outline of a mask, negative inside [px].
 
-    The outline runs between the pixels: the nearest on either side are half a pixel off. A picture
-    that is all inside or all outside has no outline: its distances are those to beyond the picture.
+    The outline runs between the pixels: the nearest on either side are half a pixel off. What lies
+    beyond the picture is outside. All outside has no outline: every distance is the picture's
+    diagonal less half a pixel.
     """
     inside = np.pad(mask, 1).astype(np.uint8)
     to_outside, to_inside = _distances_to_zero(inside), _distances_to_zero(1 - inside)

@@ -26,13 +26,14 @@ class InstrumentErrors:
     velocity_scale : float
         Standard deviation of the scale error of all linear velocities.
     turn, turn_bias : float
-        Standard deviations of noise and constant bias of each angular velocity [rad/s].
+        Standard deviations of the noise of each angular velocity, of odometry and imu, and of the
+        constant bias of odometry's; the imu has none [rad/s].
     attitude : float
         Standard deviation of each measured roll, pitch and yaw [rad].
     acceleration : float
         Standard deviation of each acceleration component [m/s²].
     altitude : float
-        Share of the altitude, for each measurement.
+        Standard deviation of each measured altitude, as a share of it.
     """
 
     velocity: float = 0.02
@@ -63,11 +64,11 @@ class OdometryReading:
     angles : FloatArray
         Roll, pitch, yaw, shape (3,) [rad].
     pose_covariance : FloatArray
-        Covariance of position and angles, shape (6, 6) [m, rad].
+        Covariance of position and angles, shape (6, 6) [m², rad²].
     twist : FloatArray
         In base_link, shape (6,) [m/s, rad/s].
     twist_covariance : FloatArray
-        Shape (6, 6).
+        Covariance of the twist, of noise and bias together, shape (6, 6) [m²/s², rad²/s²].
     """
 
     position: FloatArray

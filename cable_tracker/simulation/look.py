@@ -82,7 +82,8 @@ class Lamp:
     spread : float
         Angle from its axis at which the light has fallen to 1/e [rad].
     strength : float
-        Relative to the others.
+        Light on the beam's axis at the distance `water.REFERENCE_RANGE`; 1 shows a surface with its
+        reflected share.
     """
 
     place: tuple[float, float, float]

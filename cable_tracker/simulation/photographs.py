@@ -31,7 +31,7 @@ def make_photographed_bed(
     Parameters
     ----------
     folder : Path
-        Holds the pictures; others files are passed over.
+        Holds the pictures; other files are passed over.
     resolution : int
         Texels per unit.
     tone : float

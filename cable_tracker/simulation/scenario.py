@@ -55,7 +55,7 @@ class SimulationSettings:
     frame_count : int
         Number of frames, at least 1.
     rate : float
-        Frames per second, above 0. The motion is one of time: a lower rate gives larger steps.
+        Frames per second, 0.001 to 1e6. The motion is one of time: a lower rate gives larger steps.
     image_size : (int, int)
         Width and height [px], each 32 to 4096.
     clutter : float
