@@ -12,9 +12,6 @@ from cable_tracker.contour.levels import Levels, levels_of_mask
 from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
 from cable_tracker.errors import FrameError
 
-SEVERAL = 1000
-"""Default limit of the iterations: hardly any contour needs as many."""
-
 
 @dataclass(frozen=True, slots=True)
 class ContourSettings:
@@ -29,7 +26,7 @@ class ContourSettings:
         eps_N: the regulariser acts only where the lengths of the two lists differ by more than this
         share; negative: always. The thesis gives no value; its figure 2 implies less than 0.027.
     iterations : int
-        Largest number of iterations.
+        Largest number of iterations; hardly any contour needs as many as the default.
     flooding : bool
         Whether points that join a list are looked at in the same scan, so that one iteration can
         carry the contour any distance; otherwise by about a pixel.
@@ -37,7 +34,7 @@ class ContourSettings:
 
     regulariser: float = 0.0
     balance: float = 0.02
-    iterations: int = SEVERAL
+    iterations: int = 1000
     flooding: bool = True
 
 

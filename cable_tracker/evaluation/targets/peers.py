@@ -99,9 +99,12 @@ def _in_colour(image: Image) -> Image:
     return image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
 
 
-def _opencv_peers() -> dict[str, Callable[[], BoxTracker]]:
+OPENCV_TRACKERS = ("CSRT", "KCF", "MIL")
+
+
+def _peers() -> dict[str, Callable[[], BoxTracker]]:
     peers: dict[str, Callable[[], BoxTracker]] = {}
-    for name in ("CSRT", "KCF", "MIL"):
+    for name in OPENCV_TRACKERS:
         make = getattr(cv2, f"Tracker{name}_create", None)
         if make is not None:
             peers[name] = partial(OpenCvTracker, make)
@@ -109,10 +112,8 @@ def _opencv_peers() -> dict[str, Callable[[], BoxTracker]]:
     return peers
 
 
-PEERS: Mapping[str, Callable[[], BoxTracker]] = MappingProxyType(_opencv_peers())
+PEERS: Mapping[str, Callable[[], BoxTracker]] = MappingProxyType(_peers())
 """Peers by name; CSRT and KCF only where the wheel is opencv-contrib-python-headless before 5.0."""
 
-MISSING_PEERS: tuple[str, ...] = tuple(
-    name for name in ("CSRT", "KCF", "MIL", "CamShift") if name not in PEERS
-)
+MISSING_PEERS: tuple[str, ...] = tuple(name for name in OPENCV_TRACKERS if name not in PEERS)
 """Names of the peers that the installed OpenCV lacks."""
