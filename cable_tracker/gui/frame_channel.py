@@ -8,8 +8,13 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
+
+BROWSER_MODULES = {"cable-tracker-browser": str(Path(__file__).with_name("browser"))}
+"""The scripts that elements of pages share, by their name in the browser. NiceGUI takes a name for
+one path only, so all elements say it alike."""
 
 
 @dataclass(slots=True, eq=False)

@@ -7,12 +7,10 @@ from typing import Any
 
 from nicegui.element import Element
 
-from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.gui.subject import CABLE, Subject
 from cable_tracker.gui.tracking_history import STATUSES
 from cable_tracker.visualisation import palette
-
-BROWSER = {"cable-tracker-browser": "browser"}
 
 COLOURS = {
     "particles": palette.css(palette.PARTICLES),
@@ -69,7 +67,9 @@ def _components(subject: Subject) -> dict[str, object]:
     return {"names": subject.names, "units": subject.units, "truths": subject.truths}
 
 
-class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER):
+class TrackingPicture(
+    _ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER_MODULES
+):
     """The picture, and where the user draws what is followed: event `draw`.
 
     Parameters
@@ -87,7 +87,7 @@ class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js
         super().__init__(channel, props)
 
 
-class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER):
+class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER_MODULES):
     """One small plot for each component of the state."""
 
     def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
@@ -95,14 +95,14 @@ class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER)
         super().__init__(channel, props)
 
 
-class NumberPanel(_ChannelElement, _Changing, component="number_panel.js", esm=BROWSER):
+class NumberPanel(_ChannelElement, _Changing, component="number_panel.js", esm=BROWSER_MODULES):
     """Estimate and filter in numbers."""
 
     def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
         super().__init__(channel, _components(subject) | {"count": 0})
 
 
-class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER):
+class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER_MODULES):
     """The last half minute."""
 
     def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
@@ -111,7 +111,7 @@ class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER):
         super().__init__(channel, {"colours": COLOURS, "statuses": statuses, "lanes": lanes})
 
 
-class TransportBar(_ChannelElement, _Changing, component="transport_bar.js", esm=BROWSER):
+class TransportBar(_ChannelElement, _Changing, component="transport_bar.js", esm=BROWSER_MODULES):
     """Play, pause, step, seek and speed: event `command`."""
 
     def __init__(self, channel: FrameChannel, speeds: Sequence[str]) -> None:

@@ -1,4 +1,5 @@
 import asyncio
+import importlib
 import threading
 
 import pytest
@@ -8,6 +9,11 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 from starlette.websockets import WebSocketDisconnect
 
 from cable_tracker.gui.frame_channel import FrameChannel
+
+
+def test_both_windows_can_be_opened_in_one_process():
+    for name in ("tracking_window", "labelling.window"):
+        importlib.import_module(f"cable_tracker.gui.{name}")
 
 
 class Browser:

@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.gui.labelling.labels import FrameLabel
 from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour, css
 
@@ -28,9 +28,7 @@ COLOURS: Mapping[str, Colour] = {
 """Colours of labels by their flags; words and line styles say the same."""
 
 
-class LabelEditor(
-    Element, component="label_editor.js", esm={"cable-tracker-browser": "../browser"}
-):
+class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
     """Picture, numbers, buttons and slider. What a browser says of it comes as events.
 
     ``ready {frame}``
