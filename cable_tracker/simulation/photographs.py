@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.image_folder import PICTURE_SUFFIXES
+from cable_tracker.sequences.image_folder import find_pictures
 from cable_tracker.simulation.seabed import BED_SIZE
 from cable_tracker.simulation.texture import TiledTexture, smooth_step
 
@@ -69,7 +69,7 @@ def make_photographed_bed(
 def _load_pictures(folder: Path, resolution: int, rng: np.random.Generator) -> list[Image]:
     if not folder.is_dir():
         raise RecordingError(f"{folder} is not a folder: give one that holds photographs")
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURE_SUFFIXES)
+    paths = sorted(find_pictures(folder))
     chosen = [paths[place] for place in rng.permutation(len(paths))[:LARGEST_COUNT]]
     pictures = []
     for path in chosen:

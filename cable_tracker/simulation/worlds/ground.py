@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.image_folder import PICTURE_SUFFIXES
+from cable_tracker.sequences.image_folder import find_pictures
 from cable_tracker.simulation.texture import (
     cloud_response,
     frequencies,
@@ -119,7 +119,7 @@ def photographs_of(split: Split) -> tuple[Path, ...]:
         There are fewer than five.
     """
     folder = photographs_folder()
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURE_SUFFIXES)
+    paths = sorted(find_pictures(folder))
     count = 2 * len(paths) // 5
     if count < 2:
         raise RecordingError(f"{folder} holds {len(paths)} photographs: give at least 5")
