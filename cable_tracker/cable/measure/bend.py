@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
 from cable_tracker.arrays import FloatArray, Image
 
@@ -61,10 +62,14 @@ class Bend:
 
         They are in the unit of `width`, the picture's.
         """
-        return self.amplitude * width * _second_legendre(_line_places(count))
+        displacements: FloatArray = self.amplitude * width * _legendre_terms(count)[:, 2]
+        return displacements
 
 
 STRAIGHT = Bend(0.0)
+
+LEAST_KEPT = 0.001
+"""Amplitude below which a bend that is no longer found has ended, a third of a pixel of 320."""
 
 
 def straightened(picture: Image, bend: Bend) -> Image:
@@ -90,13 +95,12 @@ def bend_of_map(probabilities: Image) -> Bend:
     `STRAIGHT` where it shows none, several, or one that may as well be straight.
     """
     cells = np.where(probabilities >= MARKED, probabilities, 0.0).astype(np.float64)
+    if not cells.any():
+        return STRAIGHT
     is_steep = _is_steep(cells)
     lines = cells if is_steep else cells.T
     count, length = lines.shape
-    if min(count, length) < len(GATES) or not lines.any():
-        return STRAIGHT
-    places = _line_places(count)
-    terms = np.stack([np.ones(count), places, _second_legendre(places)], axis=1)
+    terms = _legendre_terms(count)
     curve = _straight_line(lines, terms)
     for gate in GATES:
         near = lines * (np.abs(np.arange(length) - curve[:, None]) <= gate)
@@ -120,26 +124,30 @@ def bend_of_map(probabilities: Image) -> Bend:
 
 
 def bend_after(before: Bend, found: Bend) -> Bend:
-    """Return the bend to go on with: the mean of those before and found, or all of a new one."""
-    if before.amplitude == 0.0 or before.is_steep != found.is_steep:
+    """Return the bend to go on with: the mean of those before and found, or all of a new one.
+
+    Where none is found, half of the one before, of either direction, until it is too small to see.
+    """
+    if found == STRAIGHT:
+        half = 0.5 * before.amplitude
+        return Bend(half, before.is_steep) if abs(half) >= LEAST_KEPT else STRAIGHT
+    if before == STRAIGHT or before.is_steep != found.is_steep:
         return found
     return Bend(0.5 * (before.amplitude + found.amplitude), found.is_steep)
 
 
-def _line_places(count: int) -> FloatArray:
-    """Return the middles of lines side by side that fill -1 to 1, shape (count,)."""
-    return (2.0 * np.arange(count) + 1.0) / count - 1.0
+def _legendre_terms(count: int) -> FloatArray:
+    """Return Legendre's polynomials of degree 0 to 2 at the middles of lines, shape (count, 3).
 
-
-def _second_legendre(places: FloatArray) -> FloatArray:
-    """Return the Legendre polynomial of degree 2: its line of least squares is zero."""
-    return 0.5 * (3.0 * places**2 - 1.0)
+    The lines lie side by side and fill -1 to 1. The line of least squares through degree 2 is zero.
+    """
+    return legvander((2.0 * np.arange(count) + 1.0) / count - 1.0, 2).astype(np.float64)
 
 
 def _is_steep(cells: FloatArray) -> bool:
     """Tell whether marked cells lie rather one above the other than side by side."""
     rows, columns = np.nonzero(cells)
-    return bool(len(rows) == 0 or rows.var() >= columns.var())
+    return bool(rows.var() >= columns.var())
 
 
 def _straight_line(lines: FloatArray, terms: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
@@ -187,6 +187,7 @@ def make_working_image(
     sample_spacing: float = DEFAULTS.sample_spacing,
     light_correction: float = 0.0,
     gradients_alone: bool = False,
+    bend: Bend = STRAIGHT,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
@@ -196,7 +197,7 @@ def make_working_image(
         Grey levels, uint8 or float32, shape (H, W).
     working_width : int
         Wanted width [px].
-    filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
+    filter_sigma, sample_spacing, light_correction, gradients_alone, bend : float, bool, Bend
         See `WorkingImage`.
     """
     image = without_dead_margins(image)
@@ -205,7 +206,7 @@ def make_working_image(
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
     return WorkingImage(
-        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone
+        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone, bend
     )
 
 
@@ -213,12 +214,12 @@ def working_image_for(
     image: Image, parameters: TrackerParameters, bend: Bend = STRAIGHT
 ) -> WorkingImage:
     """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
-    made = make_working_image(
+    return make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
         parameters.sample_spacing,
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
+        bend=bend,
     )
-    return replace(made, bend=bend)

@@ -92,3 +92,12 @@ def test_a_bend_that_goes_on_is_averaged_and_a_new_one_counts_at_once():
     assert bend_after(Bend(0.1), Bend(0.2)) == Bend(0.15000000000000002)
     assert bend_after(Bend(0.1), STRAIGHT) == Bend(0.05)
     assert bend_after(Bend(0.1), Bend(0.2, is_steep=False)) == Bend(0.2, is_steep=False)
+
+
+@pytest.mark.parametrize("is_steep", [True, False])
+def test_a_bend_that_is_no_longer_found_fades_and_ends(is_steep):
+    bends = [Bend(0.1, is_steep)]
+    while bends[-1] != STRAIGHT:
+        bends.append(bend_after(bends[-1], STRAIGHT))
+    assert bends[1] == Bend(0.05, is_steep)
+    assert len(bends) < 10
