@@ -11,10 +11,14 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.measure.bend import STRAIGHT
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, working_image_for
+from cable_tracker.cable.measure.working_image import (
+    NO_HISTORY,
+    WorkingImage,
+    check_frame,
+    working_image_for,
+)
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -64,7 +68,7 @@ class CableTracker:
         self._table = load_table(self._parameters.response_table)
         self._filter: CableFilter[Any] | None = None
         self._belief: ParticleBelief | None = None
-        self._bend = STRAIGHT
+        self._pictures = NO_HISTORY
         self._given: GivenState | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -117,7 +121,7 @@ class CableTracker:
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = None
         self._belief = None
-        self._bend = STRAIGHT
+        self._pictures = NO_HISTORY
         self._given = None
         self._status = StatusMachine()
         self._frame = None
@@ -167,13 +171,13 @@ class CableTracker:
         if step.event:
             self._filter = None
             self._belief = None
-            self._bend = STRAIGHT
+            self._pictures = NO_HISTORY
             self._status = StatusMachine()
         self._frame = frame
-        working_image = working_image_for(image, self._parameters, self._bend)
+        working_image = working_image_for(image, self._parameters, self._pictures, step.dt)
         known = motion if has_previous_frame and not step.event else None
         summary = self._find(working_image, step.dt, known)
-        self._bend = working_image.next_bend
+        self._pictures = working_image.next_history
         return self._estimate(summary, step.dt, step.event)
 
     def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> BeliefSummary:

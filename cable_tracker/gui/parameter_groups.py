@@ -28,7 +28,8 @@ CABLE_GROUPS: Groups = (
     (
         "Observation",
         (
-            "working_width", "sample_spacing", "filter_sigma", "light_correction", "epsilon",
+            "working_width", "sample_spacing", "filter_sigma", "light_correction",
+            "burned_in_time", "epsilon",
             "response_table", "tempering", "missing_cost", "texture_limit",
             "shadow_evidence", "polarity_memory", "border_displacement",
         ),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -644,6 +645,18 @@ def test_a_thin_cable_that_curves_is_claimed_along_its_straight_line(draw_strip)
     assert last.state.distance == pytest.approx(state.distance, abs=3.0)
     assert last.state.angle == pytest.approx(state.angle, abs=2.0 * DEGREE)
     assert last.state.width < 12.0
+
+
+@pytest.mark.parametrize(("burned_in_time", "is_claimed"), [(0.0, True), (0.1, False)])
+def test_a_crosshair_over_moving_ground_is_no_cable(burned_in_time, is_claimed):
+    ground = np.random.default_rng(0).normal(0.0, 60.0, (400, 600))
+    ground = (110.0 + cv2.GaussianBlur(ground, (0, 0), 1.2)).clip(0, 255).astype(np.uint8)
+    tracker = make_tracker(preset("default").replaced({"burned_in_time": burned_in_time}))
+    for frame in range(14):
+        picture = ground[5 * frame :, 3 * frame :][:240, :320].copy()
+        picture[120], picture[:, 160] = 235, 235
+        last = tracker.process(picture, START + frame * FRAME)
+    assert (last.status is TRACKING) == is_claimed
 
 
 def test_with_its_detector_the_same_frames_and_seed_give_the_same_bits(dive):

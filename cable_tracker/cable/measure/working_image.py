@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -15,6 +15,11 @@ from cable_tracker.cable.measure.bend import (
     bend_after,
     bend_of_map,
     straightened,
+)
+from cable_tracker.cable.measure.burned_in_lines import (
+    StandingLines,
+    standing_lines,
+    without_standing_lines,
 )
 from cable_tracker.cable.measure.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
@@ -50,6 +55,27 @@ MAXIMUM_SIDE = 32_766
 """Largest height and width of a frame that OpenCV looks up pixels in [px]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PictureHistory:
+    """What the frames before say of how the next one is made ready.
+
+    Attributes
+    ----------
+    bend : Bend
+        What is taken out of it before anything but the map is worked out.
+    standing_lines : StandingLines or None
+        For how long its pixels have been on thin lines; None: it is the first, or nothing is taken
+        out.
+    """
+
+    bend: Bend = STRAIGHT
+    standing_lines: StandingLines | None = None
+
+
+NO_HISTORY = PictureHistory()
+"""That of the first frame."""
+
+
 @dataclass(frozen=True, eq=False)
 class WorkingImage:
     """A frame made ready for measuring. What is not asked for is not worked out.
@@ -68,8 +94,12 @@ class WorkingImage:
         Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
     gradients_alone : bool
         Whether nothing else is measured, as by the observation of the thesis.
-    bend : Bend
-        What is taken out of the frame before anything but the map is worked out.
+    history : PictureHistory
+        What the frames before say of how it is made ready.
+    dt : float
+        Time since the frame before [s].
+    burned_in_time : float
+        Thin lines that have stood still for this time are taken out [s]; 0: nothing is.
     """
 
     frame: Image
@@ -78,7 +108,9 @@ class WorkingImage:
     sample_spacing: float
     light_correction: float = 0.0
     gradients_alone: bool = False
-    bend: Bend = STRAIGHT
+    history: PictureHistory = NO_HISTORY
+    dt: float = 0.0
+    burned_in_time: float = 0.0
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -92,8 +124,21 @@ class WorkingImage:
 
     @cached_property
     def _straight(self) -> Image:
-        """The reduced frame without its bend, of the frame's dtype."""
-        return straightened(self._reduced, self.bend)
+        """The cleared frame without its bend, of the frame's dtype."""
+        return straightened(self._cleared, self.history.bend)
+
+    @cached_property
+    def _cleared(self) -> Image:
+        """The reduced frame without burned-in lines, of its dtype."""
+        if self._standing_lines is None:
+            return self._reduced
+        return without_standing_lines(self._reduced, self._standing_lines, self.burned_in_time)
+
+    @cached_property
+    def _standing_lines(self) -> StandingLines | None:
+        if self.burned_in_time == 0.0:
+            return None
+        return standing_lines(self.history.standing_lines, self._reduced, self.dt)
 
     @cached_property
     def _reduced(self) -> Image:
@@ -125,21 +170,22 @@ class WorkingImage:
     def cable_map(self) -> CableMap:
         """Where a cable may be, worked out when it is first asked for."""
         bent = self._bent_map
-        if self.bend.amplitude == 0.0:
+        if self.history.bend.amplitude == 0.0:
             return bent
-        probabilities = straightened(bent.probabilities, self.bend)
+        probabilities = straightened(bent.probabilities, self.history.bend)
         return cable_map_of(probabilities, bent.left, bent.top, bent.cell)
 
     @cached_property
     def _bent_map(self) -> CableMap:
-        return make_cable_map(self._reduced.astype(np.float32), self.frame_size[0])
+        return make_cable_map(self._cleared.astype(np.float32), self.frame_size[0])
 
     @property
-    def next_bend(self) -> Bend:
-        """The bend for the next frame: as the map shows it, or as it was if none was asked for."""
-        if "_bent_map" not in vars(self):
-            return self.bend
-        return bend_after(self.bend, bend_of_map(self._bent_map.probabilities))
+    def next_history(self) -> PictureHistory:
+        """The history for the next frame; the bend stays as it was if no map was asked for."""
+        bend = self.history.bend
+        if "_bent_map" in vars(self):
+            bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
+        return PictureHistory(bend, self._standing_lines)
 
     @cached_property
     def scanned(self) -> ScannedFrame:
@@ -187,7 +233,6 @@ def make_working_image(
     sample_spacing: float = DEFAULTS.sample_spacing,
     light_correction: float = 0.0,
     gradients_alone: bool = False,
-    bend: Bend = STRAIGHT,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
@@ -197,7 +242,7 @@ def make_working_image(
         Grey levels, uint8 or float32, shape (H, W).
     working_width : int
         Wanted width [px].
-    filter_sigma, sample_spacing, light_correction, gradients_alone, bend : float, bool, Bend
+    filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
         See `WorkingImage`.
     """
     image = without_dead_margins(image)
@@ -206,20 +251,26 @@ def make_working_image(
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
     return WorkingImage(
-        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone, bend
+        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone
     )
 
 
 def working_image_for(
-    image: Image, parameters: TrackerParameters, bend: Bend = STRAIGHT
+    image: Image,
+    parameters: TrackerParameters,
+    history: PictureHistory = NO_HISTORY,
+    dt: float = 0.0,
 ) -> WorkingImage:
-    """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
-    return make_working_image(
+    """Return the working image of a frame (H, W) that a tracker of these parameters makes.
+
+    `history` is that of the frames before, the last of them `dt` seconds ago.
+    """
+    working_image = make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
         parameters.sample_spacing,
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
-        bend=bend,
     )
+    return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)

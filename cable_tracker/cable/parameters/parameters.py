@@ -182,6 +182,14 @@ class TrackerParameters(ParameterSet):
         1.0,
         "Share of uneven light (lamps, dark corners) that is taken out of a frame; 0 for none.",
     )
+    burned_in_time: float = number(
+        0.1,
+        "s",
+        0.0,
+        2.0,
+        "Thin straight lines that stand still for so long, such as a crosshair, are taken out;"
+        " 0: nothing is.",
+    )
     epsilon: float = number(
         1e-3,
         "grey levels",

@@ -49,6 +49,7 @@ PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
             initial_skew_maximum=10.0,
             sample_spacing=20.0,
             light_correction=0.0,
+            burned_in_time=0.0,
             detector="none",
             looks="borders",
             evidence_to_track=1.6,

@@ -122,6 +122,7 @@ TAKEN_AWAY = AblationTable(
             {"width_rate_variance": 0.0, "skew_rate_variance": 0.0},
         ),
         _without("uneven_light", "uneven light left in", {"light_correction": 0.0}),
+        _without("burned_in", "lines of a survey display left in", {"burned_in_time": 0.0}),
         _without("free_outside", "points outside the image cost nothing", {"missing_cost": 0.0}),
         _without("no_texture", "texture not looked at", {"texture_limit": 0.0}),
         _without("no_shadows", "no strip is a shadow", {"shadow_evidence": 1e3}),
@@ -166,6 +167,7 @@ _STEPS = (
         (*VARIANCES, "rate_damping"),
     ),
     _Step("light", "uneven light taken out", ("light_correction",)),
+    _Step("display", "lines of a survey display taken out", ("burned_in_time",)),
     _Step("spacing", "points as near to each other as in `default`", ("sample_spacing",)),
     _Step(
         "likelihood_ratio",

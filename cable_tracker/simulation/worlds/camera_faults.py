@@ -125,6 +125,8 @@ def random_overlaid(
     if rng.random() < disturbance.caption:
         corners = ((4, round(0.06 * height)), (4, height - 6), (width // 2, round(0.06 * height)))
         captions = corners[: int(rng.integers(1, 4))]
+    if disturbance.crosshair and rng.random() < disturbance.crosshair:
+        _draw_crosshair(pixels, where, rng)
     return Overlaid(pixels, where, captions)
 
 
@@ -160,6 +162,26 @@ def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> Non
     where |= mask > 0
     grain = rng.normal(0.0, 3.0, pixels.shape) + rng.uniform(10.0, 200.0)
     pixels[mask > 0] = np.clip(grain, 0, 255).astype(np.uint8)[mask > 0]
+
+
+def _draw_crosshair(pixels: Image, where: BoolArray, rng: np.random.Generator) -> None:
+    """Draw a line down and one across the middle, with marks on them."""
+    height, width = pixels.shape
+    unit = width / 320
+    thickness = max(1, round(unit * rng.uniform(0.5, 1.5)))
+    reach = float(rng.choice((0.3, 0.5, 0.5)))
+    middle = np.array((width // 2, height // 2))
+    mask = np.zeros_like(pixels)
+    for direction, side in (((1, 0), width), ((0, 1), height)):
+        way = np.array(direction)
+        for mark in range(-5, 6):
+            place = middle + way * round(mark * reach * side / 5)
+            half = (way[::-1] * 4 * unit).round().astype(int)
+            cv2.line(mask, (place - half).tolist(), (place + half).tolist(), 1, thickness)
+        half = way * round(reach * side)
+        cv2.line(mask, (middle - half).tolist(), (middle + half).tolist(), 1, thickness)
+    pixels[mask > 0] = int(rng.choice((0, 235, 235, 255)))
+    where |= mask > 0
 
 
 class LossyCodec:

@@ -120,6 +120,22 @@ _KINDS = (
         has_cable=False,
         disturbance=Disturbance(lines=1.5, pairs=1.5, bars=0.2),
     ),
+    replace(
+        _BASE,
+        name="display",
+        description="a survey display's crosshair through the picture, captions",
+        contrast=(1.5, 4.0),
+        disturbance=Disturbance(lines=0.3, crosshair=1.0, caption=0.7),
+        optics=Optics(quality=(50, 90)),
+    ),
+    replace(
+        _BASE,
+        name="display_empty",
+        description="no cable, but a survey display's crosshair through the picture, captions",
+        has_cable=False,
+        disturbance=Disturbance(crosshair=1.0, caption=0.7),
+        optics=Optics(quality=(50, 90)),
+    ),
 )
 """Worlds of each kind, without a split."""
 

@@ -84,6 +84,8 @@ class Disturbance:
         Probability of written figures in a corner.
     vehicle_part : float
         Probability of a part of the vehicle in view.
+    crosshair : float
+        Probability of a crosshair that a survey display draws across the picture.
     """
 
     shadow: float = 0.0
@@ -92,6 +94,7 @@ class Disturbance:
     bars: float = 0.0
     caption: float = 0.0
     vehicle_part: float = 0.0
+    crosshair: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,3 +81,13 @@ def test_captions_change_with_time():
         overlaid.put_on(picture, frame)
     assert (pictures[0] != 77).any()
     assert (pictures[0] != pictures[1]).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_crosshair_runs_down_and_across_the_middle_and_is_thin(seed):
+    rng = np.random.default_rng(seed)
+    where = random_overlaid(Disturbance(crosshair=1.0), (320, 240), rng).where
+    down, across = where[:, 150:170].any(axis=1), where[110:130].any(axis=0)
+    assert down.sum() > 0.5 * len(down)
+    assert across.sum() > 0.5 * len(across)
+    assert where.mean() < 0.02

@@ -1,0 +1,171 @@
+"""Thin lines that a survey display burns into the picture: crosshairs, scale bars, frames.
+
+Such a line is as straight as a cable, longer and clearer, and it never fades. But it stands still
+to the pixel while the ground moves behind it, it is thinner than any cable, and it runs along the
+rows or the columns. Lines of which all of that is true are taken out before anything is measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.compilation import compiled
+
+LEAST_HEIGHT = 8.0
+"""How far a thin line stands out from what is beside it, at least [grey levels]."""
+
+THICKNESS = 2
+"""Thickness of the thickest line [px at the reference width]: half that of the thinnest cable."""
+
+LEAST_LENGTH = 40
+"""Length of the shortest line, along a row or a column [px at the reference width]."""
+
+SPACING, FEWEST_ROWS = 4, 5
+"""Lines down the picture are looked for on every so many rows, those across it on columns
+[px], and the shortest line crosses so many of them at least."""
+
+LONGEST_GAP = 2
+"""Longest gap in a line [rows or columns that are looked at]: a mark on it is not thin."""
+
+MOST_STANDING = 0.08
+"""Share of the pixels: where more are on thin lines that stand still, the picture does."""
+
+LONGEST_TIME = 2.5
+"""Longest time that is counted [s]."""
+
+LONGEST_STEP = 0.04
+"""Most that one frame counts for [s]: of frames far apart as many are needed."""
+
+LOSS = 2.0
+"""How many times faster than it has grown a time shrinks while no line is seen, in front of a
+bright stone, say."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandingLines:
+    """For how long pixels have been on a thin line.
+
+    Attributes
+    ----------
+    down : Image
+        On one that runs down the picture, float32, shape (2, rows, w) [s]: on one that is brighter
+        than what is beside it, and on a darker one. Rows are `SPACING` px apart.
+    across : Image
+        On one that runs across it, shape (2, columns, h); columns are `SPACING` px apart.
+    """
+
+    down: Image
+    across: Image
+
+
+def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> StandingLines:
+    """Return for how long the pixels of a picture have been on thin lines.
+
+    Parameters
+    ----------
+    before : StandingLines or None
+        Those of the picture before; None, or of another size: this is the first one.
+    picture : Image
+        Grey levels, uint8 or float32, shape (h, w).
+    dt : float
+        Time since the picture before [s].
+    """
+    rows, columns = picture[::SPACING], np.ascontiguousarray(picture[:, ::SPACING].T)
+    if before is None or before.down.shape[1:] != rows.shape:
+        return StandingLines(*(np.zeros((2, *each.shape), np.float32) for each in (rows, columns)))
+    lines = StandingLines(before.down.copy(), before.across.copy())
+    step = min(dt, LONGEST_STEP)
+    for levels, times in ((rows, lines.down), (columns, lines.across)):
+        _add_time(levels.astype(np.float32), _thickness(picture), step, times)
+    return lines
+
+
+def without_standing_lines(picture: Image, lines: StandingLines, least_time: float) -> Image:
+    """Return a picture without the lines that have stood still for long enough.
+
+    Parameters
+    ----------
+    picture : Image
+        Grey levels, uint8 or float32, shape (h, w). It is returned itself if no line is taken out.
+    lines : StandingLines
+        For how long its pixels have been on thin lines.
+    least_time : float
+        Lines that have stood still for this time are taken out [s].
+    """
+    down, across = (times >= np.float32(least_time) for times in (lines.down, lines.across))
+    count = np.count_nonzero(down) + np.count_nonzero(across)
+    length = max(_of_width(LEAST_LENGTH, picture) // SPACING, FEWEST_ROWS)
+    if not length <= count <= MOST_STANDING * (down[0].size + across[0].size):
+        return picture
+    bright, dark = (
+        _whole(_long(down[kind], length), picture.shape)
+        | _whole(_long(across[kind], length), picture.shape[::-1]).T
+        for kind in range(2)
+    )
+    if not (bright.any() or dark.any()):
+        return picture
+    side = _thickness(picture) | 1
+    neighbourhood = cv2.getStructuringElement(cv2.MORPH_RECT, (side, side))
+    without_bright = cv2.morphologyEx(picture, cv2.MORPH_OPEN, neighbourhood)
+    without_dark = cv2.morphologyEx(picture, cv2.MORPH_CLOSE, neighbourhood)
+    return np.asarray(np.where(dark, without_dark, np.where(bright, without_bright, picture)))
+
+
+@compiled
+def _add_time(levels: Image, reach: int, step: float, times: Image) -> None:
+    """Add a step to the times (2, n, m) of pixels on a thin line, and take it from the others'.
+
+    Such a pixel of `levels` (n, m) stands out from those `reach` before and behind it.
+    """
+    least, longest, nothing = np.float32(LEAST_HEIGHT), np.float32(LONGEST_TIME), np.float32(0.0)
+    gain, loss = np.float32(step), np.float32(-LOSS * step)
+    for row in range(len(levels)):
+        before, here, behind = (
+            levels[row, : -2 * reach],
+            levels[row, reach:-reach],
+            levels[row, 2 * reach :],
+        )
+        bright, dark = times[0, row, reach:-reach], times[1, row, reach:-reach]
+        for place in range(len(here)):
+            rise = here[place] - max(before[place], behind[place])
+            fall = min(before[place], behind[place]) - here[place]
+            bright[place] += gain if rise >= least else loss
+            bright[place] = min(max(bright[place], nothing), longest)
+            dark[place] += gain if fall >= least else loss
+            dark[place] = min(max(dark[place], nothing), longest)
+
+
+def _long(mask: BoolArray, length: int) -> BoolArray:
+    """Return where a mask (n, m) is set on so many rows, one after the other but for short gaps."""
+    cells = _morphology(mask.astype(np.uint8), cv2.MORPH_CLOSE, LONGEST_GAP + 1)
+    return np.asarray(_morphology(cells, cv2.MORPH_OPEN, length) > 0)
+
+
+def _morphology(cells: Image, operation: int, rows: int) -> Image:
+    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (1, rows))
+    # What lies beyond the picture is no line.
+    border = cv2.BORDER_CONSTANT
+    return np.asarray(
+        cv2.morphologyEx(cells, operation, kernel, borderType=border, borderValue=0.0)
+    )
+
+
+def _whole(mask: BoolArray, shape: tuple[int, ...]) -> BoolArray:
+    """Return a mask of rows `SPACING` px apart for all rows of a picture."""
+    return np.repeat(mask, SPACING, axis=0)[: shape[0]]
+
+
+def _thickness(picture: Image) -> int:
+    """Return the thickness of the thickest line in a picture [px]."""
+    return max(_of_width(THICKNESS, picture), THICKNESS)
+
+
+def _of_width(length: float, picture: Image) -> int:
+    """Return a length in pixels of a picture [from px at the reference width]."""
+    scaled: float = length * picture.shape[1] / REFERENCE_WIDTH
+    return round(scaled)
