@@ -1,5 +1,7 @@
 """Settings for all tests, and what stands in which tier."""
 
+import gc
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,15 @@ settings.load_profile("untimed")
 
 ROOT = Path(__file__).parent
 BROWSER_FIXTURE = "chromium"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Look for no garbage meanwhile, nor ever again in what was collected: it stays to the end."""
+    gc.disable()
+    yield
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
