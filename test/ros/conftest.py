@@ -50,6 +50,9 @@ PATIENCE = 300.0
 TURNS = 100
 """So many turns leave nothing in the queues: each takes one message, of which tests send few."""
 
+IDLE_TURNS = 5
+"""So many of them without a message, one after the other, leave nothing either."""
+
 NO_WATCH = {"input_timeout": 3600.0}
 """How long a frame stays away says how busy the machine is; what is about silence says so."""
 
@@ -61,7 +64,7 @@ if HAS_ROS:
 
     import rclpy
     from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.executors import ShutdownException, SingleThreadedExecutor, TimeoutException
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -226,11 +229,20 @@ class World:
             assert time.monotonic() < deadline, f"nothing happened for {patience} s"
             self.turn()
 
-    def turn(self, seconds: float = 0.005) -> None:
-        self.executor.spin_once(timeout_sec=seconds)
+    def turn(self, seconds: float = 0.005) -> bool:
+        """Run one callback if there is one, and the nodes' own work; say whether there was one."""
+        try:
+            handler, _, _ = self.executor.wait_for_ready_callbacks(timeout_sec=seconds)
+        except (TimeoutException, ShutdownException):
+            called = False
+        else:
+            called = True
+            handler()
+            handler.result()  # Raises what the callback raised.
         for node in self.nodes:
             if hasattr(node, "work"):
                 node.work()
+        return called
 
     def pass_time(self, seconds: float) -> None:
         """Spin for some time, to see that something does not happen."""
@@ -245,8 +257,11 @@ class World:
         Within one process a message has come when it has been sent; time would say nothing on a
         busy machine, on which the time for many turns may be over after one.
         """
+        idle = 0
         for _ in range(TURNS):
-            self.turn(0.0)
+            idle = 0 if self.turn(0.0) else idle + 1
+            if idle == IDLE_TURNS:
+                break
 
     def call(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call a service and return its response."""
