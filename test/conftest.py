@@ -1,7 +1,9 @@
 """Settings for all tests, and what stands in which tier."""
 
+import copy
 import gc
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,9 @@ settings.load_profile("untimed")
 
 ROOT = Path(__file__).parent
 BROWSER_FIXTURE = "chromium"
+
+KEPT_MAPS = 128
+"""More than the longest dive that many tests are shown has frames."""
 
 
 @pytest.hookimpl(wrapper=True)
@@ -34,3 +39,30 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.ros)
         if BROWSER_FIXTURE in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_maps() -> Iterator[None]:
+    """Keep what the network says of a picture, for most are shown to many filters.
+
+    `test_map_network.py` asks the network itself, and holds that it always says the same.
+    """
+    # Who only hands out the tests to others needs none of this.
+    import numpy as np  # noqa: PLC0415
+
+    from cable_tracker.arrays import Image  # noqa: PLC0415
+    from cable_tracker.cable.measure import working_image  # noqa: PLC0415
+    from cable_tracker.cable.measure.cable_map import CableMap  # noqa: PLC0415
+
+    make_cable_map = working_image.make_cable_map
+
+    @lru_cache(KEPT_MAPS)
+    def made(pixels: bytes, shape: tuple[int, ...], kind: np.dtype, frame_width: int) -> CableMap:
+        return make_cable_map(np.frombuffer(pixels, kind).reshape(shape), frame_width)
+
+    def kept(picture: Image, frame_width: int) -> CableMap:
+        return copy.deepcopy(made(picture.tobytes(), picture.shape, picture.dtype, frame_width))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(working_image, "make_cable_map", kept)
+        yield
