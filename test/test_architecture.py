@@ -1,5 +1,4 @@
 import ast
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -91,13 +90,15 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
-def imported_modules(path: Path) -> Iterator[str]:
+@cache
+def imported_modules(path: Path) -> list[str]:
+    modules = []
     for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
+            modules += [name.name for name in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{name.name}" for name in node.names)
+            modules += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
+    return modules
 
 
 def parts_of_the_package() -> set[str]:

@@ -1,4 +1,5 @@
 from dataclasses import fields, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -12,10 +13,16 @@ from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import SPACING
 
 
-def placed(plan: Plan, name: str, shift: float = 0.0, sigma: float = 0.05) -> PlacedRoute:
-    """Return a dive's route as if it lay on the earth, shifted to the left, with a doubt."""
+@cache
+def route_of(plan: Plan) -> PlacedRoute:
     surveyed, _ = analyse(make_dive(plan), SurveySettings())
     (only,) = surveyed.routes
+    return only
+
+
+def placed(plan: Plan, name: str, shift: float = 0.0, sigma: float = 0.05) -> PlacedRoute:
+    """Return a dive's route as if it lay on the earth, shifted to the left, with a doubt."""
+    only = route_of(plan)
     route = only.route
     normal = np.column_stack((-np.sin(route.headings), np.cos(route.headings)))
     moved = replace(
