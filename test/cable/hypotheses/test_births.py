@@ -111,7 +111,7 @@ MEMORIES = {
 def test_births_are_drawn_from_the_density_that_is_said(memory, rng):
     """The mean of g / density over draws is the integral of g, here of a box and of half of it."""
     density = births(memory)
-    draws = draw_births(density, 4_000, rng)
+    draws = draw_births(density, 10_000, rng)
     assert ((draws[:, 1] > -np.pi / 2) & (draws[:, 1] <= np.pi / 2)).all()
     lower, upper = density.lower[:4], density.upper[:4]
     within = ((draws[:, :4] >= lower) & (draws[:, :4] <= upper)).all(axis=1)
@@ -128,7 +128,7 @@ def test_the_density_of_births_integrates_to_one(memory, rng):
     density = births(memory)
     centre = np.zeros(4) if memory is None else memory.pose
     other = births(RememberedCable(centre, 0.0, 0.4))
-    draws = np.concatenate([draw_births(each, 2_000, rng) for each in (density, other)])
+    draws = np.concatenate([draw_births(each, 5_000, rng) for each in (density, other)])
     wanted = densities(density, draws)
     ratios = 2.0 * wanted / (wanted + densities(other, draws))
     assert ratios.mean() == pytest.approx(1.0, abs=5 * ratios.std() / np.sqrt(len(ratios)) + 0.005)
