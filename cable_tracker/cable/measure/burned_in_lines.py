@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_inside
 
 LEAST_HEIGHT = 8.0
 """How far a thin line stands out from what is beside it, at least [grey levels]."""
@@ -32,14 +32,17 @@ SPACING, FEWEST_ROWS = 4, 5
 LONGEST_GAP = 2
 """Longest gap in a line [rows or columns that are looked at]: a mark on it is not thin."""
 
-MOST_STANDING = 0.08
-"""Share of the pixels: where more are on thin lines that stand still, the picture does."""
-
 LONGEST_TIME = 2.5
 """Longest time that is counted [s]."""
 
 LONGEST_STEP = 0.04
 """Most that one frame counts for [s]: of frames far apart as many are needed."""
+
+MOST_COVERED = 0.04
+"""Share of the pixels: where more seem to be on such lines, the picture stands still."""
+
+JUST_SEEN = 1e-6
+"""Time of a pixel that is on a line in this picture, and was not before [s]; 0 is one on none."""
 
 LOSS = 2.0
 """How many times faster than it has grown a time shrinks while no line is seen, in front of a
@@ -77,8 +80,9 @@ def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> S
     """
     rows, columns = picture[::SPACING], np.ascontiguousarray(picture[:, ::SPACING].T)
     if before is None or before.down.shape[1:] != rows.shape:
-        return StandingLines(*(np.zeros((2, *each.shape), np.float32) for each in (rows, columns)))
-    lines = StandingLines(before.down.copy(), before.across.copy())
+        lines = StandingLines(*(np.zeros((2, *each.shape), np.float32) for each in (rows, columns)))
+    else:
+        lines = StandingLines(before.down.copy(), before.across.copy())
     step = min(dt, LONGEST_STEP)
     for levels, times in ((rows, lines.down), (columns, lines.across)):
         _add_time(levels.astype(np.float32), _thickness(picture), step, times)
@@ -98,16 +102,16 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
         Lines that have stood still for this time are taken out [s].
     """
     down, across = (times >= np.float32(least_time) for times in (lines.down, lines.across))
-    count = np.count_nonzero(down) + np.count_nonzero(across)
-    length = max(_of_width(LEAST_LENGTH, picture) // SPACING, FEWEST_ROWS)
-    if not length <= count <= MOST_STANDING * (down[0].size + across[0].size):
+    # Odd, for OpenCV shifts what it opens with an even number of rows.
+    length = max(_of_width(LEAST_LENGTH, picture) // SPACING, FEWEST_ROWS) | 1
+    if np.count_nonzero(down) + np.count_nonzero(across) < length // (LONGEST_GAP + 1):
         return picture
     bright, dark = (
         _whole(_long(down[kind], length), picture.shape)
         | _whole(_long(across[kind], length), picture.shape[::-1]).T
         for kind in range(2)
     )
-    if not (bright.any() or dark.any()):
+    if not 0 < np.count_nonzero(bright | dark) <= MOST_COVERED * picture.size:
         return picture
     side = _thickness(picture) | 1
     neighbourhood = cv2.getStructuringElement(cv2.MORPH_RECT, (side, side))
@@ -122,37 +126,42 @@ def _add_time(levels: Image, reach: int, step: float, times: Image) -> None:
 
     Such a pixel of `levels` (n, m) stands out from those `reach` before and behind it.
     """
-    least, longest, nothing = np.float32(LEAST_HEIGHT), np.float32(LONGEST_TIME), np.float32(0.0)
-    gain, loss = np.float32(step), np.float32(-LOSS * step)
+    least, gain, loss = np.float32(LEAST_HEIGHT), np.float32(step), np.float32(LOSS * step)
     for row in range(len(levels)):
-        before, here, behind = (
-            levels[row, : -2 * reach],
-            levels[row, reach:-reach],
-            levels[row, 2 * reach :],
-        )
+        line = levels[row]
+        before, here, behind = line[: -2 * reach], line[reach:-reach], line[2 * reach :]
         bright, dark = times[0, row, reach:-reach], times[1, row, reach:-reach]
         for place in range(len(here)):
             rise = here[place] - max(before[place], behind[place])
             fall = min(before[place], behind[place]) - here[place]
-            bright[place] += gain if rise >= least else loss
-            bright[place] = min(max(bright[place], nothing), longest)
-            dark[place] += gain if fall >= least else loss
-            dark[place] = min(max(dark[place], nothing), longest)
+            bright[place] = _time_after(bright[place], rise >= least, gain, loss)
+            dark[place] = _time_after(dark[place], fall >= least, gain, loss)
+
+
+@compiled_inside
+def _time_after(time: np.float32, is_line: bool, gain: np.float32, loss: np.float32) -> np.float32:
+    """Return the time of a pixel after one more picture [s]."""
+    grown, shrunk = time + gain, time - loss
+    grown = grown if grown < LONGEST_TIME else np.float32(LONGEST_TIME)
+    grown = grown if time > 0.0 else np.float32(JUST_SEEN)
+    shrunk = shrunk if shrunk > 0.0 else np.float32(0.0)
+    return grown if is_line else shrunk
 
 
 def _long(mask: BoolArray, length: int) -> BoolArray:
     """Return where a mask (n, m) is set on so many rows, one after the other but for short gaps."""
-    cells = _morphology(mask.astype(np.uint8), cv2.MORPH_CLOSE, LONGEST_GAP + 1)
-    return np.asarray(_morphology(cells, cv2.MORPH_OPEN, length) > 0)
-
-
-def _morphology(cells: Image, operation: int, rows: int) -> Image:
-    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (1, rows))
+    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, _rows(LONGEST_GAP + 1))
     # What lies beyond the picture is no line.
     border = cv2.BORDER_CONSTANT
-    return np.asarray(
-        cv2.morphologyEx(cells, operation, kernel, borderType=border, borderValue=0.0)
+    opened = cv2.morphologyEx(
+        closed, cv2.MORPH_OPEN, _rows(length), borderType=border, borderValue=0.0
     )
+    return np.asarray(opened > 0)
+
+
+def _rows(count: int) -> Image:
+    """Return so many pixels, one below the other."""
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_RECT, (1, count)))
 
 
 def _whole(mask: BoolArray, shape: tuple[int, ...]) -> BoolArray:

@@ -183,7 +183,7 @@ class TrackerParameters(ParameterSet):
         "Share of uneven light (lamps, dark corners) that is taken out of a frame; 0 for none.",
     )
     burned_in_time: float = number(
-        0.1,
+        0.04,
         "s",
         0.0,
         2.0,
