@@ -235,7 +235,7 @@ class FilterSteps:
         names = [
             name
             for name, member in vars(type(image)).items()
-            if isinstance(member, functools.cached_property) and name in vars(image)
+            if isinstance(member, functools.cached_property) and vars(image).get(name) is not None
         ]
         return {f"picture: {name}": functools.partial(_worked_out, image, name) for name in names}
 
