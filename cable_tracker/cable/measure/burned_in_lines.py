@@ -83,9 +83,9 @@ def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> S
         lines = StandingLines(*(np.zeros((2, *each.shape), np.float32) for each in (rows, columns)))
     else:
         lines = StandingLines(before.down.copy(), before.across.copy())
-    step = min(dt, LONGEST_STEP)
+    reach, step = _thickness(picture), min(dt, LONGEST_STEP)
     for levels, times in ((rows, lines.down), (columns, lines.across)):
-        _add_time(levels.astype(np.float32), _thickness(picture), step, times)
+        _add_time(levels.astype(np.float32), reach, step, times)
     return lines
 
 
@@ -101,10 +101,12 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     least_time : float
         Lines that have stood still for this time are taken out [s].
     """
-    down, across = (times >= np.float32(least_time) for times in (lines.down, lines.across))
+    least = np.float32(least_time)
+    down, across = lines.down >= least, lines.across >= least
     # Odd, for OpenCV shifts what it opens with an even number of rows.
     length = max(_of_width(LEAST_LENGTH, picture) // SPACING, FEWEST_ROWS) | 1
-    if np.count_nonzero(down) + np.count_nonzero(across) < length // (LONGEST_GAP + 1):
+    most_down, most_across = down.sum(axis=1).max(), across.sum(axis=1).max()
+    if max(most_down, most_across) < length // (LONGEST_GAP + 1):
         return picture
     bright, dark = (
         _whole(_long(down[kind], length), picture.shape)
