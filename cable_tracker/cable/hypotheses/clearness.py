@@ -23,6 +23,10 @@ LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
 """Limits of what counts of it above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune
 on."""
 
+UNLIKE_A_CABLE = -5.0
+"""With a map, what looks less like a cable than this is not claimed, however clear its borders are
+[nats]: ripples with crisp troughs are."""
+
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 """The same with a map: clearness that one nat is worth, and the upper limit. In a logistic model of
 right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no weight."""
@@ -42,6 +46,9 @@ def is_new_clear(
     factor = 1.0
     if width_prior is not None:
         factor += width_prior.deviation(width, parameters) ** 2
+
+    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
+        return False
 
     def is_enough(clearness: float, needed: float) -> bool:
         # A threshold below 0 must not be lowered.

@@ -12,6 +12,7 @@ from cable_tracker.cable.hypotheses.clearness import (
     MAPPED_SHARE,
     MOST_APPEARANCE,
     MOST_MAPPED,
+    UNLIKE_A_CABLE,
     clearness_by_borders,
     clearness_by_map,
     is_new_clear,
@@ -46,7 +47,16 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     assert is_clear(1.001 * factor, prior.aged(10.0))
 
 
-@given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-20.0, 20.0), st.booleans())
+@given(st.floats(0.0, 20.0), st.floats(-20.0, -0.01))
+def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(clear, beyond):
+    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
+    ripples = hypotheses._replace(
+        scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
+    )
+    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, 320)
+
+
+@given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(UNLIKE_A_CABLE, 20.0), st.booleans())
 def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, looks, is_mapped):
     leader = CableState(10.0, 0.2, width).to_array()
     hypotheses = initial_belief(leader[None], 0.9).hypotheses
