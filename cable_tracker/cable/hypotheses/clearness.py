@@ -42,13 +42,12 @@ def is_new_clear(
 
     What is much narrower or wider than the cable that was tracked has to be clearer.
     """
+    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
+        return False
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
     factor = 1.0
     if width_prior is not None:
         factor += width_prior.deviation(width, parameters) ** 2
-
-    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
-        return False
 
     def is_enough(clearness: float, needed: float) -> bool:
         # A threshold below 0 must not be lowered.

@@ -125,6 +125,7 @@ def random_overlaid(
     if rng.random() < disturbance.caption:
         corners = ((4, round(0.06 * height)), (4, height - 6), (width // 2, round(0.06 * height)))
         captions = corners[: int(rng.integers(1, 4))]
+    # Worlds without one draw no number for it: their dives stay as they were.
     if disturbance.crosshair and rng.random() < disturbance.crosshair:
         _draw_crosshair(pixels, where, rng)
     return Overlaid(pixels, where, captions)
