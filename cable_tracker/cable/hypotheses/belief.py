@@ -10,7 +10,6 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses, unmeasured_hypotheses
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
@@ -33,9 +32,7 @@ class Belief:
     p_bright : float
         Probability that it is brighter than the bottom.
     memory : RememberedCable or None
-        Pose of the cable when it was last tracked, and the time since.
-    width_prior : WidthPrior or None
-        Running mean of the width while the cable was tracked.
+        Pose of the cable when it was last tracked, the time since, and the prior of its width.
     log_odds : FloatArray
         Log-odds that each cluster is a cable, shape (K,) [nats].
     refused_time : float
@@ -53,7 +50,6 @@ class Belief:
     presence: float
     p_bright: float = 0.5
     memory: RememberedCable | None = None
-    width_prior: WidthPrior | None = None
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
     refused_time: float = 0.0
     is_clear: bool = False
@@ -73,11 +69,7 @@ class Belief:
 
     def aged(self, dt: float) -> Belief:
         """Return it with what is remembered of a cable `dt` seconds older."""
-        return replace(
-            self,
-            memory=self.memory.aged(dt) if self.memory is not None else None,
-            width_prior=self.width_prior.aged(dt) if self.width_prior is not None else None,
-        )
+        return replace(self, memory=self.memory.aged(dt)) if self.memory is not None else self
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:

@@ -63,12 +63,12 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int)
     """
     if belief.known_time > 0.0:
         return True
-    memory, width_prior = belief.memory, belief.width_prior
-    if memory is None or width_prior is None:
+    memory = belief.memory
+    if memory is None:
         return False
     leader = belief.hypotheses.clusters.means[0]
     width = float(leader[StateColumn.WIDTH])
-    if abs(width_prior.deviation(width, parameters)) > FAMILIAR:
+    if abs(memory.width_deviation(width, parameters)) > FAMILIAR:
         return False
     return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(image_width))
 

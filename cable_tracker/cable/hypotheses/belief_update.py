@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.clearness import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
-from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import probability_of
 from cable_tracker.particle_filter.particles import Particles
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
-"""Minimum presence and minimum mass of the leading cluster for updating memory and width prior."""
+"""Minimum presence and minimum mass of the leading cluster for updating the memory."""
 
 
 class BeliefUpdate:
@@ -51,9 +47,7 @@ class BeliefUpdate:
         presence = probability_of(float(conclusion.log_odds[0]))
         leader = hypotheses.clusters.means[0]
         is_known = conclusion.goes_on and before.is_known(self._parameters.known_after)
-        is_clear = is_new_clear(
-            hypotheses, before.width_prior, self._parameters, self._image_size[0]
-        )
+        is_clear = is_new_clear(hypotheses, before.memory, self._parameters, self._image_size[0])
         # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
         is_learnt_from = is_known or is_clear
         believed = presence if is_learnt_from else 0.0
@@ -65,11 +59,10 @@ class BeliefUpdate:
             p_bright=updated_p_bright(
                 before.p_bright, conclusion.p_bright, believed, self._parameters.polarity_memory, dt
             ),
-            memory=self._memory_of(leader) if is_remembered else before.memory,
-            width_prior=(
-                self._updated_width_prior(before.width_prior, leader, dt)
+            memory=(
+                remember(before.memory, leader, self._image_size, dt, self._parameters)
                 if is_remembered
-                else before.width_prior
+                else before.memory
             ),
             log_odds=conclusion.log_odds,
             refused_time=(
@@ -84,15 +77,6 @@ class BeliefUpdate:
                 else 0.0
             ),
         )
-
-    def _memory_of(self, leader: FloatArray) -> RememberedCable:
-        return remember(wrap_state(leader), self._image_size, self._parameters)
-
-    def _updated_width_prior(
-        self, before: WidthPrior | None, leader: FloatArray, dt: float
-    ) -> WidthPrior:
-        width = float(leader[StateColumn.WIDTH])
-        return updated_width_prior(before, width, dt, self._parameters)
 
     def _is_refused(
         self, hypotheses: Hypotheses, presence: float, *, is_known: bool, is_clear: bool

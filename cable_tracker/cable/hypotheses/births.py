@@ -17,7 +17,6 @@ from cable_tracker.cable.hypotheses.frame_noise import ALIKE, BIRTH_TAIL, FrameN
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import (
     image_reach,
-    inset,
     relative_direction,
     wrap_states,
 )
@@ -110,7 +109,7 @@ def birth_density_of(
         scales=scales,
         share=share_about_last_place(memory.seconds, memory_time) if memory is not None else 0.0,
         side=memory.side if memory is not None else 0.0,
-        inset=inset(memory.pose, image_size) if memory is not None else 0.0,
+        inset=memory.inset if memory is not None else 0.0,
         peak=BIRTH_PEAK / math.prod(scales.tolist()),
         width=float(image_size[0]),
         height=float(image_size[1]),

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.thin_strips import (
     needed_clearness,
     trusted_appearance,
     trusted_share,
 )
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
@@ -34,7 +34,7 @@ right and wrong leaders, on the worlds to tune on, the share is 0.6, and the wid
 
 def is_new_clear(
     hypotheses: Hypotheses,
-    width_prior: WidthPrior | None,
+    memory: RememberedCable | None,
     parameters: TrackerParameters,
     image_width: int,
 ) -> bool:
@@ -46,8 +46,8 @@ def is_new_clear(
         return False
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
     factor = 1.0
-    if width_prior is not None:
-        factor += width_prior.deviation(width, parameters) ** 2
+    if memory is not None:
+        factor += memory.width_deviation(width, parameters) ** 2
 
     def is_enough(clearness: float, needed: float) -> bool:
         # A threshold below 0 must not be lowered.

@@ -211,9 +211,4 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
 def _new_search(first: Belief, before: Belief) -> Belief:
     """Return the first belief of a search that remembers the cable tracked before."""
-    return replace(
-        first,
-        p_bright=before.p_bright,
-        memory=before.memory,
-        width_prior=before.width_prior,
-    )
+    return replace(first, p_bright=before.p_bright, memory=before.memory)

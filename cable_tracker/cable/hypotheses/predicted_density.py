@@ -11,7 +11,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density
 from cable_tracker.cable.hypotheses.border_jump import BorderJump, jump_density
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
-from cable_tracker.cable.hypotheses.width_prior import width_penalty
+from cable_tracker.cable.hypotheses.remembered_cable import width_penalty
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop

@@ -19,7 +19,6 @@ from cable_tracker.cable.hypotheses.births import birth_density_of
 from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -92,10 +91,8 @@ class Predictor:
 
     def predict(self, belief: Belief, dt: float, motion: MotionAid | None) -> Prediction:
         """Predict a belief, aged to the frame, over the `dt` seconds since the frame before."""
-        parameters = self._parameters
-        births = birth_density_of(
-            self._box, belief.memory, parameters.memory_time, self._image_size
-        )
+        parameters, memory = self._parameters, belief.memory
+        births = birth_density_of(self._box, memory, parameters.memory_time, self._image_size)
         expected = self._expected(belief, dt, motion)
         birth = event_probability(parameters.appearance_rate, dt)
         ancestors, survival = self._draw_ancestors(belief, dt)
@@ -121,8 +118,8 @@ class Predictor:
             rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
             mass_survived=max(existence.survived, LEAST_PROBABILITY),
             mass_born=max(existence.born, LEAST_PROBABILITY),
-            log_width=_log_width(belief.width_prior),
-            width_spread=self._width_spread(belief.width_prior),
+            log_width=memory.log_width if memory is not None else 0.0,
+            width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
             births=births,
             mass_jumped=max(
                 existence.survived * event_probability(BORDER_ERROR_RATE, dt), LEAST_PROBABILITY
@@ -155,16 +152,9 @@ class Predictor:
         # Without movement the kernel would be a point: the first frame after a given prior.
         return self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
 
-    def _width_spread(self, prior: WidthPrior | None) -> float:
-        return prior.spread(self._parameters) if prior is not None else math.inf
-
     def _jump_from(self, leader: FloatArray) -> BorderJump:
         """Return the density of cables that share one border with the leading one, (8,)."""
         lower, upper = (
             float(limit[StateColumn.WIDTH]) for limit in (self._limits.lower, self._limits.upper)
         )
         return jump_from(leader, lower, upper, float(self._image_size[0]))
-
-
-def _log_width(prior: WidthPrior | None) -> float:
-    return prior.log_width if prior is not None else 0.0

@@ -1,16 +1,23 @@
-"""Where a cable was when it was last tracked, and how far from there it is looked for."""
+"""Where a cable was when it was last tracked and how wide, and how far from that it is looked for.
+
+A cable keeps its diameter, and a vehicle its altitude, more or less: what is much narrower or wider
+than the cable was is something else. So a rope beside a cable that is overgrown just here is not
+taken for it, however clear its borders are.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import inset
+from cable_tracker.cable.model.geometry import inset, wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.compilation import compiled_inside
+from cable_tracker.particle_filter.student_t import relative_log_density
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
 """Scales of the search about the last place, at first: d, alpha, w, beta [px at the reference
@@ -25,10 +32,19 @@ WIDEST = np.array([120.0, math.radians(60.0), 40.0, math.radians(10.0)])
 LEFT_MARGIN = 3.0
 """A cable was leaving if it was nearer to the edge than this many `leaving_margin`."""
 
+TAIL = 4.0
+"""Degrees of freedom of the Student-t about the mean width."""
+
+NARROWEST = 1e-3
+"""Lower bound of a width whose logarithm is taken [px]."""
+
+YOUNG_DOUBT = 3.0
+"""Increase of the width prior's relative scale at first, decaying with `width_time`."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RememberedCable:
-    """Where a cable was when it was last tracked.
+    """Where a cable was when it was last tracked, and the prior of its width.
 
     Attributes
     ----------
@@ -36,17 +52,26 @@ class RememberedCable:
         d, alpha, w, beta, shape (4,) [px, rad].
     side : float
         Sign of d if it was leaving the image there; 0 if it was not.
+    inset : float
+        How far it was from leaving the image [px].
+    log_width : float
+        Logarithm of the running mean of the width while it was tracked [px].
+    tracked_time : float
+        Total time for which it was tracked [s].
     seconds : float
-        Time since the cable was last tracked [s].
+        Time since it was last tracked [s].
     """
 
     pose: FloatArray
     side: float
+    inset: float
+    log_width: float
+    tracked_time: float = 0.0
     seconds: float = 0.0
 
     def aged(self, dt: float) -> RememberedCable:
         """Return the same memory `dt` seconds later."""
-        return RememberedCable(self.pose, self.side, self.seconds + dt)
+        return replace(self, seconds=self.seconds + dt)
 
     def scales(self, image_width: int) -> FloatArray:
         """Return how far from there the cable is looked for, shape (4,) [px, rad]."""
@@ -54,12 +79,69 @@ class RememberedCable:
         scaled: FloatArray = scales * pose_units(image_width)
         return scaled
 
+    def width_spread(self, parameters: TrackerParameters) -> float:
+        """Return the scale of the logarithm of widths.
+
+        It grows while no cable is tracked. A width that was seen for a short time says little.
+        """
+        doubt = YOUNG_DOUBT * math.exp(-self.tracked_time / parameters.width_time)
+        growth = self.seconds / parameters.width_memory
+        return parameters.width_spread * (1.0 + doubt + growth)
+
+    def width_deviation(self, width: float, parameters: TrackerParameters) -> float:
+        """Return how far the logarithm of a width [px] is from the prior's, in its spreads."""
+        return float(width_deviation(width, self.log_width, self.width_spread(parameters)))
+
+
+@compiled_inside
+def width_deviation(width: float, log_width: float, spread: float) -> float:
+    """Return how far the logarithm of a width [px] is from `log_width`, in units of `spread`."""
+    return (math.log(max(width, NARROWEST)) - log_width) / spread
+
+
+@compiled_inside
+def width_penalty(width: float, log_width: float, spread: float) -> float:
+    """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
+    if math.isinf(spread):
+        return 0.0
+    deviation = width_deviation(width, log_width, spread)
+    return relative_log_density(deviation * deviation, TAIL, 1)
+
 
 def remember(
-    state: FloatArray, image_size: tuple[int, int], parameters: TrackerParameters
+    before: RememberedCable | None,
+    leader: FloatArray,
+    image_size: tuple[int, int],
+    dt: float,
+    parameters: TrackerParameters,
 ) -> RememberedCable:
-    """Return the memory of a cable, shape (8,), that is tracked now."""
-    margin = LEFT_MARGIN * parameters.leaving_margin * image_size[0] / REFERENCE_WIDTH
-    leaving = inset(state, image_size) < margin
-    side = float(np.sign(state[StateColumn.DISTANCE])) if leaving else 0.0
-    return RememberedCable(state[:POSE_SIZE].copy(), side)
+    """Return the memory after a frame in which a cable is tracked.
+
+    Parameters
+    ----------
+    before : RememberedCable or None
+        The memory before the frame.
+    leader : FloatArray
+        State of the cable, shape (8,).
+    image_size : (int, int)
+        Width and height of the frames [px].
+    dt : float
+        Time since the frame before [s].
+    parameters : TrackerParameters
+        The tracker's parameters.
+    """
+    state = wrap_state(leader)
+    log_width, tracked_time = math.log(max(float(state[StateColumn.WIDTH]), NARROWEST)), 0.0
+    if before is not None:
+        share = -math.expm1(-dt / parameters.width_time)
+        log_width = before.log_width + share * (log_width - before.log_width)
+        tracked_time = before.tracked_time + dt
+    within = inset(state, image_size)
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * image_size[0] / REFERENCE_WIDTH
+    return RememberedCable(
+        pose=state[:POSE_SIZE].copy(),
+        side=float(np.sign(state[StateColumn.DISTANCE])) if is_leaving else 0.0,
+        inset=within,
+        log_width=log_width,
+        tracked_time=tracked_time,
+    )

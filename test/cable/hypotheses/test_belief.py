@@ -21,7 +21,6 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     assert len(belief.hypotheses.clusters.masses) == 1
     assert abs(belief.reference_angle) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
-    assert belief.width_prior is None
 
 
 def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):

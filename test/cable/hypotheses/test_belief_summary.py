@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,6 @@ from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.clearness import is_new_clear
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -19,7 +17,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
 CLEAR, FAINT = 100.0, -100.0
-PLACE, WIDTH = remember(LEADER, (320, 240), PARAMETERS), WidthPrior(math.log(30.0), 0.0, 60.0)
+MEMORY = replace(remember(None, LEADER, (320, 240), 0.0, PARAMETERS), tracked_time=60.0)
 
 
 def summary(
@@ -33,7 +31,7 @@ def summary(
         appearance=ORDINARY_APPEARANCE,
         visible_length=length,
     )
-    is_clear = is_new_clear(hypotheses, belief.width_prior, PARAMETERS, 320)
+    is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, 320)
     belief = replace(belief, hypotheses=hypotheses, is_clear=is_clear)
     return belief_summary(belief, PARAMETERS, 320)
 
@@ -73,8 +71,7 @@ def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, se
     found = summary(
         clearness=FAINT,
         leader=leader.to_array(),
-        memory=PLACE.aged(seconds),
-        width_prior=WIDTH.aged(seconds),
+        memory=MEMORY.aged(seconds),
     )
     assert found.supports_claim == found.supports_keeping == claim
     assert not found.supports_new_claim

@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
 from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -38,7 +38,7 @@ def test_a_clear_cable_is_remembered_and_its_time_grows():
     assert belief.refused_time == 0.0
     assert belief.p_bright > BEFORE.p_bright
     np.testing.assert_array_equal(belief.memory.pose, LEADER[:4])
-    assert math.exp(belief.width_prior.log_width) == pytest.approx(30.0)
+    assert math.exp(belief.memory.log_width) == pytest.approx(30.0)
 
 
 def test_from_what_could_not_be_claimed_nothing_is_learnt():
@@ -47,7 +47,6 @@ def test_from_what_could_not_be_claimed_nothing_is_learnt():
     assert belief.refused_time == pytest.approx(0.4)
     assert belief.p_bright == BEFORE.p_bright
     assert belief.memory is None
-    assert belief.width_prior is None
 
 
 def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
@@ -67,16 +66,16 @@ def test_another_hypothesis_or_an_absent_one_is_not_known():
 def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_is_clear():
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
     faint, clear = (updated(concluded(c, goes_on=False), known) for c in (FAINT, CLEAR))
-    assert faint.memory is None and faint.width_prior is None
+    assert faint.memory is None
     assert faint.refused_time == pytest.approx(0.4)
     assert clear.memory is not None
 
 
 def test_a_leader_that_is_clear_as_a_new_one_stays_so_although_its_width_is_learnt_from():
     """After a long time without a cable, any width may come; it is not judged by itself."""
-    prior = WidthPrior(math.log(12.0), tracked_time=60.0)
-    forgotten = replace(BEFORE, width_prior=prior.aged(100.0 * PARAMETERS.width_memory))
+    narrow = RememberedCable(LEADER[:4], 0.0, 100.0, math.log(12.0), tracked_time=60.0)
+    forgotten = replace(BEFORE, memory=narrow.aged(100.0 * PARAMETERS.width_memory))
     belief = updated(concluded(1.5), forgotten)
-    assert belief.width_prior.untracked_time == 0.0
+    assert belief.memory.seconds == 0.0
     assert belief.is_clear
-    assert not updated(concluded(1.5), replace(BEFORE, width_prior=prior)).is_clear
+    assert not updated(concluded(1.5), replace(BEFORE, memory=narrow)).is_clear

@@ -19,14 +19,14 @@ from cable_tracker.cable.hypotheses.clearness import (
     leading_evidence,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
-WIDTH = WidthPrior(math.log(30.0), 0.0, 60.0)
+MEMORY = RememberedCable(LEADER[:4], 0.0, 100.0, math.log(30.0), tracked_time=60.0)
 
 
 @given(st.floats(8.0, 200.0), st.floats(0.0, 100.0))
@@ -34,17 +34,17 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     hypotheses = initial_belief(CableState(0.0, 0.0, width).to_array()[None], 0.9).hypotheses
     needed = needed_clearness(width, PARAMETERS, 320)
 
-    def is_clear(factor, prior):
+    def is_clear(factor, memory):
         clear = hypotheses._replace(
             scaled_clearness=factor * needed, appearance=ORDINARY_APPEARANCE
         )
-        return is_new_clear(clear, prior, PARAMETERS, 320)
+        return is_new_clear(clear, memory, PARAMETERS, 320)
 
-    prior = WIDTH.aged(seconds)
-    factor = 1.0 + prior.deviation(width, PARAMETERS) ** 2
+    memory = MEMORY.aged(seconds)
+    factor = 1.0 + memory.width_deviation(width, PARAMETERS) ** 2
     assert is_clear(1.001, None) and not is_clear(0.999, None)
-    assert is_clear(1.001 * factor, prior) and not is_clear(0.999 * factor, prior)
-    assert is_clear(1.001 * factor, prior.aged(10.0))
+    assert is_clear(1.001 * factor, memory) and not is_clear(0.999 * factor, memory)
+    assert is_clear(1.001 * factor, memory.aged(10.0))
 
 
 @given(st.floats(0.0, 20.0), st.floats(-20.0, -0.01))

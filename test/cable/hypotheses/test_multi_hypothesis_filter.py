@@ -183,12 +183,11 @@ def test_two_strips_are_two_hypotheses_and_the_estimate_is_on_one_of_them(draw_s
 def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, noise):
     cable_filter = make_filter()
     seen = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 15, FOUND)[-1]
-    assert np.exp(seen.width_prior.log_width) == pytest.approx(24.0, abs=2.5)
+    assert np.exp(seen.memory.log_width) == pytest.approx(24.0, abs=2.5)
     assert seen.memory.seconds == 0.0
     np.testing.assert_allclose(seen.memory.pose, STRIP.to_array()[:4], atol=1.5)
     gone = run(cable_filter, seen, [noise(k) for k in range(25)])[-1]
     assert gone.presence < 0.5
-    assert gone.memory.seconds == pytest.approx(gone.width_prior.untracked_time)
     assert gone.memory.seconds > 0.4
 
 
@@ -244,7 +243,6 @@ def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
     believed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert believed.presence > 0.9
     assert believed.memory is None
-    assert believed.width_prior is None
     assert believed.p_bright == pytest.approx(0.5)
     given = cable_filter.given_belief(cloud(STRIP))
     assert run(cable_filter, given, [strip] * 10, FOUND)[-1].memory is not None
@@ -267,7 +265,7 @@ def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
     (anew,) = run(make_filter(evidence_to_find=100.0, search_time=0.4), refused, [strip], FOUND)
     assert anew.refused_time < 0.4
     assert anew.memory.seconds == pytest.approx(tracked.memory.seconds + FRAME)
-    assert anew.width_prior.log_width == tracked.width_prior.log_width
+    assert anew.memory.log_width == tracked.memory.log_width
 
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
