@@ -11,7 +11,6 @@ from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses, unmeasured_hypotheses
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.particle_filter.existence import log_odds_of
 from cable_tracker.particle_filter.particles import Particles
@@ -54,11 +53,6 @@ class Belief:
     refused_time: float = 0.0
     is_clear: bool = False
     known_time: float = 0.0
-
-    @property
-    def reference_angle(self) -> float:
-        """Angle of the leading cluster [rad]: the middle of the chart."""
-        return float(self.hypotheses.clusters.means[0, StateColumn.ANGLE])
 
     def is_known(self, known_after: float) -> bool:
         """Tell whether the leader was given, or has been clear enough to claim for long enough.

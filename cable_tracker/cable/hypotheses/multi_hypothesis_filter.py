@@ -28,7 +28,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import (
     BeliefSummary,
     CableFilter,
@@ -151,8 +151,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         counts = sample_counts(
             self._parameters, prediction.existence, births, len(detections), self._refined
         )
-        is_known = belief.is_known(self._parameters.known_after)
-        cable_map = image.cable_map if self._looks_at_map(belief) else NO_MAP
+        is_known = prediction.prior.is_known
+        cable_map = image.cable_map if self._looks_at_map(belief, is_known=is_known) else NO_MAP
         inputs = self._inputs(belief, prediction, counts, image, detections, cable_map)
         config = self._known_config if is_known else self._config
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
@@ -162,13 +162,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         return self._update.updated_belief(belief, conclusion, dt)
 
-    def _looks_at_map(self, belief: Belief) -> bool:
+    def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
         """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
         parameters = self._parameters
         is_clear = belief.hypotheses.weaker_border_mean >= parameters.evidence_to_find
-        return parameters.looks == "network" and not (
-            belief.is_known(parameters.known_after) and is_clear
-        )
+        return parameters.looks == "network" and not (is_known and is_clear)
 
     def _inputs(
         self,
@@ -180,6 +178,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         cable_map: CableMap,
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
+        ancestor_count = len(prediction.density.rates)
         noise = draw_frame_noise(
             self._rng,
             self._parameters.particle_count,
@@ -193,16 +192,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             model=self._observation.model_for(image),
             cable_map=cable_map,
             polarity=polarity_prior(belief.p_bright),
-            reference_angle=belief.reference_angle,
-            ancestors=self._draw_surviving(len(prediction.density.rates), counts.survivors),
+            reference_angle=prediction.reference_angle,
+            # Each is as likely as the others: their weights are in the density.
+            ancestors=self._resample(
+                np.full(ancestor_count, 1.0 / ancestor_count), counts.survivors, self._rng
+            ),
             detected=detections,
             anchors=NO_ANCHOR if self.is_searching(belief) else prediction.prior.expected[:1],
         )
-
-    def _draw_surviving(self, ancestor_count: int, survivors: int) -> IndexArray:
-        """Draw about which ancestors the survivors are drawn, each as often as the others."""
-        even = np.full(ancestor_count, 1.0 / ancestor_count)
-        return self._resample(even, survivors, self._rng)
 
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""

@@ -8,31 +8,56 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.ancestors import (
-    Ancestors,
-    draw_ancestors,
-    survival_rates,
-    surviving_ancestors,
-)
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.births import birth_density_of
-from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, BorderJump, jump_from
+from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, jump_from
+from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over
+from cable_tracker.cable.model.geometry import image_reach, state_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
+from cable_tracker.cable.parameters.parameters import (
+    REFERENCE_RATE,
+    REFERENCE_WIDTH,
+    TrackerParameters,
+)
+from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence, predict_existence
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
 from cable_tracker.tracking.rates import event_probability
+from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Lower bound of the kernel scales [px at the reference width, rad]: a scale of zero has no
 density."""
+
+SMALLEST_CLUSTER_SHARE = 0.06
+"""Minimum share of the ancestors that are drawn from each cluster."""
+
+LEAST_SURVIVING = 1e-300
+"""Positive floor of an ancestor's weight, so that the weights can be normalised."""
+
+
+class Ancestors(NamedTuple):
+    """Particles that go on to the next frame.
+
+    Attributes
+    ----------
+    states : FloatArray
+        Particles of the frame before, shape (M, 8).
+    weights : FloatArray
+        Their weights in the predicted density, shape (M,), summing to one: a light cluster has more
+        ancestors than its mass, with smaller weights.
+    """
+
+    states: FloatArray
+    weights: FloatArray
 
 
 class Prediction(NamedTuple):
@@ -46,11 +71,14 @@ class Prediction(NamedTuple):
         The density f of cables in view; its `births` are those that come into view.
     prior : PriorPresence
         Prior of the log-odds of the hypotheses, and their expected states.
+    reference_angle : float
+        Angle of the leading hypothesis [rad], in whose chart the particles of the frame are drawn.
     """
 
     existence: PredictedExistence
     density: PredictedDensity
     prior: PriorPresence
+    reference_angle: float
 
 
 class Predictor:
@@ -87,26 +115,31 @@ class Predictor:
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._survival_rates = survival_rates(parameters, width)
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
-        self._limits = state_limits(parameters, width)
+        limits = state_limits(parameters, width)
+        self._widths = float(limits.lower[WIDTH]), float(limits.upper[WIDTH])
 
     def predict(self, belief: Belief, dt: float, motion: MotionAid | None) -> Prediction:
         """Predict a belief, aged to the frame, over the `dt` seconds since the frame before."""
         parameters, memory = self._parameters, belief.memory
-        births = birth_density_of(self._box, memory, parameters.memory_time, self._image_size)
-        expected = self._expected(belief, dt, motion)
-        birth = event_probability(parameters.appearance_rate, dt)
-        ancestors, survival = self._draw_ancestors(belief, dt)
-        existence = predict_existence(belief.presence, survival, birth)
+        means = belief.hypotheses.clusters.means
+        reference_angle = float(means[0, ANGLE])
+        ancestors, survival = self._draw_ancestors(belief, reference_angle, dt)
+        appearing = event_probability(parameters.appearance_rate, dt)
+        jumping = event_probability(BORDER_ERROR_RATE, dt)
+        existence = predict_existence(belief.presence, survival, appearing)
+        expected = means.copy()
+        expected[:, :POSE_SIZE] = self._movement.expected(means, dt, motion)[:, :POSE_SIZE]
+        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
+        # Without movement the kernel would be a point: the first frame after a given prior.
+        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
         prior = PriorPresence(
             expected=expected,
             log_odds=belief.log_odds,
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
-            birth=birth,
+            birth=appearing,
             gain=gain_over(parameters.presence_gain, dt),
             is_known=belief.is_known(parameters.known_after),
         )
-        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
-        sigmas = self._kernel_sigmas(dt, motion)
         density = PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
@@ -120,21 +153,15 @@ class Predictor:
             mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
-            births=births,
-            mass_jumped=max(
-                existence.survived * event_probability(BORDER_ERROR_RATE, dt), LEAST_PROBABILITY
-            ),
-            jump=self._jump_from(expected[0]),
+            births=birth_density_of(self._box, memory, parameters.memory_time, self._image_size),
+            mass_jumped=max(existence.survived * jumping, LEAST_PROBABILITY),
+            jump=jump_from(expected[0], *self._widths, float(self._image_size[0])),
         )
-        return Prediction(existence, density, prior)
+        return Prediction(existence, density, prior, reference_angle)
 
-    def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
-        """Return the expected states of the clusters, the leading one first, shape (K, 8)."""
-        expected: FloatArray = belief.hypotheses.clusters.means.copy()
-        expected[:, :POSE_SIZE] = self._movement.expected(expected, dt, motion)[:, :POSE_SIZE]
-        return expected
-
-    def _draw_ancestors(self, belief: Belief, dt: float) -> tuple[Ancestors, float]:
+    def _draw_ancestors(
+        self, belief: Belief, reference_angle: float, dt: float
+    ) -> tuple[Ancestors, float]:
         """Draw the particles that go on, weighed by their survival; return that of the cable."""
         drawn = draw_ancestors(
             belief.particles,
@@ -144,17 +171,99 @@ class Predictor:
             self._rng,
         )
         return surviving_ancestors(
-            drawn, belief.reference_angle, self._image_size, self._survival_rates, dt
+            drawn, reference_angle, self._image_size, self._survival_rates, dt
         )
 
-    def _kernel_sigmas(self, dt: float, motion: MotionAid | None) -> FloatArray:
-        """Return the scales of the diffusion about the drifted ancestors, shape (8,)."""
-        # Without movement the kernel would be a point: the first frame after a given prior.
-        return self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
 
-    def _jump_from(self, leader: FloatArray) -> BorderJump:
-        """Return the density of cables that share one border with the leading one, (8,)."""
-        lower, upper = (
-            float(limit[StateColumn.WIDTH]) for limit in (self._limits.lower, self._limits.upper)
-        )
-        return jump_from(leader, lower, upper, float(self._image_size[0]))
+def draw_ancestors(
+    particles: Particles,
+    clusters: Clusters,
+    count: int,
+    resample: ResamplingScheme,
+    rng: np.random.Generator,
+) -> Ancestors:
+    """Draw ancestors by weight, but so that every cluster has some.
+
+    Parameters
+    ----------
+    particles, clusters : Particles, Clusters
+        The belief after the frame before.
+    count : int
+        Number of ancestors.
+    resample : ResamplingScheme
+        Resampling scheme.
+    rng : numpy.random.Generator
+        The source of randomness.
+    """
+    # The particles of no cluster have the label -1, so that theirs is the last factor.
+    masses = np.append(clusters.masses, clusters.rest)
+    heavy = masses > SMALLEST_MASS
+    oversampling = np.zeros(len(masses))
+    oversampling[heavy] = np.maximum(masses[heavy], SMALLEST_CLUSTER_SHARE) / masses[heavy]
+    factors = oversampling[clusters.labels]
+    frequencies = particles.weights * factors
+    indices = resample(frequencies / frequencies.sum(), count, rng)
+    weights = 1.0 / factors[indices]
+    return Ancestors(particles.states[indices], weights / weights.sum())
+
+
+def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalRates:
+    """Return how often a cable leaves frames of a given width [px]."""
+    return SurvivalRates(
+        vanishing=parameters.disappearance_rate,
+        leaving=parameters.leaving_rate,
+        margin=parameters.leaving_margin * image_width / REFERENCE_WIDTH,
+    )
+
+
+def surviving_ancestors(
+    ancestors: Ancestors,
+    reference_angle: float,
+    image_size: tuple[int, int],
+    rates: SurvivalRates,
+    dt: float,
+) -> tuple[Ancestors, float]:
+    """Return the ancestors reweighted by their survival, and the total survival probability.
+
+    Each is weighted by its probability of staying in view for `dt`.
+
+    Parameters
+    ----------
+    ancestors : Ancestors
+        Ancestors with their weights after the frame before.
+    reference_angle : float
+        Angle within pi/2 of which their normals are written [rad].
+    image_size : (int, int)
+        Width and height of the frames [px].
+    rates : SurvivalRates
+        Rates at which a cable goes out of view.
+    dt : float
+        Time to the next frame [s].
+    """
+    states, weights = ancestors.states.copy(), ancestors.weights.copy()
+    size = float(image_size[0]), float(image_size[1])
+    survival = _survive(states, weights, reference_angle, size, rates, dt)
+    return Ancestors(states, weights), survival
+
+
+@compiled
+def _survive(
+    states: FloatArray,
+    weights: FloatArray,
+    reference_angle: float,
+    image_size: tuple[float, float],
+    rates: SurvivalRates,
+    dt: float,
+) -> float:
+    """Write ancestors in a chart, and weigh them by their survival; return that of any of them."""
+    survival = 0.0
+    for row in range(len(weights)):
+        state = states[row]
+        state_in_chart(state, reference_angle, state)
+        inside = image_reach(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
+        surviving = weights[row] * survival_probability(inside, rates, dt)
+        weights[row] = max(surviving, LEAST_SURVIVING)
+        survival += weights[row]
+    for row in range(len(weights)):
+        weights[row] /= survival
+    return survival

@@ -54,11 +54,12 @@ def sample_counts(
     count, jumps = parameters.particle_count, int(parameters.particle_count * JUMP_SHARE)
     first = count - int(refined.sum()) - jumps
     share = parameters.detector_share if detections else 0.0
-    if share > 0.0 and existence.total < LIKELY_PRESENCE:
+    existing = existence.total
+    if share > 0.0 and existing < LIKELY_PRESENCE:
         share = max(share, LOST_DETECTOR_SHARE)
     detected = min(int(count * share), max(first - 1, 0))
     rest = first - detected
-    born = existence.born / max(existence.total, LEAST_PROBABILITY)
+    born = existence.born / max(existing, LEAST_PROBABILITY)
     births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
     return SampleCounts(
         survivors=rest - births,

@@ -7,23 +7,23 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.diffusion import variances_over, variances_per_frame
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    REFERENCE_RATE,
+    REFERENCE_WIDTH,
+    TrackerParameters,
+)
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
-from cable_tracker.tracking.rates import over_time
+
+ALMOST_UNDAMPED = 1e-3
+"""Logarithm of the damping over a gap, below which the sums of its powers are rounded away."""
 
 DOUBT_STRIDE = 4
 """Every fourth state goes on by its own rates instead of odometry."""
-
-
-def rate_damping_over(parameters: TrackerParameters, dt: float) -> float:
-    """Return the factor on the rates over `dt` seconds."""
-    return over_time(parameters.rate_damping, dt)
 
 
 def effective_time(parameters: TrackerParameters, dt: float) -> float:
@@ -62,20 +62,21 @@ class CableMovement:
         Variances (Table 5.1), tails, damping and limits.
     image_width : int
         Width of the frames [px]; lengths scale with it.
+
+    Attributes
+    ----------
+    degrees_of_freedom : float
+        Degrees of freedom of the diffusion's Student-t; infinite for a Gaussian.
     """
 
     def __init__(self, parameters: TrackerParameters, image_width: int) -> None:
+        self.degrees_of_freedom = parameters.diffusion_degrees_of_freedom or math.inf
         self._parameters = parameters
         self._per_frame = variances_per_frame(parameters, image_width)
         self._limits = state_limits(parameters, image_width)
         self._limit = (
             reflect_at_limits if parameters.limit_handling == "reflect" else clip_to_limits
         )
-
-    @property
-    def degrees_of_freedom(self) -> float:
-        """Degrees of freedom of the diffusion's Student-t; infinite for a Gaussian."""
-        return self._parameters.diffusion_degrees_of_freedom or math.inf
 
     def propagate(
         self,
@@ -140,7 +141,7 @@ class CableMovement:
     def drift(self, states: FloatArray, dt: float) -> FloatArray:
         """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
         time = effective_time(self._parameters, dt)
-        damping = rate_damping_over(self._parameters, dt)
+        damping = self._parameters.rate_damping ** (dt * REFERENCE_RATE)
         return _drifted(np.ascontiguousarray(states), time, damping)
 
     def diffusion_sigmas(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
@@ -150,3 +151,71 @@ class CableMovement:
         """
         sigmas: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
         return sigmas if motion is None else np.minimum(sigmas, motion.sigmas())
+
+
+def variances_per_frame(
+    parameters: TrackerParameters, image_width: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the variances that pose and rates gain in a reference frame, (4,) each [px², rad²]."""
+    pixel = (image_width / REFERENCE_WIDTH) ** 2
+    radian = np.deg2rad(1.0) ** 2
+    pose = np.array(
+        [
+            parameters.distance_variance * pixel,
+            parameters.angle_variance * radian,
+            parameters.width_variance * pixel,
+            parameters.skew_variance * radian,
+        ]
+    )
+    rates = np.array(
+        [
+            parameters.distance_rate_variance * pixel,
+            parameters.angle_rate_variance * radian,
+            parameters.width_rate_variance * pixel,
+            parameters.skew_rate_variance * radian,
+        ]
+    )
+    return pose, rates
+
+
+def variances_over(
+    per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
+) -> FloatArray:
+    """Return the variance that each component gains in `dt` seconds, shape (8,) [px², rad², per s].
+
+    The thesis gives variances per frame, see `variances_per_frame`, and rates per frame: a rate per
+    second is 25 times as large, its variance 625 times. Over a longer gap the changes of the rates
+    within it move the cable too, so that the prior widens as it would have done frame by frame.
+    """
+    pose, rates = per_frame
+    frames = dt * REFERENCE_RATE
+    carried = _carried_by_rates(frames, parameters.rate_damping)
+    kept = _kept_by_rates(frames, parameters.rate_damping)
+    return np.concatenate((pose * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
+
+
+def _kept_by_rates(frames: float, damping: float) -> float:
+    """Return the variance of a damped rate after some frames, in units of that of one frame."""
+    if damping == 1.0 or frames == 0.0:
+        return frames
+    log_damping = math.log(damping) if damping > 0.0 else -math.inf
+    return math.expm1(2 * frames * log_damping) / math.expm1(2 * log_damping)
+
+
+def _carried_by_rates(frames: float, damping: float) -> float:
+    """Return the variance of the pose from rates that changed after the first of some frames.
+
+    The sum of ((1 - a^k) / (1 - a))^2 over k from 1 to frames - 1, k^2 without damping, in a form
+    that also holds between whole frames.
+    """
+    later = max(frames - 1.0, 0.0)
+    if damping == 0.0:
+        return later
+    decay = -math.log(damping)
+    if decay * later < ALMOST_UNDAMPED:
+        return later * (later + 1.0) * (2.0 * later + 1.0) / 6.0
+    once, twice = (
+        math.exp(-power * decay) * math.expm1(-power * decay * later) / math.expm1(-power * decay)
+        for power in (1, 2)
+    )
+    return (later - 2.0 * once + twice) / (1.0 - damping) ** 2

@@ -19,7 +19,7 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     assert (np.abs(belief.particles.states[:, 1]) <= np.pi / 2).all()
     # One cloud on both sides of the wrap: its middle is not upright.
     assert len(belief.hypotheses.clusters.masses) == 1
-    assert abs(belief.reference_angle) == pytest.approx(np.pi / 2, abs=0.01)
+    assert abs(belief.hypotheses.clusters.means[0, 1]) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
 
 

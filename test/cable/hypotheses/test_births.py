@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.ancestors import survival_rates
 from cable_tracker.cable.hypotheses.births import (
     BirthDensity,
     birth_density,
     birth_density_of,
     draw_births,
 )
+from cable_tracker.cable.hypotheses.prediction import survival_rates
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.model.geometry import (
     image_reaches,

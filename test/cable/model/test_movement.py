@@ -6,9 +6,13 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.model.diffusion import variances_over, variances_per_frame
 from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
-from cable_tracker.cable.model.movement import CableMovement, effective_time
+from cable_tracker.cable.model.movement import (
+    CableMovement,
+    effective_time,
+    variances_over,
+    variances_per_frame,
+)
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 

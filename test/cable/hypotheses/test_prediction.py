@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.ancestors import (
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.prediction import (
     SMALLEST_CLUSTER_SHARE,
     Ancestors,
     draw_ancestors,
     surviving_ancestors,
 )
-from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.tracking.survival import SurvivalRates
