@@ -37,6 +37,8 @@ class Belief:
     refused_time : float
         Time for which consecutive frames had a cable present, but its weaker border too faint to
         claim it, or, if it is known, to keep it [s].
+    evidence : float
+        Evidence for the leading hypothesis, see `leading_evidence` [nats per point].
     is_clear : bool
         Whether the leading hypothesis is clear enough to claim it where nothing was known of it.
     known_time : float
@@ -51,6 +53,7 @@ class Belief:
     memory: RememberedCable | None = None
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
     refused_time: float = 0.0
+    evidence: float = 0.0
     is_clear: bool = False
     known_time: float = 0.0
 

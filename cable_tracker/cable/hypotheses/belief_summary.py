@@ -1,30 +1,68 @@
-"""What a belief says about the cable in a frame: the estimate, and whether it supports a claim."""
+"""What a belief says about the cable in a frame: the estimate, and whether it supports a claim.
+
+Borders may lie elsewhere than where the likelihood sees them. Growth, shadow, sand and the
+roundness of a cable shift a border as a whole, by the same in frame after frame; particles agree on
+the wrong place then. Mostly it is one border of the two, and what the frame shows of that one says
+how far. Besides, smoothed borders push each other outwards.
+"""
 
 from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.hypotheses.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.border_displacement import (
-    displaced_covariance,
-    width_before_smoothing,
-)
-from cable_tracker.cable.hypotheses.clearness import leading_evidence
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState
 from cable_tracker.cable.model.statistics import wrapped_estimate
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 FAMILIAR = 2.0
 """Largest difference from the remembered cable, in scales of its place and spreads of its width."""
 
 SMALLEST_HYPOTHESIS = 0.01
 """Minimum mass of a cluster that is reported; the leading one always is."""
+
+CLEAR_LOG_RATIO, HALVING_LOG_RATIO = 1.8, 0.25
+"""Sigma of the displacement = `border_displacement` 2^((CLEAR - e) / HALVING), e the mean
+log-likelihood ratio per point of the border [nats]."""
+
+USUAL_MOST, MOST_OF_WIDTH, FARTHEST = 4.0, 0.25, 12.0
+"""Upper bound of that factor: a quarter of the width, at least 4 and at most 12 px at the reference
+width. With more, the borders of sigma points would change places."""
+
+BORDER_TURN = math.radians(0.4)
+"""Turn of a border that is displaced by one pixel of the reference width [rad]."""
+
+ROUND_BORDER = 0.5
+"""Distance of each border of a round cable inwards from its silhouette, as a factor on
+`border_displacement`: the cable's brightness falls off towards the silhouette."""
+
+POSE_OF_BORDERS = np.array(
+    [[0.5, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.5], [-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.5, 0.5]]
+)
+"""Jacobian (4, 4) of d, alpha, w, beta with respect to left offset, right offset, left angle, right
+angle."""
+
+BLUR = 1.5
+"""Sigma of what blurs borders besides the filter: water, lens, and the likelihood, which cannot
+tell places a pixel apart [px at the reference width]. Chosen on crisp strips of seeds of their
+own."""
+
+LEAST_WIDTH_SHARE = 0.6
+"""Least width before smoothing as a share of the width between the steepest places: of what is
+thinner, they say hardly anything."""
+
+WIDTH_ITERATIONS = 30
 
 
 def belief_summary(
@@ -33,24 +71,23 @@ def belief_summary(
     """Return what a belief says about the frame that it came from, `image_width` pixels wide."""
     hypotheses = belief.hypotheses
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
-    evidence = leading_evidence(hypotheses, parameters)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     is_acceptable = visible and (belief.is_clear or is_familiar(belief, parameters, image_width))
     is_claimable = (
         is_acceptable
         and belief.presence >= parameters.presence_to_track
-        and evidence >= parameters.evidence_to_track
+        and belief.evidence >= parameters.evidence_to_track
     )
     return BeliefSummary(
         mean=mean,
         covariance=covariance,
         effective_sample_size=hypotheses.effective_size,
-        evidence=evidence,
+        evidence=belief.evidence,
         supports_claim=is_claimable,
         supports_new_claim=is_claimable and belief.is_clear,
         supports_keeping=is_acceptable
         and belief.presence >= parameters.presence_to_lose
-        and evidence >= parameters.evidence_to_lose,
+        and belief.evidence >= parameters.evidence_to_lose,
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )
@@ -67,7 +104,7 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int)
     if memory is None:
         return False
     leader = belief.hypotheses.clusters.means[0]
-    width = float(leader[StateColumn.WIDTH])
+    width = float(leader[WIDTH])
     if abs(memory.width_deviation(width, parameters)) > FAMILIAR:
         return False
     return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(image_width))
@@ -81,7 +118,7 @@ def leading_estimate(
     displaced = displaced_covariance(
         hypotheses.covariance,
         hypotheses.border_means,
-        float(leader[StateColumn.WIDTH]),
+        float(leader[WIDTH]),
         parameters,
         image_width,
     )
@@ -91,8 +128,8 @@ def leading_estimate(
 def _unsmoothed(mean: FloatArray, parameters: TrackerParameters, image_width: int) -> FloatArray:
     """Return a cluster's mean (8,) with the width that the cable has, not its smoothed borders."""
     state = mean.copy()
-    width = float(state[StateColumn.WIDTH])
-    state[StateColumn.WIDTH] = width_before_smoothing(width, parameters, image_width)
+    width = float(state[WIDTH])
+    state[WIDTH] = width_before_smoothing(width, parameters, image_width)
     return state
 
 
@@ -106,3 +143,83 @@ def _reported(
             state = _unsmoothed(clusters.means[index], parameters, image_width)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)
+
+
+def width_before_smoothing(width: float, parameters: TrackerParameters, image_width: int) -> float:
+    """Return the width of a cable whose smoothed borders are steepest a width apart [px].
+
+    Smoothed by a Gaussian of sigma s, a strip of width w is steepest at W / 2 to either side of its
+    middle, where artanh(w / W) / (w / W) = (W / 2 s)^2: each border pushes the other one outwards.
+
+    Parameters
+    ----------
+    width : float
+        Width W between the borders that the likelihood sees [px].
+    parameters : TrackerParameters
+        `filter_sigma`.
+    image_width : int
+        Width of the frames [px].
+    """
+    sigma = math.hypot(parameters.filter_sigma, BLUR) * image_width / REFERENCE_WIDTH
+    square = (0.5 * width / sigma) ** 2
+    share = 1.0
+    for _ in range(WIDTH_ITERATIONS):
+        share = math.tanh(square * share)
+    return width * max(share, LEAST_WIDTH_SHARE)
+
+
+def displaced_covariance(
+    covariance: FloatArray,
+    border_means: FloatArray,
+    width: float,
+    parameters: TrackerParameters,
+    image_width: int,
+) -> FloatArray:
+    """Return the covariance (8, 8) of an estimate whose borders may be displaced.
+
+    Tempering inflates the particle covariance for errors that are common along a border. That
+    common error is modelled here as a displacement, so the inflation is undone (factor `tempering`
+    on the pose block) before the displacement is added.
+
+    Parameters
+    ----------
+    covariance : FloatArray
+        Covariance of the particles of the leading cluster, shape (8, 8).
+    border_means : FloatArray
+        Mean log-likelihood ratios per point of the left and of the right border, shape (2,).
+    width : float
+        Width of the cable [px].
+    parameters : TrackerParameters
+        `border_displacement` and `tempering`.
+    image_width : int
+        Width of the frames [px].
+    """
+    unit = image_width / REFERENCE_WIDTH
+    factors = displacement_factors(border_means, width / unit)
+    border = parameters.border_displacement * unit
+    turn = parameters.border_displacement * BORDER_TURN
+    sigmas = np.concatenate((factors * border, factors * turn))
+    displaced: FloatArray = covariance * _tempering_of_covariances(parameters.tempering)
+    displaced[:POSE_SIZE, :POSE_SIZE] += POSE_OF_BORDERS * sigmas**2 @ POSE_OF_BORDERS.T
+    displaced[WIDTH, WIDTH] += (2.0 * ROUND_BORDER * border) ** 2
+    return displaced
+
+
+@cache
+def _tempering_of_covariances(tempering: float) -> FloatArray:
+    """Return the factors on a covariance (8, 8) that undo its inflation by tempering."""
+    scales = np.ones(STATE_SIZE)
+    scales[:POSE_SIZE] = math.sqrt(tempering)
+    return np.outer(scales, scales)
+
+
+def displacement_factors(border_means: FloatArray, width: float) -> FloatArray:
+    """Return the sigmas of the displacements of borders in units of `border_displacement`.
+
+    `border_means` are mean log-likelihood ratios per point [nats], `width` that of the cable [px at
+    the reference width]. The result has the shape of `border_means`.
+    """
+    largest = min(max(MOST_OF_WIDTH * width, USUAL_MOST), FARTHEST)
+    doublings = (CLEAR_LOG_RATIO - border_means) / HALVING_LOG_RATIO
+    factors: FloatArray = np.exp2(np.minimum(doublings, math.log2(largest)))
+    return factors

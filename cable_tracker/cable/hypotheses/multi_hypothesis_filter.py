@@ -37,7 +37,7 @@ from cable_tracker.cable.filter_interface import (
 )
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
-from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
+from cable_tracker.cable.hypotheses.belief_update import updated_belief
 from cable_tracker.cable.hypotheses.births import draw_births
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
@@ -103,7 +103,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
         self._predictor = Predictor(parameters, self._movement, self._box, image_size, rng)
-        self._update = BeliefUpdate(parameters, image_size)
 
     def first_belief(self) -> Belief:
         """Return the belief of a search: the prior, without a history."""
@@ -160,7 +159,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             # Every particle is impossible.
             states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        return self._update.updated_belief(belief, conclusion, dt)
+        return updated_belief(belief, conclusion, dt, self._parameters, self._image_size)
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
         """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""

@@ -4,15 +4,26 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.belief_summary import belief_summary
-from cable_tracker.cable.hypotheses.clearness import is_new_clear
+from cable_tracker.cable.hypotheses.belief_summary import (
+    BLUR,
+    BORDER_TURN,
+    LEAST_WIDTH_SHARE,
+    belief_summary,
+    displaced_covariance,
+    displacement_factors,
+    width_before_smoothing,
+)
+from cable_tracker.cable.hypotheses.clearness import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
@@ -32,7 +43,8 @@ def summary(
         visible_length=length,
     )
     is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, 320)
-    belief = replace(belief, hypotheses=hypotheses, is_clear=is_clear)
+    evidence = leading_evidence(hypotheses, PARAMETERS)
+    belief = replace(belief, hypotheses=hypotheses, evidence=evidence, is_clear=is_clear)
     return belief_summary(belief, PARAMETERS, 320)
 
 
@@ -75,3 +87,72 @@ def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, se
     )
     assert found.supports_claim == found.supports_keeping == claim
     assert not found.supports_new_claim
+
+
+def displaced(left, right, covariance=None, width=80.0, **changes):
+    """Return what is stated for two mean log-ratios, in frames of twice the reference width."""
+    parameters = preset("default").replaced({"border_displacement": 1.0, **changes})
+    before = np.zeros((8, 8)) if covariance is None else covariance
+    return displaced_covariance(before, np.array([left, right]), width, parameters, 640)
+
+
+def test_a_border_is_displaced_twice_as_far_for_each_step_of_less_evidence():
+    factors = displacement_factors(np.array([2.3, 1.8, 1.55, 1.3, 0.0, -50.0]), 40.0)
+    np.testing.assert_allclose(factors, [0.25, 1.0, 2.0, 4.0, 10.0, 10.0])
+
+
+@pytest.mark.parametrize(("width", "most"), [(1.0, 4.0), (16.0, 4.0), (32.0, 8.0), (200.0, 12.0)])
+def test_a_border_is_displaced_by_a_quarter_of_the_width_within_limits(width, most):
+    np.testing.assert_allclose(displacement_factors(np.array([-1.0, 9.0]), width)[0], most)
+
+
+def test_borders_that_are_alike_displace_no_component_with_another():
+    covariance = displaced(1.8, 1.8)
+    turn = BORDER_TURN**2
+    # Each by 2 px of these frames; w by 2 px more, if the cable is round.
+    np.testing.assert_allclose(np.diag(covariance)[:4], [2.0, turn / 2, 8.0 + 4.0, turn / 2])
+    np.testing.assert_allclose(covariance, np.diag(np.diag(covariance)), atol=1e-15)
+    assert not covariance[4:].any()
+
+
+@pytest.mark.parametrize(("border_means", "side"), [((9.0, 0.0), 1.0), ((0.0, 9.0), -1.0)])
+def test_one_lost_border_takes_half_of_its_way_from_d_and_all_from_w(border_means, side):
+    covariance = displaced(*border_means)
+    sigmas = np.sqrt(np.diag(covariance)[:4])
+    # A border lost by 20 of 80 px of these frames; the other one lies where it is seen.
+    turn = 10.0 * BORDER_TURN
+    np.testing.assert_allclose(sigmas, [10.0, turn / 2, np.hypot(20.0, 2.0), turn / 2], rtol=1e-6)
+    correlations = covariance[[0, 1], [2, 3]] / (sigmas[:2] * sigmas[2:])
+    np.testing.assert_allclose(correlations, [side, side], rtol=0.01)
+
+
+def test_particles_count_as_wide_as_without_tempering_and_rates_as_they_are():
+    rng = np.random.default_rng(0)
+    root = rng.normal(size=(8, 8))
+    before = root @ root.T
+    after = displaced(1.8, 1.0, before, border_displacement=0.0, tempering=0.25)
+    np.testing.assert_allclose(after[:4, :4], before[:4, :4] / 4)
+    np.testing.assert_allclose(after[:4, 4:], before[:4, 4:] / 2)
+    np.testing.assert_array_equal(after[4:, 4:], before[4:, 4:])
+    np.testing.assert_array_equal(after, after.T)
+
+
+def test_a_lost_border_leaves_a_covariance():
+    values = np.linalg.eigvalsh(displaced(-3.0, 2.2, np.eye(8) * 1e-4))
+    assert values.min() > 0.0
+
+
+@given(width=st.floats(4.0, 40.0))
+def test_the_width_is_that_of_the_strip_whose_smoothed_borders_are_steepest_there(width):
+    parameters = preset("default")
+    sigma = np.hypot(parameters.filter_sigma, BLUR)
+    x = np.linspace(0.0, width, 20001)
+    left, right = (np.exp(-0.5 * ((x + side * width / 2) / sigma) ** 2) for side in (1.0, -1.0))
+    steepest = 2.0 * x[np.argmax(right - left)]
+    assert width_before_smoothing(steepest, parameters, 320) == pytest.approx(width, rel=0.02)
+
+
+@given(width=st.floats(0.0, 500.0))
+def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
+    left = width_before_smoothing(width, preset("default"), 320)
+    assert LEAST_WIDTH_SHARE * width <= left <= width

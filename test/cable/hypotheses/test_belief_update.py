@@ -5,20 +5,26 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
-from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
+from cable_tracker.cable.hypotheses.belief_update import (
+    POLARITY_DOUBT,
+    updated_belief,
+    updated_p_bright,
+)
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 PARAMETERS = TrackerParameters()
-UPDATE = BeliefUpdate(PARAMETERS, (320, 240))
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
 YOUNG = 0.5 * PARAMETERS.known_after
 BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, refused_time=0.3)
 CLEAR, FAINT = 100.0, -100.0
+SHARES = st.floats(0.0, 1.0)
 
 
 def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) -> Conclusion:
@@ -29,7 +35,7 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
 
 
 def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
-    return UPDATE.updated_belief(before, found, 0.1)
+    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240))
 
 
 def test_a_clear_cable_is_remembered_and_its_time_grows():
@@ -79,3 +85,19 @@ def test_a_leader_that_is_clear_as_a_new_one_stays_so_although_its_width_is_lear
     assert belief.memory.seconds == 0.0
     assert belief.is_clear
     assert not updated(concluded(1.5), replace(BEFORE, memory=narrow)).is_clear
+
+
+@given(SHARES, SHARES, SHARES, SHARES, st.floats(0.0, 100.0))
+def test_the_polarity_is_never_beyond_doubt(before, found, presence, memory, dt):
+    after = updated_p_bright(before, found, presence, memory, dt)
+    assert POLARITY_DOUBT <= after <= 1.0 - POLARITY_DOUBT
+
+
+def test_a_frame_without_a_cable_says_nothing_of_its_polarity():
+    assert updated_p_bright(0.8, 0.0, 0.0, 1.0, 0.04) == pytest.approx(0.8)
+    assert updated_p_bright(0.8, 0.1, 1.0, 1.0, 0.04) == pytest.approx(0.1)
+
+
+def test_what_was_known_is_forgotten_with_time():
+    soon, late = (updated_p_bright(0.9, 0.9, 0.0, 0.9, dt) for dt in (0.04, 4.0))
+    assert 0.5 < late < soon < 0.9

@@ -8,8 +8,7 @@ import pytest
 
 from cable_tracker.cable.hypotheses import multi_hypothesis_filter, sample_counts
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.belief_summary import SMALLEST_HYPOTHESIS
-from cable_tracker.cable.hypotheses.border_displacement import displacement_factors
+from cable_tracker.cable.hypotheses.belief_summary import SMALLEST_HYPOTHESIS, displacement_factors
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     GIVEN_PRESENCE,
     LEAST_PRESENCE,
