@@ -24,10 +24,7 @@ from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
-    ANGLE_MARGIN,
     DIRECTIONS,
-    empty_votes,
-    repeat_ends,
 )
 
 CELL = 4.0
@@ -110,16 +107,15 @@ def coherent_votes(picture: Image) -> Image:
     -------
     Image
         By direction in which it gets brighter, and offset in cells, as `strongest_lines` takes
-        them: float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1).
+        them: float32, shape (ANGLE_BINS, 2 middle + 1).
     """
     right, up = _gradients(picture)
     lengths = gradient_lengths(right, up)
     median = max(float(np.median(lengths)), TINY)
     factor = np.minimum(1.0 / median, GRADIENT_CAP / np.maximum(lengths, TINY))
-    votes = empty_votes(middle_offset(picture))
+    votes = np.zeros((ANGLE_BINS, 2 * middle_offset(picture) + 1), np.float32)
     shortest = WHOLE_LENGTH * min(picture.shape)
     _project(right * factor, up * factor, shortest, votes)
-    repeat_ends(votes)
     return votes
 
 
@@ -130,7 +126,7 @@ def middle_offset(picture: Image) -> int:
 
 @compiled
 def _project(right: Image, up: Image, whole: float, votes: Image) -> None:
-    """Fill in the votes, but for the rows that repeat others."""
+    """Fill in the votes."""
     rows, columns = right.shape
     bins = votes.shape[1]
     middle, half = bins // 2, ANGLE_BINS // 2
@@ -149,8 +145,8 @@ def _project(right: Image, up: Image, whole: float, votes: Image) -> None:
                 sums[2, offset] += np.float32(1.0)
         for offset in range(bins):
             agreed = _agreement(sums[0, offset], sums[1, offset], sums[2, offset], whole)
-            votes[ANGLE_MARGIN + angle, offset] = max(agreed, 0.0)
-            votes[ANGLE_MARGIN + half + angle, bins - 1 - offset] = max(-agreed, 0.0)
+            votes[angle, offset] = max(agreed, 0.0)
+            votes[half + angle, bins - 1 - offset] = max(-agreed, 0.0)
 
 
 @compiled_inside

@@ -26,17 +26,13 @@ from cable_tracker.detection.coherent_lines import (
     coarse_brightness,
     coarse_texture,
     coherent_votes,
-    middle_offset,
 )
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
-    ANGLE_MARGIN,
     BIN,
     DIRECTIONS,
-    empty_votes,
-    repeat_ends,
     strongest_lines,
 )
 
@@ -83,9 +79,8 @@ class LinePairProposer:
 
         See `CableProposer.propose`. In a search, faint lines are looked for, too.
         """
-        offset_bin, middle = accumulator_layout(image)
-        votes = accumulated_votes(image)
-        found = [self._pairs(votes, offset_bin, middle, image)[:MOST_CABLES]]
+        votes, offset_bin = accumulated_votes(image)
+        found = [self._pairs(votes, offset_bin, image)[:MOST_CABLES]]
         if is_searching:
             found += [
                 self._faint_pairs(picture, image)[:MOST_FAINT]
@@ -105,17 +100,14 @@ class LinePairProposer:
     def _faint_pairs(self, picture: Image, image: WorkingImage) -> FloatArray:
         """Return the cables between coherent lines of a coarse picture, best first."""
         cell = image.size[0] / picture.shape[1]
-        return self._pairs(coherent_votes(picture), cell, middle_offset(picture), image)
+        return self._pairs(coherent_votes(picture), cell, image)
 
-    def _pairs(
-        self, votes: Image, offset_bin: float, middle: int, image: WorkingImage
-    ) -> FloatArray:
+    def _pairs(self, votes: Image, offset_bin: float, image: WorkingImage) -> FloatArray:
         """Return the cables between the lines with most votes [working px, rad], best first."""
-        angles, offsets, supports = strongest_lines(votes, offset_bin, middle, MOST_LINES)
+        angles, offsets, supports = strongest_lines(votes, offset_bin, MOST_LINES)
         width, height = image.size
-        limits = self._limits.scaled(image.scale)
         poses, scores = plausible_pairs(
-            angles, offsets, supports, limits, (float(width), float(height))
+            angles, offsets, supports, self._limits, (float(width), float(height))
         )
         return np.asarray(poses[(-scores).argsort(kind="stable")])
 
@@ -128,28 +120,22 @@ class _Accumulator(NamedTuple):
     middle: int
 
 
-def accumulator_layout(image: WorkingImage) -> tuple[float, int]:
-    """Return the width of a bin of offsets [px], and the number of the bin of offset zero."""
-    offset_bin = max(OFFSET_BIN * image.scale, 1.0)
-    return offset_bin, int(math.hypot(*image.size) / 2 / offset_bin) + 2
-
-
-def accumulated_votes(image: WorkingImage) -> Image:
+def accumulated_votes(image: WorkingImage) -> tuple[Image, float]:
     """Return the votes of a frame's scan lines for normals and offsets.
 
     Returns
     -------
-    Image
-        float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1); the first and last rows repeat
-        the other end.
+    votes : Image
+        float32, shape (ANGLE_BINS, 2 middle + 1), as `strongest_lines` takes them.
+    offset_bin : float
+        Width of a bin of offsets [px].
     """
-    offset_bin, middle = accumulator_layout(image)
-    votes = empty_votes(middle)
-    rows, columns = image.scanned.rows, image.scanned.columns
-    accumulator = _Accumulator(votes, 1.0 / offset_bin, middle)
-    _vote_of_both(rows, columns, accumulator)
-    repeat_ends(votes)
-    return votes
+    scanned = image.scanned
+    offset_bin = max(OFFSET_BIN * image.scale, 1.0)
+    middle = int(math.hypot(*image.size) / 2 / offset_bin) + 2
+    votes = np.zeros((ANGLE_BINS, 2 * middle + 1), np.float32)
+    _vote_of_both(scanned.rows, scanned.columns, _Accumulator(votes, 1.0 / offset_bin, middle))
+    return votes, offset_bin
 
 
 @compiled
@@ -215,4 +201,4 @@ def _cast(
         within = angle + ANGLE_BINS if angle < 0 else angle
         offset = x * DIRECTIONS[0, within] + y * DIRECTIONS[1, within]
         column = int(np.rint(offset * accumulator.bins_per_pixel)) + accumulator.middle
-        accumulator.votes[within + ANGLE_MARGIN, column] += weight
+        accumulator.votes[within, column] += weight

@@ -56,12 +56,11 @@ def pair_lines(
     list of Detection
         Best first, at most `MOST_DETECTIONS`.
     """
-    scaled = limits.scaled(image_size[0] / REFERENCE_WIDTH)
     poses, scores = plausible_pairs(
         lines.angles,
         lines.offsets,
         lines.supports,
-        scaled,
+        limits,
         (float(image_size[0]), float(image_size[1])),
     )
     states = np.zeros((len(poses), STATE_SIZE))
@@ -101,9 +100,9 @@ def plausible_pairs(
     angles, offsets, supports : FloatArray
         Angles, offsets and supports of N lines, see `BorderLines`.
     limits : PairLimits
-        Widths and skews, widths in the px of the offsets.
+        Widths and skews of cables.
     image_size : (float, float)
-        Width and height of the picture, in the same px.
+        Width and height of the picture [px].
 
     Returns
     -------
@@ -112,7 +111,8 @@ def plausible_pairs(
     scores : FloatArray
         Shape (K,).
     """
-    count = len(angles)
+    count, scale = len(angles), image_size[0] / REFERENCE_WIDTH
+    narrowest, widest = limits.narrowest * scale, limits.widest * scale
     pairs = count * (count - 1) // 2
     poses, scores = np.empty((pairs, POSE_SIZE)), np.empty(pairs)
     ends = np.empty((pairs, 2), np.int64)
@@ -129,7 +129,7 @@ def plausible_pairs(
                 continue
             pose = poses[found]
             bright[found] = _cable_between(angle, offsets[first], opposite, -offsets[second], pose)
-            if not limits.narrowest <= pose[2] <= limits.widest:
+            if not narrowest <= pose[2] <= widest:
                 continue
             if borders_cross_inside(pose, image_size):
                 continue

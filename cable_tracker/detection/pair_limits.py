@@ -23,10 +23,6 @@ class PairLimits(NamedTuple):
     widest: float
     most_skew: float
 
-    def scaled(self, factor: float) -> PairLimits:
-        """Return the limits with widths multiplied by a factor."""
-        return PairLimits(self.narrowest * factor, self.widest * factor, self.most_skew)
-
 
 def pair_limits(parameters: TrackerParameters) -> PairLimits:
     """Return limits that cover the cables that a tracker can follow."""

@@ -39,22 +39,8 @@ NO_SPREAD = np.float32(1e-6)
 """Added to a spread: a frame without strong gradients has none."""
 
 
-def empty_votes(middle: int) -> Image:
-    """Return no votes, float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1).
-
-    The first and last rows are to repeat the other end, see `repeat_ends`.
-    """
-    return np.zeros((ANGLE_BINS + 2 * ANGLE_MARGIN, 2 * middle + 1), np.float32)
-
-
-def repeat_ends(votes: Image) -> None:
-    """Copy the rows of either end beyond the other."""
-    votes[:ANGLE_MARGIN] = votes[ANGLE_BINS : ANGLE_BINS + ANGLE_MARGIN]
-    votes[-ANGLE_MARGIN:] = votes[ANGLE_MARGIN : 2 * ANGLE_MARGIN]
-
-
 def strongest_lines(
-    votes: Image, offset_bin: float, middle: int, most: int
+    votes: Image, offset_bin: float, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return angles, offsets and clearness of the highest peaks, best first.
 
@@ -64,24 +50,26 @@ def strongest_lines(
     Parameters
     ----------
     votes : Image
-        Votes as of `empty_votes`, the ends repeated.
-    offset_bin, middle : float, int
-        Width of a bin of offsets [px], and number of the bin of offset zero.
+        float32, shape (ANGLE_BINS, 2 n + 1); offset zero is in the middle.
+    offset_bin : float
+        Width of a bin of offsets [px].
     most : int
         Number of lines at most.
     """
-    smooth = np.asarray(cv2.GaussianBlur(np.asarray(votes, np.float32), (3, 3), 0))
-    return _strongest_lines(smooth, offset_bin, middle, most)
+    around = np.concatenate((votes[-ANGLE_MARGIN:], votes, votes[:ANGLE_MARGIN]))
+    smooth = np.asarray(cv2.GaussianBlur(np.asarray(around, np.float32), (3, 3), 0))
+    return _strongest_lines(smooth, offset_bin, most)
 
 
 @compiled
 def _strongest_lines(
-    votes: Image, offset_bin: float, middle: int, most: int
+    votes: Image, offset_bin: float, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return what `strongest_lines` does, for blurred votes."""
+    """Return what `strongest_lines` does, for blurred votes with the ends repeated."""
     clear = clearness_of(votes)
     highest = highest_about(clear)
     rows, columns = clear.shape
+    middle = columns // 2
     heights, cells, count = np.empty(most), np.empty(most, np.int64), 0
     for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
         for column in range(columns):

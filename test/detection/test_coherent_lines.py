@@ -15,7 +15,7 @@ from cable_tracker.detection.coherent_lines import (
     gradient_lengths,
     middle_offset,
 )
-from cable_tracker.detection.vote_peaks import ANGLE_BINS, ANGLE_MARGIN
+from cable_tracker.detection.vote_peaks import ANGLE_BINS
 
 BIN = 2.0 * np.pi / ANGLE_BINS
 
@@ -33,7 +33,7 @@ def step_picture(angle, offset, size=(80, 60), height=1.0):
 @pytest.mark.parametrize("offset", [-9.0, 0.0, 14.0])
 def test_the_highest_vote_is_for_the_line_and_the_side_that_is_brighter(rng, angle, offset):
     picture = step_picture(angle, offset) + rng.normal(0.0, 0.5, (60, 80)).astype(np.float32)
-    votes = coherent_votes(picture)[ANGLE_MARGIN:-ANGLE_MARGIN]
+    votes = coherent_votes(picture)
     row, column = np.unravel_index(votes.argmax(), votes.shape)
     turned = (row * BIN - angle + np.pi) % (2.0 * np.pi) - np.pi
     assert abs(turned) <= 2.0 * BIN
@@ -44,9 +44,9 @@ def test_many_weak_steps_that_agree_outweigh_a_strong_one(rng):
     picture = 0.3 * step_picture(0.0, -15.0) + rng.normal(0.0, 0.3, (60, 80)).astype(np.float32)
     picture[26:34, 50:] += 5.0
     votes = coherent_votes(picture)
-    middle, row = middle_offset(picture), ANGLE_MARGIN
-    weak = votes[row, middle - 17 : middle - 12].max()
-    strong = votes[row, middle + 8 : middle + 13].max()
+    middle = middle_offset(picture)
+    weak = votes[0, middle - 17 : middle - 12].max()
+    strong = votes[0, middle + 8 : middle + 13].max()
     assert weak > strong > 0.0
 
 
@@ -81,10 +81,8 @@ def test_votes_are_sums_over_roots_of_sums_of_squares(number):
     right[:, [0, -1]] = 0.0
     up[[0, -1]] = 0.0
     expected = reference_votes(right / length, up / length, number * BIN, WHOLE_LENGTH * 12)
-    np.testing.assert_allclose(
-        votes[ANGLE_MARGIN + number], np.maximum(expected, 0.0), rtol=1e-4, atol=1e-4
-    )
-    opposite = votes[ANGLE_MARGIN + number + ANGLE_BINS // 2]
+    np.testing.assert_allclose(votes[number], np.maximum(expected, 0.0), rtol=1e-4, atol=1e-4)
+    opposite = votes[number + ANGLE_BINS // 2]
     np.testing.assert_allclose(opposite, np.maximum(-expected, 0.0)[::-1], rtol=1e-4, atol=1e-4)
 
 

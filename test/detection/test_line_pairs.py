@@ -74,8 +74,8 @@ def test_a_cable_between_two_lines_has_the_lines_as_borders(angle, turn, offsets
         np.array([angle, other]),
         np.array(offsets),
         np.ones(2),
-        PairLimits(0.0, 1e3, 0.3),
-        (0.0, 0.0),
+        PairLimits(0.0, 1e12, 0.3),
+        (1e-6, 0.0),
     )
     # The second line with its normal turned round; left comes first along the normal.
     turned = np.array([[angle, offsets[0]], [angle + turn, -offsets[1]]])
