@@ -11,8 +11,8 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
-from cable_tracker.errors import MetricError
-from cable_tracker.libraries import refusals_as
+from cable_tracker.errors import MetricError, one_line
+from cable_tracker.libraries import REFUSALS
 from cable_tracker.metric.agreement_gate import AgreementGate
 from cable_tracker.metric.homography import (
     PlaneMotion,
@@ -22,8 +22,7 @@ from cable_tracker.metric.homography import (
 )
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import NoMotion, Odometry
-from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
-from cable_tracker.metric.texture_gate import TextureGate
+from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
 from cable_tracker.metric.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
@@ -106,12 +105,14 @@ class MotionAiding:
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
         try:
-            with refusals_as(MetricError, "the vehicle's motion cannot be compared with the image"):
-                return self._motion(stamp, image)
+            return self._motion(stamp, image)
         except MetricError as error:
-            self._seen = self._predicted = None
-            self._unaided = Unaided(str(error))
-            return None
+            why = str(error)
+        except REFUSALS as refusal:
+            why = f"the vehicle's motion cannot be compared with the image: {one_line(refusal)}"
+        self._seen = self._predicted = None
+        self._unaided = Unaided(why)
+        return None
 
     def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         if self._before is not None and is_out_of_order(self._before.stamp, stamp):

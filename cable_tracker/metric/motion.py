@@ -103,21 +103,18 @@ class Odometry:
         return _integrated(knots, seconds)
 
     def _why_unknown(self, start: int, end: int, seconds: float) -> str:
-        name, first, last = self._instrument, self._twists.at(start), self._twists.at(end)
-        faults = (
-            (not self.has_come, f"no {name} has come"),
-            (not 0.0 < seconds <= LONGEST_STEP, f"{seconds:g} s between frames are not bridged"),
-            (first is None, f"{name} has only later stamps than the image"),
-            (
-                last is not None and last.age > LONGEST_HOLD,
-                f"the last {name} is more than {LONGEST_HOLD:g} s older than the image",
-            ),
-            (
-                self._twists.is_frozen(FROZEN_COUNT, end),
-                f"{name} says the same again and again",
-            ),
-        )
-        return next((words for is_so, words in faults if is_so), "")
+        name = self._instrument
+        if not self.has_come:
+            return f"no {name} has come"
+        if not 0.0 < seconds <= LONGEST_STEP:
+            return f"{seconds:g} s between frames are not bridged"
+        if self._twists.at(start) is None:
+            return f"{name} has only later stamps than the image"
+        last = self._twists.at(end)
+        if last is not None and last.age > LONGEST_HOLD:
+            return f"the last {name} is more than {LONGEST_HOLD:g} s older than the image"
+        is_frozen = self._twists.is_frozen(FROZEN_COUNT, end)
+        return f"{name} says the same again and again" if is_frozen else ""
 
     def _knot(self, stamp: int) -> tuple[int, FloatArray]:
         reading = self._twists.at(stamp)

@@ -13,8 +13,7 @@ from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.homography import PlaneMotion
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.sea_bed_texture import SeaBedTexture
-from cable_tracker.metric.texture_gate import CALM_PICTURES
+from cable_tracker.metric.sea_bed_texture import CALM_PICTURES, SeaBedTexture
 from cable_tracker.metric.unaided import CABLE_DISAGREES, NOT_PROVED, TEXTURE_DISAGREES
 
 SECOND = 1_000_000_000

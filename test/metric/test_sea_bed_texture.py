@@ -6,7 +6,13 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
+from cable_tracker.metric.sea_bed_texture import (
+    CALM_PICTURES,
+    REMEMBERED_PICTURES,
+    SeaBedTexture,
+    TextureGate,
+    TextureMotion,
+)
 
 HEIGHT, WIDTH = 240, 320
 STILL = np.eye(3)
@@ -125,3 +131,36 @@ def test_errors_and_ways_in_a_narrow_picture_are_those_of_the_reference_width(bo
     motion = seen(narrow, moved(narrow, shift(4.0, 0.0)), shift(1.0, 0.0))
     assert motion.error == pytest.approx(2.0 * 3.0, abs=0.4)
     assert motion.length == pytest.approx(2.0 * 1.0, abs=0.01)
+
+
+RIGHT, WRONG = TextureMotion(0.4, 8.0), TextureMotion(9.0, 8.0)
+
+
+def shown(*motions):
+    gate = TextureGate()
+    for motion in motions:
+        gate.take(motion)
+    return gate
+
+
+def test_at_first_nothing_is_known_of_odometry():
+    assert TextureGate().verdict is None
+
+
+def test_odometry_is_believed_from_the_first_picture_that_agrees():
+    assert shown(RIGHT).verdict is True
+
+
+def test_one_picture_that_disagrees_is_enough():
+    assert shown(*[RIGHT] * 50, WRONG).verdict is False
+
+
+def test_then_it_takes_several_that_agree():
+    assert shown(WRONG, *[RIGHT] * (CALM_PICTURES - 1)).verdict is False
+    assert shown(WRONG, *[RIGHT] * CALM_PICTURES).verdict is True
+
+
+@pytest.mark.parametrize("last", [RIGHT, WRONG])
+def test_without_texture_the_last_verdict_holds_for_a_while(last):
+    assert shown(last, *[None] * (REMEMBERED_PICTURES - 1)).verdict is last.agrees
+    assert shown(last, *[None] * REMEMBERED_PICTURES).verdict is None

@@ -40,6 +40,6 @@ class FrameHold:
         if frame is None:
             return
         is_due = at_once or time.perf_counter() - frame.arrival >= self._wait
-        if is_due or self._is_complete(frame.header.stamp):
+        if is_due or self._is_complete(frame.stamp):
             self._frame = None
             self._use(frame)

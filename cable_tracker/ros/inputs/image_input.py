@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
@@ -12,7 +13,6 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.diagnostics import FrameStatistics
-from cable_tracker.ros.inputs.arrivals import GapCounter, moment_of_arrival
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
 from cable_tracker.sequences.frame import RawImage
@@ -21,11 +21,15 @@ from cable_tracker.sequences.serialised_images import (
     read_serialised_compressed_image,
     read_serialised_image,
 )
+from cable_tracker.stamps import NANOSECONDS
 
 AnyImage: TypeAlias = RawImage | CompressedPicture
 
 ImageCallback: TypeAlias = Callable[[bytes, Mapping[str, Any]], None]
 """Gets a serialised message, and what the middleware tells beside it."""
+
+LONGEST_WAIT: Final = 60.0
+"""A message that seems to have waited longer has not: the clock was set meanwhile [s]."""
 
 ADVICE_ON_LOSS: Final = (
     "large frames need config/fastdds_loopback.xml, image_reliability:=reliable or compressed"
@@ -39,6 +43,8 @@ class CameraFrame:
 
     Attributes
     ----------
+    stamp : int
+        Time that the camera gave [ns]; 0 where it gave none.
     header : MessageHeader
         Stamp and frame_id as the camera gave them.
     image : RawImage or CompressedPicture
@@ -47,9 +53,54 @@ class CameraFrame:
         Time of reception, on the clock of `time.perf_counter` [s].
     """
 
+    stamp: int
     header: MessageHeader
     image: AnyImage
     arrival: float
+
+
+def seconds_waited(info: Mapping[str, Any], now: int) -> float:
+    """Return how long a message has lain in the middleware's queue [s]; 0 where it is not known.
+
+    Parameters
+    ----------
+    info : mapping
+        Message info from rclpy: `received_timestamp` and sequence number.
+    now : int
+        The system's time [ns].
+    """
+    received = info.get("received_timestamp") or 0
+    waited = (now - int(received)) / NANOSECONDS
+    return waited if received and 0.0 <= waited <= LONGEST_WAIT else 0.0
+
+
+class GapCounter:
+    """Counts frames that a publisher sent and that never reached the node.
+
+    The middleware numbers what a publisher sends. Which publisher sent a message is not told: with
+    several on the topic the numbers say nothing.
+    """
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+
+    def missing(self, info: Mapping[str, Any], count_publishers: Callable[[], int]) -> int:
+        """Return how many messages lie between this one and the one before.
+
+        Parameters
+        ----------
+        info : mapping
+            Message info from rclpy: `received_timestamp` and sequence number.
+        count_publishers : callable
+            Returns how many there are on the topic; called only where a number is missing.
+        """
+        number = info.get("publication_sequence_number")
+        last, self._last = self._last, number
+        if number is None or last is None:
+            return 0
+        # Where the numbers go back, the publisher is a new one.
+        gap = max(int(number) - int(last) - 1, 0)
+        return gap if gap and count_publishers() == 1 else 0
 
 
 class ImageInput:
@@ -123,11 +174,11 @@ class ImageInput:
         FrameError
             The bytes are no such message.
         """
-        arrival = moment_of_arrival(info)
+        arrival = time.perf_counter() - seconds_waited(info, time.time_ns())
         self._statistics.dropped += self._gaps.missing(info, self._count_cameras)
         read = read_serialised_compressed_image if self._is_compressed else read_serialised_image
         header, image = read(message)
-        return CameraFrame(header, image, arrival)
+        return CameraFrame(header.stamp, header, image, arrival)
 
     def _count_cameras(self) -> int:
         return int(self._node.count_publishers(self.topic))

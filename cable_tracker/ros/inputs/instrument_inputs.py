@@ -59,6 +59,7 @@ class InstrumentInputs(Generic[AnySight]):
     ) -> None:
         self._node = node
         self._values = default_values(specs)
+        self._wait = number(self._values, "instrument_wait")
         self._sight = make_sight(self._values)
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
@@ -97,7 +98,7 @@ class InstrumentInputs(Generic[AnySight]):
     @property
     def wait(self) -> float:
         """How long a frame may be held back for the instruments [s]."""
-        return number(self._values, "instrument_wait")
+        return self._wait
 
     @property
     def base_frame(self) -> str:
@@ -125,4 +126,5 @@ class InstrumentInputs(Generic[AnySight]):
         own = {name: values[name] for name in values.keys() & self._values.keys()}
         if own:
             self._values.update(own)
+            self._wait = number(self._values, "instrument_wait")
             self._sight.configure(self._values)

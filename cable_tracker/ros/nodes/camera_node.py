@@ -32,7 +32,6 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.serialised_images import MessageHeader
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
@@ -288,14 +287,13 @@ class CameraNode(ProcessNode):
             return
         self._statistics.arrived(time.monotonic())
         # Frames that wait for nothing pass through the hold, too: they must not overtake one in it.
-        waits = self._enabled and frame.header.stamp
+        waits = self._enabled and frame.stamp
         self._hold.take(frame, self._metric.wait if waits else 0.0)
 
     def _answer(self, frame: CameraFrame) -> None:
-        given = frame.header
-        self._frame_id = given.frame_id
-        stamp = given.stamp or int(self.get_clock().now().nanoseconds)
-        header = self._header_for_answer(given, stamp)
+        self._frame_id = frame.header.frame_id
+        stamp = frame.stamp or int(self.get_clock().now().nanoseconds)
+        header = self._header_for_answer(frame, stamp)
         if not self._enabled or self._warm_up is not None:
             self._statistics.ignored += 1
             self._note_usable()
@@ -318,8 +316,9 @@ class CameraNode(ProcessNode):
         self._note_event(outcome.event)
         self._change_status(outcome.status)
 
-    def _header_for_answer(self, given: MessageHeader, stamp: int) -> Message:
-        if not given.stamp:
+    def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
+        given = frame.header
+        if not frame.stamp:
             return make_header(self._factory, stamp, given.frame_id)
         # To the letter, so that the sender of the frame knows it again.
         time_sent = Time(sec=given.sec, nanosec=given.nanosec)

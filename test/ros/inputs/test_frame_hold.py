@@ -10,7 +10,8 @@ from cable_tracker.sequences.serialised_images import MessageHeader
 
 def frame(sec: int, age: float = 0.0) -> CameraFrame:
     image = CompressedImage("jpeg", memoryview(b""))
-    return CameraFrame(MessageHeader(sec, 0, "eye"), image, time.perf_counter() - age)
+    header = MessageHeader(sec, 0, "eye")
+    return CameraFrame(header.stamp, header, image, time.perf_counter() - age)
 
 
 def test_a_frame_waits_until_everything_of_its_time_has_come() -> None:
@@ -21,7 +22,7 @@ def test_a_frame_waits_until_everything_of_its_time_has_come() -> None:
     hold.take(first, 3600.0)
     hold.release_if_due()
     assert used == []
-    told.append(first.header.stamp)
+    told.append(first.stamp)
     hold.release_if_due()
     assert used == [first]
     hold.release_if_due()
