@@ -44,6 +44,7 @@ class Belief:
     known_time : float
         Time for which consecutive frames held the leading hypothesis for a cable, counted while its
         borders are clear enough to claim it [s]; infinite where an operator or planner gave it.
+        From the parameter `known_after` on it is known.
     """
 
     particles: Particles
@@ -56,17 +57,6 @@ class Belief:
     evidence: float = 0.0
     is_clear: bool = False
     known_time: float = 0.0
-
-    def is_known(self, known_after: float) -> bool:
-        """Tell whether the leader was given, or has been clear enough to claim for long enough.
-
-        `known_after`: the parameter of that name [s].
-        """
-        return self.known_time >= known_after
-
-    def aged(self, dt: float) -> Belief:
-        """Return it with what is remembered of a cable `dt` seconds older."""
-        return replace(self, memory=self.memory.aged(dt)) if self.memory is not None else self
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:

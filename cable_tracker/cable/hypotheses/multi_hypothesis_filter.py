@@ -144,7 +144,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         if belief.refused_time >= self._parameters.search_time:
             # For `search_time` a cable was present but too faint to claim: search anew.
             belief = _new_search(self.first_belief(), belief)
-        belief = belief.aged(dt)
+        if belief.memory is not None:
+            belief = replace(belief, memory=belief.memory.aged(dt))
         prediction = self._predictor.predict(belief, dt, motion)
         births = prediction.density.births
         counts = sample_counts(

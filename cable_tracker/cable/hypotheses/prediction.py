@@ -13,7 +13,8 @@ from cable_tracker.cable.hypotheses.births import birth_density_of
 from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, jump_from
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
-from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over
+from cable_tracker.cable.hypotheses.presence import PriorPresence
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import image_reach, state_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import state_limits
@@ -120,27 +121,40 @@ class Predictor:
 
     def predict(self, belief: Belief, dt: float, motion: MotionAid | None) -> Prediction:
         """Predict a belief, aged to the frame, over the `dt` seconds since the frame before."""
-        parameters, memory = self._parameters, belief.memory
-        means = belief.hypotheses.clusters.means
+        parameters, means = self._parameters, belief.hypotheses.clusters.means
         reference_angle = float(means[0, ANGLE])
         ancestors, survival = self._draw_ancestors(belief, reference_angle, dt)
-        appearing = event_probability(parameters.appearance_rate, dt)
-        jumping = event_probability(BORDER_ERROR_RATE, dt)
-        existence = predict_existence(belief.presence, survival, appearing)
+        birth = event_probability(parameters.appearance_rate, dt)
+        existence = predict_existence(belief.presence, survival, birth)
         expected = means.copy()
         expected[:, :POSE_SIZE] = self._movement.expected(means, dt, motion)[:, :POSE_SIZE]
-        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
-        # Without movement the kernel would be a point: the first frame after a given prior.
-        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
         prior = PriorPresence(
             expected=expected,
             log_odds=belief.log_odds,
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
-            birth=appearing,
+            birth=birth,
             gain=gain_over(parameters.presence_gain, dt),
-            is_known=belief.is_known(parameters.known_after),
+            is_known=belief.known_time >= parameters.known_after,
         )
-        density = PredictedDensity(
+        density = self._density(ancestors, existence, expected[0], belief.memory, dt, motion)
+        return Prediction(existence, density, prior, reference_angle)
+
+    def _density(
+        self,
+        ancestors: Ancestors,
+        existence: PredictedExistence,
+        leader: FloatArray,
+        memory: RememberedCable | None,
+        dt: float,
+        motion: MotionAid | None,
+    ) -> PredictedDensity:
+        """Return the density of cables in view; `leader` (8,) is where the leading one will be."""
+        parameters = self._parameters
+        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
+        # Without movement the kernel would be a point: the first frame after a given prior.
+        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
+        jumped = existence.survived * event_probability(BORDER_ERROR_RATE, dt)
+        return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
                 np.maximum(sigmas[:POSE_SIZE], self._smallest_kernel),
@@ -154,10 +168,9 @@ class Predictor:
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
             births=birth_density_of(self._box, memory, parameters.memory_time, self._image_size),
-            mass_jumped=max(existence.survived * jumping, LEAST_PROBABILITY),
-            jump=jump_from(expected[0], *self._widths, float(self._image_size[0])),
+            mass_jumped=max(jumped, LEAST_PROBABILITY),
+            jump=jump_from(leader, *self._widths, float(self._image_size[0])),
         )
-        return Prediction(existence, density, prior, reference_angle)
 
     def _draw_ancestors(
         self, belief: Belief, reference_angle: float, dt: float
@@ -173,6 +186,16 @@ class Predictor:
         return surviving_ancestors(
             drawn, reference_angle, self._image_size, self._survival_rates, dt
         )
+
+
+def gain_over(gain: float, dt: float) -> float:
+    """Return the share of a frame's log-likelihood ratio that is new after `dt` seconds.
+
+    `gain` is that share at 25 frames per second. Consecutive frames look alike, the less the longer
+    the time between them.
+    """
+    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
+    return 1.0 - math.pow(1.0 - gain, frames)
 
 
 def draw_ancestors(

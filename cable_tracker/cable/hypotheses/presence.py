@@ -15,7 +15,6 @@ from cable_tracker.cable.hypotheses.score_likelihood import (
     ScoreModel,
     frame_log_likelihood_ratio,
 )
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.compilation import compiled_loop
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
@@ -78,13 +77,3 @@ def updated_log_odds(
     predicted = before * prior.survival + (1.0 - before) * prior.birth
     after = log_odds_of(min(max(predicted, 1e-9), 1.0 - 1e-9)) + prior.gain * ratio
     return min(max(after, LOWEST), HIGHEST)
-
-
-def gain_over(gain: float, dt: float) -> float:
-    """Return the share of a frame's log-likelihood ratio that is new after `dt` seconds.
-
-    `gain` is that share at 25 frames per second. Consecutive frames look alike, the less the longer
-    the time between them.
-    """
-    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
-    return 1.0 - math.pow(1.0 - gain, frames)

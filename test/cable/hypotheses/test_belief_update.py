@@ -57,8 +57,6 @@ def test_from_what_could_not_be_claimed_nothing_is_learnt():
 
 def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
-    assert known.is_known(PARAMETERS.known_after)
-    assert not BEFORE.is_known(PARAMETERS.known_after)
     kept, lost = (updated(concluded(FAINT, mean), known) for mean in (CLEAR, FAINT))
     assert (kept.refused_time, lost.refused_time) == (0.0, pytest.approx(0.4))
     assert kept.memory is not None

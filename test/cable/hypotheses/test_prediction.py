@@ -2,12 +2,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.prediction import (
     SMALLEST_CLUSTER_SHARE,
     Ancestors,
     draw_ancestors,
+    gain_over,
     surviving_ancestors,
 )
 from cable_tracker.particle_filter.particles import Particles
@@ -87,3 +90,10 @@ def test_ancestors_are_written_in_the_chart_about_the_reference(rng):
     (after, _) = surviving_ancestors(before, -1.5, SIZE, RATES, 0.04)
     np.testing.assert_allclose(after.states[:, 0], -20.0)
     np.testing.assert_allclose(after.states[:, 1], 1.5 - np.pi)
+
+
+@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
+def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
+    assert gain_over(gain, 0.04) == pytest.approx(gain)
+    assert gain_over(gain, 0.0) == pytest.approx(gain)
+    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)

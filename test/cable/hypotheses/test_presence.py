@@ -12,7 +12,6 @@ from cable_tracker.cable.hypotheses.presence import (
     LOWEST,
     NEW_LOG_ODDS,
     PriorPresence,
-    gain_over,
     updated_log_odds,
 )
 from cable_tracker.cable.hypotheses.score_likelihood import (
@@ -57,10 +56,3 @@ def test_a_hypothesis_that_goes_on_gains_a_share_and_a_new_one_all():
 @given(st.floats(-9, 9))
 def test_log_odds_and_probabilities_are_the_same(odds):
     assert log_odds_of(probability_of(odds)) == pytest.approx(odds, abs=1e-6)
-
-
-@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
-def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
-    assert gain_over(gain, 0.04) == pytest.approx(gain)
-    assert gain_over(gain, 0.0) == pytest.approx(gain)
-    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)
