@@ -240,17 +240,24 @@ def without_a_key_frame(coded):
     return coded[:place] + coded[place + 1 :]
 
 
-@pytest.mark.parametrize(("encoder", "coding", "options"), CODINGS)
-@pytest.mark.parametrize("hurt", [without, cut_off, emptied, scrambled, without_a_key_frame])
-def test_what_a_decoder_conceals_is_no_picture_and_the_rest_is_as_it_was(
-    tmp_path, encoder, coding, options, hurt
-):
+@pytest.fixture(scope="module", params=CODINGS, ids=lambda each: each[1])
+def sound_video(request, tmp_path_factory):
+    """A video that nothing has happened to: its coding, its packets, and its pictures by stamp."""
+    encoder, coding, options = request.param
     if encoder not in av.codecs_available:
         pytest.skip(f"this build of FFmpeg has no encoder {encoder}")
+    coded = packets(encoder, count=5 * KEY_EVERY, picture=moving, **options)
+    path = bag_of(tmp_path_factory.mktemp("sound") / "bag", coded, coding)
+    return coding, coded, dict(pictures(path))
+
+
+@pytest.mark.parametrize("hurt", [without, cut_off, emptied, scrambled, without_a_key_frame])
+def test_what_a_decoder_conceals_is_no_picture_and_the_rest_is_as_it_was(
+    tmp_path, sound_video, hurt
+):
+    coding, coded, sound = sound_video
     if coding == "h265" and hurt is cut_off:
         pytest.skip("its decoder does not see that a packet ends early")
-    coded = packets(encoder, count=5 * KEY_EVERY, picture=moving, **options)
-    sound = dict(pictures(bag_of(tmp_path / "sound", coded, coding)))
     found = dict(pictures(bag_of(tmp_path / "hurt", hurt(coded), coding), skip_bad_frames=True))
     assert all((found[stamp] == sound[stamp]).all() for stamp in found)
     kept = {(stamp - FIRST) // STEP for stamp in found}
