@@ -2,9 +2,11 @@
 
 import copy
 import gc
-from collections.abc import Iterator
+import pickle
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -18,8 +20,11 @@ settings.load_profile("untimed")
 ROOT = Path(__file__).parent
 BROWSER_FIXTURE = "chromium"
 
-KEPT_MAPS = 128
+KEPT_MAPS = 160
 """More than the longest dive that many tests are shown has frames."""
+
+KEPT_SURFACES = 12
+"""Beds and cables of so many dives [each]; the finest of them have 15 MB."""
 
 
 @pytest.hookimpl(wrapper=True)
@@ -65,4 +70,34 @@ def kept_maps() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(working_image, "make_cable_map", kept)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_surfaces() -> Iterator[None]:
+    """Keep the bottom and the cable of a simulated dive, for most tests dive where others did.
+
+    `test_seabed.py` makes them itself, and holds that the same draws always give the same.
+    """
+    from cable_tracker.simulation import dive  # noqa: PLC0415
+    from cable_tracker.simulation.texture import TiledTexture  # noqa: PLC0415
+
+    def keep(make: Callable[..., TiledTexture]) -> Callable[..., TiledTexture]:
+        @lru_cache(KEPT_SURFACES)
+        def made(resolution: int, look: Any, before: bytes) -> tuple[TiledTexture, Any]:
+            rng = pickle.loads(before)
+            texture = make(resolution, look, rng)
+            for level in texture.levels:
+                level.setflags(write=False)
+            return texture, rng.bit_generator.state
+
+        def kept(resolution: int, look: Any, rng: Any) -> TiledTexture:
+            texture, rng.bit_generator.state = made(resolution, look, pickle.dumps(rng))
+            return texture
+
+        return kept
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dive, "make_bed", keep(dive.make_bed))
+        patch.setattr(dive, "make_cable", keep(dive.make_cable))
         yield

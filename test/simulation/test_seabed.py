@@ -62,6 +62,22 @@ def test_the_bottom_has_texture():
     assert bed.std() > 0.04
 
 
+@pytest.mark.parametrize(
+    ("make", "look"),
+    [
+        (make_bed, Bottom(gravel=1.0)),
+        (make_cable, Skin(cover=1.0, turf=0.3, silt=0.2, bulge=0.1, drift=0.4)),
+    ],
+)
+def test_the_same_draws_give_the_same_surface_and_leave_the_same_to_be_drawn(make, look):
+    one, again, other = (np.random.default_rng(seed) for seed in (3, 3, 4))
+    first, second, third = (make(RESOLUTION, look, rng) for rng in (one, again, other))
+    for level, same in zip(first.levels, second.levels, strict=True):
+        np.testing.assert_array_equal(level, same)
+    assert one.bit_generator.state == again.bit_generator.state
+    assert (first.levels[0] != third.levels[0]).any()
+
+
 @pytest.mark.parametrize("part", ["ripples", "stones", "algae", "gravel"])
 def test_every_part_of_the_bottom_adds_texture(part):
     bare = Bottom(ripples=0.0, stones=0.0, algae=0.0)
