@@ -59,19 +59,17 @@ def declare(
 ) -> ParameterValue:
     """Declare a parameter and return its value at start.
 
-    A whole number in a YAML file is accepted where a float is meant: the parameter is first
-    declared with any type, to see what was given, and then with its own.
+    A whole number in a YAML file is accepted where a float is meant: what was given is looked at
+    before the parameter is declared with its own type.
 
     Raises
     ------
     ParameterError
         What was given at start is not acceptable.
     """
-    anything = ParameterDescriptor(dynamic_typing=True)
-    given = node.declare_parameter(spec.name, default, anything).value
-    node.undeclare_parameter(spec.name)
+    override = node._parameter_overrides.get(spec.name)
     # None is what an empty list in a YAML file turns into; it is refused like any other type.
-    value = spec.coerce(given)
+    value = spec.coerce(default if override is None else override.value)
     descriptor = descriptor_of(spec, read_only=read_only)
     node.declare_parameter(spec.name, value, descriptor, ignore_override=True)
     return value
