@@ -145,7 +145,17 @@ class World:
         self.namespace = namespace
         self.executor = SingleThreadedExecutor(context=context)
         self.nodes: list[Any] = []
-        self.me = self.add(Node("me", context=context, namespace=namespace))
+        # A listener whom nobody asks for anything offers no services.
+        self.me = self.add(
+            Node(
+                "me",
+                context=context,
+                namespace=namespace,
+                start_parameter_services=False,
+                enable_rosout=False,
+                parameter_overrides=[Parameter("start_type_description_service", value=False)],
+            )
+        )
 
     def add(self, node: Any) -> Any:
         self.nodes.append(node)
