@@ -20,16 +20,16 @@ from cable_tracker.simulation.live_world import LiveSettings
 
 FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)
 START = {"particle_count": 300}
-SHORT = 1.4
-"""Length of the cable of a run that more than one test looks at [m]."""
+SHORT = {"length": 1.4, "rate": 5.0}
+"""Length of the cable [m] and frames per second of a run that more than one test looks at."""
 
 
 # A busy machine answers few frames a second, and may halt: neither is to end the run.
 SLOWLY = {"speed": 0.2, "standstill": 0.0, "patience": 300.0}
 
 
-def request(length: float = 2.0, **changes: Any) -> LoopRequest:
-    world = LiveSettings(seed=5, length=length, buried=0.0, image_size=(160, 120))
+def request(length: float = 2.0, rate: float = 12.5, **changes: Any) -> LoopRequest:
+    world = LiveSettings(seed=5, length=length, rate=rate, buried=0.0, image_size=(160, 120))
     return LoopRequest(world=world, tracker={"seed": 5, **START}, **changes)
 
 
@@ -49,7 +49,7 @@ class Followed:
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory):
     folder, ways = tmp_path_factory.mktemp("followed") / "loop", []
-    return Followed(folder, run_loop(request(SHORT), folder, advance=ways.append), ways)
+    return Followed(folder, run_loop(request(**SHORT), folder, advance=ways.append), ways)
 
 
 def test_in_lockstep_the_vehicle_follows_the_cable_to_its_end(followed):
@@ -65,7 +65,7 @@ def test_in_lockstep_the_vehicle_follows_the_cable_to_its_end(followed):
 
 @pytest.mark.slow
 def test_in_lockstep_the_same_seed_writes_the_same_files(followed, tmp_path):
-    assert run_loop(request(SHORT), tmp_path / "again") == followed.summary
+    assert run_loop(request(**SHORT), tmp_path / "again") == followed.summary
     assert contents(tmp_path / "again") == contents(followed.folder)
 
 
