@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import signal
 import subprocess
 import sys
@@ -32,8 +33,13 @@ from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation import scenarios
+from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file
+
+TABLE_ALONE = ("--no-video", "--no-bag", "--no-pictures")
+"""What a test looks at that looks at estimates."""
 
 OLD_TYPER = tuple(map(int, version("typer").split(".")[:2])) < (0, 15)
 """It imports Rich at once, and gives no advice."""
@@ -120,13 +126,13 @@ def test_the_same_seed_gives_the_same_table_and_another_one_does_not(run, bag):
     tables = []
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         options = ("--init", "truth", "--seed", seed, "--output", name, "--no-timing")
-        assert run("track", bag, *options).code == 0
+        assert run("track", bag, *options, *TABLE_ALONE).code == 0
         tables.append(Path(name, "estimates.csv").read_bytes())
     assert tables[0] == tables[1] != tables[2]
 
 
 def test_a_start_may_have_a_negative_first_number(run, bag):
-    assert run("track", bag, "--init", "-5,0.1,9,0").code == 0
+    assert run("track", bag, "--init", "-5,0.1,9,0", *TABLE_ALONE).code == 0
 
 
 def test_preset_parameter_file_and_seed_add_up(tmp_path):
@@ -210,7 +216,7 @@ def test_wrong_usage_is_explained_with_exit_code_2(run, arguments):
 def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(run, bag):
     stored = Path("dive/dive.mcap")
     Path("cut.mcap").write_bytes(stored.read_bytes()[: stored.stat().st_size * 5 // 8])
-    outcome = run("track", "cut.mcap", "--init", "truth")
+    outcome = run("track", "cut.mcap", "--init", "truth", *TABLE_ALONE)
     rows = read_estimates(Path("cut_tracked/estimates.csv"))
     assert 1 <= len(rows) < 8
     assert outcome.code == 0
@@ -221,7 +227,7 @@ def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(run, bag):
 @pytest.mark.parametrize("command", ["track", "convert"])
 def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(run, unlabelled, command):
     Path("pictures/frame_000002.png").write_bytes(b"garbage")
-    output = ("--output", "out") if command == "track" else ("out",)
+    output = ("--output", "out", *TABLE_ALONE) if command == "track" else ("out",)
     outcome = run(command, unlabelled, *output)
     assert outcome.code == 2
     assert outcome.out.startswith("2 frames: ")
@@ -242,14 +248,14 @@ def test_instruments_that_cannot_be_read_are_told_once(run):
             writer.write_serialised(
                 "/altitude", "sensor_msgs/msg/Range", b"\x00\x01\x00\x00\x07", frame.stamp
             )
-    result = run("track", "dive", "--no-video", "--no-bag", "--no-pictures")
+    result = run("track", "dive", *TABLE_ALONE)
     assert result.code == 0
     assert result.err.count("/altitude: 3 of its messages cannot be read") == 1
 
 
 def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
     Path("pictures/frame_000001.png").write_bytes(b"garbage")
-    outcome = run("track", unlabelled, "--skip-bad-frames")
+    outcome = run("track", unlabelled, "--skip-bad-frames", *TABLE_ALONE)
     assert outcome.code == 0
     statuses = [row.status for row in read_estimates(Path("pictures_tracked/estimates.csv"))]
     assert [status == "REFUSED" for status in statuses] == [False, True, False]
@@ -272,12 +278,13 @@ def test_bad_frames_are_left_out_of_a_converted_recording_on_request(run, unlabe
 def test_a_parameter_file_may_name_preset_and_initial_state_as_for_the_node(run, bag):
     text = "/**:\n  ros__parameters:\n    preset: thesis\n    initial_state: '1,0.1,20,0.01'\n"
     Path("node.yaml").write_text(text)
-    run("track", bag, "--params", "node.yaml", "--no-timing", "--output", "by_file")
+    table = ("--no-timing", *TABLE_ALONE)
+    run("track", bag, "--params", "node.yaml", *table, "--output", "by_file")
     options = ("--preset", "thesis", "--init", "1,0.1,20,0.01")
-    run("track", bag, *options, "--no-timing", "--output", "by_options")
+    run("track", bag, *options, *table, "--output", "by_options")
     tables = [Path(name, "estimates.csv").read_bytes() for name in ("by_file", "by_options")]
     assert tables[0] == tables[1]
-    run("track", bag, "--params", "node.yaml", "--preset", "default", "--no-timing", "--force")
+    run("track", bag, "--params", "node.yaml", "--preset", "default", *table, "--force")
     assert Path("dive_tracked/estimates.csv").read_bytes() != tables[0]
 
 
@@ -472,9 +479,15 @@ def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
     assert result.stderr == "error: missing: there is no such file or folder; check the path\n"
 
 
-def test_a_scenario_of_the_evaluation_is_simulated(run):
+def test_a_scenario_of_the_evaluation_is_simulated_to_its_end(run, monkeypatch):
+    short = dataclasses.replace(SCENARIOS["S6"], frame_count=4)
+    monkeypatch.setattr(scenarios, "SCENARIOS", SCENARIOS | {"S6": short})
     outcome = run("simulate", "night", "--scenario", "S6", "--size", "64x48", "--seed", 2)
-    assert outcome == Outcome(0, "129 frames: night\n", "")
+    assert outcome == Outcome(0, "4 frames: night\n", "")
+    with open_source(Path("night")) as night:
+        found = [bytes(frame.image.data) for frame in night.frames()]
+    expected = [each.frame.image.data for each in simulate_scenario(short, 2, (64, 48))]
+    assert found == [bytes(data) for data in expected]
 
 
 def test_an_unknown_scenario_is_refused_with_the_known_ones(run):
@@ -489,7 +502,7 @@ def test_photographs_need_a_scenario(run, tmp_path):
 @pytest.mark.parametrize("detector", ["hough", "lsd"])
 def test_a_detector_can_say_where_to_start(run, detector):
     run("simulate", "clear", "--frames", 3, "--clutter", 0.1, "--size", "160x120")
-    outcome = run("track", "clear", "--init", detector)
+    outcome = run("track", "clear", "--init", detector, *TABLE_ALONE)
     assert outcome.code == 0
     rows = read_estimates(Path("clear_tracked/estimates.csv"))
     assert rows[0].status == "TRACKING"

@@ -80,7 +80,7 @@ def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_pa
 def test_scenarios_are_evaluated(command, tmp_path):
     out = tmp_path / "out"
     code, printed, _ = command(
-        "evaluate", "--scenario", "S6", "--scenario", "no_cable", "--method", "thesis",
+        "evaluate", "--scenario", "S6", "--scenario", "tune_clear", "--method", "thesis",
         "--method", "lsd", "--frames", 3, "--seeds", 1, "--workers", 1, "--output", out,
     )  # fmt: skip
     assert code == 0
@@ -96,8 +96,8 @@ def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path)
 
     def evaluated(seeds, *words):
         code, _, error = command(
-            "evaluate", "--scenario", "S6", "--method", "thesis", "--frames", 2, "--workers", 1,
-            "--first-seed", 40, "--seeds", seeds, "--output", out, *words,
+            "evaluate", "--scenario", "tune_clear", "--method", "thesis", "--frames", 2,
+            "--workers", 1, "--first-seed", 40, "--seeds", seeds, "--output", out, *words,
         )  # fmt: skip
         assert (code, error) == (0, "")
         return (out / "runs.csv").read_text().splitlines()[1:]

@@ -16,7 +16,7 @@ from cable_tracker.gui.tracking_commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.offline.results import ESTIMATES
 from cable_tracker.offline.track_recording import (
     initial_state_for,
@@ -31,6 +31,7 @@ from cable_tracker.tracking.idle_status import WARMING_UP
 TIMEOUT = 300.0
 LAST = 59
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
+TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
 
 
 class Watched:
@@ -119,7 +120,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
     with RecordingRequest(dive).open() as source:
         tracker = make_tracker(PARAMETERS)
         start_from(tracker, initial_state_for(source, "truth"))
-        with ResultFolder(tmp_path / "out", timing=False) as results:
+        with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             track_recording(source, tracker, results)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch().play_to_the_end()
@@ -135,7 +136,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
         tracker = make_tracker(PARAMETERS)
         start_from(tracker, initial_state_for(source, "truth"))
         metres = recorded_vehicle(source).metres()
-        with ResultFolder(tmp_path / "out", timing=False) as results:
+        with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             track_recording(source, tracker, results, metres=metres)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()

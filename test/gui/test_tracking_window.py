@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, GuiError, RosError
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.tracking_commands import SPEEDS
@@ -461,13 +462,15 @@ def run_to_its_end(*arguments):
     )
 
 
-def test_a_port_that_is_taken_is_said():
+def test_a_port_that_is_taken_is_said(monkeypatch):
+    pytest.importorskip("nicegui", reason="NiceGUI is not installed")
+    serve = "cable_tracker.gui.tracking_window.serve_tracking_window"
+    monkeypatch.setattr(serve, lambda *_, **__: pytest.fail("it serves"))
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
-        ended = run_to_its_end("--port", taken.getsockname()[1])
-    assert ended.returncode == 2
-    assert "choose another with --port" in ended.stderr
+        with pytest.raises(GuiError, match="choose another with --port"):
+            app(["gui", "--port", str(taken.getsockname()[1])], standalone_mode=False)
 
 
 @pytest.mark.slow
