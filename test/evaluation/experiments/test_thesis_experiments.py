@@ -16,7 +16,7 @@ from cable_tracker.evaluation.experiments.thesis_experiments import (
 @pytest.fixture(scope="module")
 def begun_anew(stripe):
     """Tables of two long sequences, the second with a cable that is half hidden."""
-    clear = dataclasses.replace(stripe, length=135)
+    clear = dataclasses.replace(stripe, length=130)
     faint = dataclasses.replace(clear, name="faint", visibility=0.5)
     experiment = ReinitialisationExperiment((0,), ("default",), (clear, faint))
     return experiment.run(1, lambda count: None).tables
@@ -36,7 +36,7 @@ def test_sequences_are_followed_by_every_method(stripe):
 
 def test_the_search_begins_anew_every_100_frames(begun_anew):
     sequence, _, everything = begun_anew[0].rows
-    # 135 frames: one whole part and one of 35 frames, enough to tell.
+    # 130 frames: one whole part and one of 30 frames, enough to tell.
     assert sequence[:3] == ("stripe", "default", "2")
     assert everything[:3] == ("all", "default", "4")
     assert sum(float(share) for share in sequence[3:6]) == pytest.approx(100.0)
