@@ -34,6 +34,7 @@ def test_sequences_of_the_thesis_have_its_lengths(name, length):
     assert np.isfinite(states).all()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_frames_are_numbered_and_complete():
     frames = list(simulate_scenario(dataclasses.replace(SCENARIOS["S6"], frame_count=35), 0, SMALL))
     assert [each.frame.index for each in frames] == list(range(35))
@@ -50,12 +51,14 @@ def test_the_same_seed_gives_the_same_frames(name):
     assert first[0].frame.truth != _some(name, 0, 1, seed=1)[0].frame.truth
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_truth_of_frames_is_that_of_the_geometry():
     states = scenario_states("S3", 4, SMALL)
     for each in _some("S3", 0, 40, seed=4, step=13):
         np.testing.assert_array_equal(each.frame.truth.to_array(), states[each.frame.index])
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     "name", ["S5", *(pytest.param(f"S{n}", marks=pytest.mark.slow) for n in (1, 2, 4, 6))]
 )
@@ -66,6 +69,7 @@ def test_hard_sequences_hide_much_of_the_borders_but_rarely_nearly_all(name):
     assert np.mean(shares > 0.35) > 0.8
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.slow
 def test_the_calm_sequence_is_clearer_than_the_hard_ones():
     calm = np.mean([each.visibility for each in _some("S3", 0, 170, seed=100, step=10)])
@@ -108,12 +112,14 @@ def test_the_cable_leaves_the_image_and_comes_back(seed):
     assert seen[235:].all()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_frames_without_the_cable_have_no_truth():
     for each in _some("leaves", 140, 180, step=20):
         assert each.frame.truth is None
         assert each.visibility == 0.0
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_cable_is_buried_for_three_seconds(seed):
     frames = _some("buried", 0, None, seed=seed, size=(48, 36))
@@ -127,6 +133,7 @@ def test_the_cable_is_buried_for_three_seconds(seed):
     assert frames[290].visibility > 0.4
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_without_a_cable_there_is_neither_truth_nor_visibility():
     assert np.isnan(scenario_states("no_cable")).all()
     for each in _some("no_cable", 0, 9, step=4):
@@ -134,6 +141,7 @@ def test_without_a_cable_there_is_neither_truth_nor_visibility():
         assert each.visibility == 0.0
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_crossing_hides_part_of_the_cable():
     early = dataclasses.replace(SCENARIOS["crossing"], crossing=Crossing(frame=12))
     alone = dataclasses.replace(early, crossing=None)
