@@ -25,6 +25,13 @@ def labels(written, tmp_path):
     return path
 
 
+@pytest.fixture
+def empty_figures(monkeypatch):
+    """Leave the figures of reports empty: to draw them takes most of the time of an evaluation."""
+    monkeypatch.setattr("cable_tracker.evaluation.report.as_svg", lambda _: "<svg></svg>")
+
+
+@pytest.mark.usefixtures("empty_figures")
 def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path, labels):
     (tmp_path / "mine.yaml").write_text("particle_count: 60\n")
     code, _, error = command(
@@ -40,6 +47,7 @@ def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path,
     assert len(rows) == 2
 
 
+@pytest.mark.usefixtures("empty_figures")
 def test_pictures_without_labels_are_judged_as_empty_when_that_is_said(command, tmp_path, labels):
     labels.unlink()
     judged = ("evaluate", "--source", labels.parent, "--seeds", 1, "--workers", 1)
@@ -91,6 +99,7 @@ def test_scenarios_are_evaluated(command, tmp_path):
     assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("empty_figures")
 def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path):
     out = tmp_path / "out"
 
@@ -114,6 +123,7 @@ def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path)
     assert not out.with_name("out.tasks").exists()
 
 
+@pytest.mark.usefixtures("empty_figures")
 def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     out = tmp_path / "out"
     code, printed, _ = command(
