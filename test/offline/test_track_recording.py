@@ -10,14 +10,14 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
     initial_state_for,
     start_from,
     track_recording,
 )
-from cable_tracker.sequences.estimates import read_estimates, write_estimates
+from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -33,11 +33,8 @@ EVERY_TOPIC = {
 }
 
 
-class TableAndBag(ResultFolder):
-    """Results but for plots and the sheet of pictures, which are tested with their folder."""
-
-    def _write_summaries(self) -> None:
-        write_estimates(self._content / ESTIMATES, self.rows)
+TABLE_AND_BAG = WantedResults(video=False, pictures=False)
+"""Video, plots and the sheet of pictures are tested with their folder."""
 
 
 @pytest.fixture
@@ -47,7 +44,7 @@ def track(tmp_path):
     def run(recording, *, state=None, name="out", timing=False, count=None):
         tracker = CableTracker(TrackerParameters(particle_count=count or 200))
         start_from(tracker, state)
-        with TableAndBag(tmp_path / name, timing=timing) as results:
+        with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
             damage = track_recording(recording, tracker, results)
         return results.path, damage
 
@@ -160,7 +157,7 @@ def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recordi
 
 def test_the_progress_is_told_after_every_frame(tmp_path, make_recording):
     calls = []
-    with TableAndBag(tmp_path / "out") as results:
+    with ResultFolder(tmp_path / "out", wanted=TABLE_AND_BAG) as results:
         track_recording(make_recording(), CableTracker(), results, lambda: calls.append(1))
     assert len(calls) == 12
 
