@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from rcl_interfaces.msg import Parameter as ParameterMessage
-from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 
@@ -53,6 +53,19 @@ class TestDescriptors:
             assert limits == ([(spec.minimum, spec.maximum)] if bounded else [])
             for choice in spec.choices:
                 assert choice in descriptor.additional_constraints
+
+    def test_each_is_announced_once(self, world: Any) -> None:
+        events = world.listen(ParameterEvent, "/parameter_events")
+        node = world.tracker(width_maximum=120)
+        names = {spec.name for spec in ALL}
+
+        def announced() -> list[str]:
+            own = [event for event in events if event.node == node.get_fully_qualified_name()]
+            return [each.name for event in own for each in event.new_parameters]
+
+        world.spin(lambda: names <= set(announced()))
+        world.empty_queues()
+        assert sorted(name for name in announced() if name in names) == sorted(names)
 
     def test_the_defaults_are_those_of_the_tables(self, world: Any) -> None:
         assert values_of(world.untouched_tracker()) == {spec.name: spec.default for spec in ALL}
