@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import sys
 import tempfile
@@ -20,7 +19,7 @@ ENTRY = "cable_tracker.ros.entry"
 """Module that runs the node whose name it is given."""
 
 GRACE = 30.0
-"""Time that a node gets to end by itself after SIGINT [s]."""
+"""Time that a node gets to end by itself after SIGTERM [s]."""
 
 
 class NodeProcess:
@@ -89,8 +88,9 @@ class NodeProcess:
 
     def stop(self) -> int:
         """Ask the process to end, kill it if it does not, and return its exit code."""
-        if self.running:
-            self._process.send_signal(signal.SIGINT)
+        # SIGINT would be lost on a node that is still importing where our own parent ignores it, as
+        # a shell does for what it runs in the background.
+        self._process.terminate()
         if self.wait(GRACE) is None:
             self._process.kill()
         return self._process.wait()

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from typing import Any
 
@@ -67,7 +68,7 @@ def test_a_node_that_does_not_end_is_killed(
     # Deaf to all signals but SIGKILL.
     stand_in(
         "import signal, time\n"
-        "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "signal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
         "print('deaf', flush=True)\n"
         "time.sleep(3600)\n"
     )
@@ -76,3 +77,20 @@ def test_a_node_that_does_not_end_is_killed(
         while deaf.last_line() != "deaf":
             assert deaf.wait(0.05) is None
         assert deaf.stop() == -9
+
+
+def test_a_node_without_handlers_yet_is_stopped_also_where_its_parent_ignores_interrupts(
+    process: Callable[..., NodeProcess],
+    stand_in: Callable[[str], None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stand_in("import time\nprint('importing', flush=True)\ntime.sleep(3600)\n")
+    monkeypatch.setattr(child_process, "GRACE", 5.0)
+    former = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with process("tracker") as importing:
+            while importing.last_line() != "importing":
+                assert importing.wait(0.05) is None
+            assert importing.stop() == -signal.SIGTERM
+    finally:
+        signal.signal(signal.SIGINT, former)
