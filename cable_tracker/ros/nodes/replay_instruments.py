@@ -114,13 +114,13 @@ class InstrumentReplay:
         for message in messages:
             publisher.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
 
-    def is_heard(self) -> bool:
-        """Tell whether each of the instruments has a subscriber, but for fixes."""
-        return all(
-            publisher.get_subscription_count() > 0
+    def unheard(self) -> list[Instrument]:
+        """Return the instruments that nobody subscribes to; fixes need no subscriber."""
+        return [
+            each
             for each, publisher in self._publishers.items()
-            if each in CABLE_INSTRUMENTS
-        )
+            if each in CABLE_INSTRUMENTS and not publisher.get_subscription_count()
+        ]
 
     @property
     def topics(self) -> tuple[str, ...]:

@@ -222,16 +222,31 @@ class ReplayNode(ProcessNode):
         waited = time.monotonic() - self._waits_since
         if waited < min(PATIENCE, self._answer_timeout):
             return
-        missing = f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}"
+        missing = self._words_on_missing()
         if self._flag("lockstep") and waited > self._answer_timeout:
-            raise RosError(
-                f"{missing}; is the tracker running, and is its image_transport that of this"
-                " recording?"
-            )
+            raise RosError(missing)
         self.get_logger().warning(
-            f"waiting: {missing} (wait_for_tracker:=false plays all the same)",
+            f"waiting: {missing}"
+            + ("" if self._flag("lockstep") else " (wait_for_tracker:=false plays all the same)"),
             throttle_duration_sec=WARNING_PAUSE,
         )
+
+    def _words_on_missing(self) -> str:
+        """Say which subscriber, or in lockstep which answer, is waited for, and what to do."""
+        if not self._image.get_subscription_count():
+            return (
+                f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}; is"
+                " the tracker running, and is its image_transport that of this recording?"
+            )
+        unheard = self._instruments.unheard() if self._instruments is not None else []
+        if unheard:
+            topics = ", ".join(each.value for each in unheard)
+            choices = " ".join(f"{each.value}_topic:=none" for each in unheard)
+            return (
+                f"images are subscribed to, but not {topics}; leave out what the tracker does not"
+                f" read: {choices}"
+            )
+        return f"images are subscribed to, but no node publishes {self._state.topic_name}"
 
     @property
     def _answer_timeout(self) -> float:
@@ -258,8 +273,7 @@ class ReplayNode(ProcessNode):
         is_heard = self._image.get_subscription_count() > 0
         answers = self.count_publishers(self._state.topic_name) > 0
         # A tracker subscribes to instruments before it subscribes to images.
-        all_heard = self._instruments is None or self._instruments.is_heard()
-        answers = answers and all_heard
+        answers = answers and not (self._instruments is not None and self._instruments.unheard())
         is_ready = is_heard and (answers or not lockstep) and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits

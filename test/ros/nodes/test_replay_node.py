@@ -526,6 +526,29 @@ class TestLockstep:
         world.nodes.remove(node)
         node.destroy_node()
 
+    def test_a_lockstep_without_answers_says_that_images_are_subscribed_to(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
+        with pytest.raises(RosError, match=r"subscribed to, but no node publishes .*/state"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
+    def test_a_lockstep_names_the_instruments_that_the_tracker_does_not_read(
+        self, world: Any, vehicle_bag: Path
+    ) -> None:
+        for kind, topic in ((Image, "image"), (Imu, "imu"), (Odometry, "odometry")):
+            world.listen(kind, topic)
+        world.listen(CameraInfo, "camera_info")
+        world.me.create_publisher(JointState, "state", qos.LATEST_RESULT)
+        node = world.replay(source=str(vehicle_bag), lockstep=True, answer_timeout=0.2)
+        with pytest.raises(RosError, match=r"but not altitude; .* altitude_topic:=none"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
 
 def test_no_attribute_hides_one_of_rclpy(world: Any, make_dive: Dive) -> None:
     plain = set(vars(world.me))
