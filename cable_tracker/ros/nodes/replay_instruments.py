@@ -8,8 +8,6 @@ same metres as `cable-tracker track`.
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -25,12 +23,12 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import TOPICS, Instrument, InstrumentChoice
-from cable_tracker.sequences.messages.factory import MessageFactory
-from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.typestores import typestore
-from cable_tracker.stamps import NANOSECONDS
 
 BEGINNING = 5_000_000_000
 """Time before the first frame from which messages are sent, but for the calibration [ns]."""
@@ -122,11 +120,6 @@ class InstrumentReplay:
             if each in CABLE_INSTRUMENTS and not publisher.get_subscription_count()
         ]
 
-    @property
-    def topics(self) -> tuple[str, ...]:
-        """Full names of what is sent."""
-        return tuple(publisher.topic_name for publisher in self._publishers.values())
-
     def begin(self) -> None:
         """Go back to the beginning of the recording."""
         self.close()
@@ -186,31 +179,20 @@ class InstrumentReplay:
         self._feed.close()
 
 
-def _as_sent(given: InstrumentMessage) -> Any:  # noqa: ANN401  Messages of rosbags.
-    """Return a recorded message under the names of ROS 2, with the stamp that it counts with."""
-    message = given.message
-    if given.instrument is Instrument.ALTITUDE and not hasattr(message, "range"):
-        return SimpleNamespace(
-            header=_header(given.stamp, ""), radiation_type=0, field_of_view=0.0, min_range=0.0,
-            max_range=MOST_ALTITUDE, range=float(message.data), variance=0.0,
-        )  # fmt: skip
-    if given.instrument is Instrument.CAMERA_INFO and hasattr(message, "K"):
-        return SimpleNamespace(
-            header=message.header, height=message.height, width=message.width,
-            distortion_model=message.distortion_model, d=message.D, k=message.K, r=message.R,
-            p=message.P, binning_x=message.binning_x, binning_y=message.binning_y, roi=message.roi,
-        )  # fmt: skip
-    if given.instrument is Instrument.ALTITUDE and not hasattr(message, "variance"):
-        # Ranges of ROS 1, and of older distributions, have none.
-        fields = (
-            "header", "radiation_type", "field_of_view", "min_range", "max_range", "range",
-        )  # fmt: skip
-        return SimpleNamespace(**{name: getattr(message, name) for name in fields}, variance=0.0)
-    if not int(message.header.stamp.sec) and not int(message.header.stamp.nanosec):
-        message.header = _header(given.stamp, str(message.header.frame_id))
+def _as_sent(given: InstrumentMessage) -> Message:
+    """Return a recorded message in the type of ROS 2, with the stamp that it counts with."""
+    message, factory = given.message, RosbagsMessages()
+    type_name = TOPICS[given.instrument].type_name
+    if not hasattr(message, "header"):
+        # A number, which is an altitude.
+        header = make_header(factory, given.stamp, "")
+        number = float(message.data)
+        return factory.make(type_name, header=header, max_range=MOST_ALTITUDE, range=number)
+    if not stamp_of(message.header):
+        message.header = make_header(factory, given.stamp, str(message.header.frame_id))
+    is_range = given.instrument is Instrument.ALTITUDE
+    if hasattr(message, "K") or (is_range and not hasattr(message, "variance")):
+        # ROS 1 names the matrices of a calibration by capitals, and knows no variance of a range.
+        fields = {name.lower(): value for name, value in vars(message).items()}
+        return factory.make(type_name, **fields)
     return message
-
-
-def _header(stamp: int, frame_id: str) -> SimpleNamespace:
-    seconds, rest = divmod(stamp, NANOSECONDS)
-    return SimpleNamespace(stamp=SimpleNamespace(sec=seconds, nanosec=rest), frame_id=frame_id)

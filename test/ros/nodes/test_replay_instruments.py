@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.serialization import deserialize_message
+
+from cable_tracker.ros.messages.rclpy_messages import message_class
+from cable_tracker.ros.nodes.replay_instruments import _as_sent
+from cable_tracker.sequences.instrument_source import InstrumentMessage
+from cable_tracker.sequences.instruments import TOPICS, Instrument
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.typestores import ros1_typestore, typestore
+
+RECEIVED = 7_000_000_009
+
+
+def of_ros1(name: str, **fields: Any) -> Any:
+    types = ros1_typestore().types
+    time = types["builtin_interfaces/msg/Time"](sec=0, nanosec=0)
+    header = types["std_msgs/msg/Header"](seq=3, stamp=time, frame_id="sonar")
+    return types[name](header=header, **fields)
+
+
+def received(instrument: Instrument, message: Any) -> Any:
+    """Return a message as a node gets it that was recorded by ROS 1, without a stamp."""
+    sent = _as_sent(InstrumentMessage(instrument, message, RECEIVED, RECEIVED))
+    type_name = TOPICS[instrument].type_name
+    data = bytes(typestore().serialize_cdr(sent, type_name))
+    return deserialize_message(data, message_class(type_name))
+
+
+@pytest.mark.parametrize("seconds", [0, 5])
+def test_a_range_of_ros1_is_sent_with_the_stamp_that_it_counts_with(seconds: int) -> None:
+    message = of_ros1(
+        "sensor_msgs/msg/Range", radiation_type=0, field_of_view=0.1, min_range=0.2, max_range=9.0,
+        range=2.5,
+    )  # fmt: skip
+    message.header.stamp.sec = seconds
+    sent = received(Instrument.ALTITUDE, message)
+    assert stamp_of(sent.header) == (seconds * 1_000_000_000 or RECEIVED)
+    assert sent.header.frame_id == "sonar"
+    assert (sent.range, sent.max_range, sent.variance) == (2.5, 9.0, 0.0)
+
+
+def test_a_number_is_sent_as_a_range_with_the_stamp_that_it_counts_with() -> None:
+    sent = received(Instrument.ALTITUDE, typestore().types["std_msgs/msg/Float64"](data=1.5))
+    assert (stamp_of(sent.header), sent.range, sent.min_range) == (RECEIVED, 1.5, 0.0)
+
+
+def test_a_calibration_of_ros1_is_sent_under_the_names_of_ros2() -> None:
+    region = ros1_typestore().types["sensor_msgs/msg/RegionOfInterest"]
+    sent = received(
+        Instrument.CAMERA_INFO,
+        of_ros1(
+            "sensor_msgs/msg/CameraInfo",
+            height=48, width=64, distortion_model="plumb_bob",
+            D=np.array([0.1, 0.0, 0.0, 0.0]), K=np.arange(9.0), R=np.zeros(9), P=np.arange(12.0),
+            binning_x=2, binning_y=1, roi=region(1, 2, 3, 4, False),
+        ),
+    )  # fmt: skip
+    assert list(sent.k) == list(range(9)) and list(sent.p) == list(range(12))
+    assert (sent.d[0], sent.width, sent.binning_x, sent.roi.y_offset) == (0.1, 64, 2, 2)
