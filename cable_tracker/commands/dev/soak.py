@@ -18,6 +18,7 @@ from cable_tracker.commands.terminal import console, print_table, progress_bar
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.setting_checks import check_size
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ def _pictures(size: tuple[int, int], seed: int, *, target: bool) -> list[Frame]:
     if not target:
         settings = SimulationSettings(frame_count=FRAMES, image_size=size, seed=seed)
         return list(islice(simulate(settings), FRAMES))
+    check_size(size)
     return [
         Frame(index, each.stamp, raw_from_array(each.image, "bgr8"))
         for index, each in enumerate(simulate_target("leaving", seed, FRAMES, size=size))

@@ -76,3 +76,9 @@ def test_an_earlier_report_is_replaced_only_by_force(run):
 def test_no_minutes_are_refused(run, capsys):
     assert run(record(), "--minutes", "0") == 2
     assert "minutes is 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("tracker", [(), ("--target",)])
+def test_a_size_that_no_picture_has_is_refused(run, capsys, tracker):
+    assert run(record(), *tracker, "--size", "0x0") == 2
+    assert "image_size is 0x0" in capsys.readouterr().err
