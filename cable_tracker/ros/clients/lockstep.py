@@ -11,7 +11,7 @@ from typing import Final
 
 from rclpy.executors import SingleThreadedExecutor
 
-from cable_tracker.errors import RecordingError, RosError
+from cable_tracker.errors import EXIT_USER_ERROR, RecordingError, RosError
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
@@ -233,6 +233,8 @@ class _Run:
 def _finish(replay: NodeProcess, damage: RecordingError | None) -> None:
     """Wait for the replay to end by itself, and see that it ended as expected."""
     code = replay.wait(END_TIMEOUT)
-    if code != (0 if damage is None else 2):
+    if code is None:
+        raise RosError(f"the replay has not ended for {END_TIMEOUT:g} s after all frames")
+    if code != (0 if damage is None else EXIT_USER_ERROR):
         words = replay.last_line()
         raise RosError(f"the replay ended with exit code {code} after all frames: {words}")

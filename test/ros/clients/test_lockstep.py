@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from cable_tracker.errors import RecordingError, RosError
+from cable_tracker.ros.clients.lockstep import _finish
+
+
+def ended(code: int | None) -> SimpleNamespace:
+    """Return a replay that has ended with a code, or goes on."""
+    return SimpleNamespace(wait=lambda timeout: code, last_line=lambda: "its last words")
+
+
+def test_a_replay_ends_as_the_recording_does():
+    _finish(ended(0), None)
+    _finish(ended(2), RecordingError("damaged after 3 frames"))
+
+
+@pytest.mark.parametrize(
+    ("code", "damage"), [(2, None), (0, RecordingError("damaged")), (-9, None)]
+)
+def test_a_replay_that_ends_otherwise_is_an_error_with_its_last_words(code, damage):
+    with pytest.raises(RosError, match=f"exit code {code} after all frames: its last words"):
+        _finish(ended(code), damage)
+
+
+def test_a_replay_that_does_not_end_is_said_not_to():
+    with pytest.raises(RosError, match="has not ended for 120 s after all frames"):
+        _finish(ended(None), None)
