@@ -17,9 +17,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.dive_pictures import JPEG_QUALITY
 from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute
 from cable_tracker.survey.outputs.maps import SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report

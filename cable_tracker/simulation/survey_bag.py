@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pyproj import Transformer
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.metric.frames import rotation_in_plane
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
@@ -92,24 +92,14 @@ def to_east_north(places: FloatArray) -> FloatArray:
     return turned
 
 
-class Earth:
-    """Places on the earth by metres east and north of the world's origin."""
+def fix_at(frame: LocalFrame, place: FloatArray, height: float) -> Fix:
+    """Return the fix of a place x, y of the world (2,) at a height [m].
 
-    def __init__(self) -> None:
-        latitude, longitude = ORIGIN
-        pipeline = (
-            "+proj=pipeline +step +inv +proj=topocentric +ellps=WGS84"
-            f" +lat_0={latitude} +lon_0={longitude} +h_0=0"
-            " +step +inv +proj=cart +ellps=WGS84"
-            " +step +proj=unitconvert +xy_in=rad +xy_out=deg"
-        )
-        self._transformer = Transformer.from_pipeline(pipeline)
-
-    def fix(self, place: FloatArray, height: float) -> Fix:
-        """Return the fix for a place x, y of the world (2,)."""
-        east, north = to_east_north(place[None, :])[0]
-        longitude, latitude, above = self._transformer.transform(east, north, height)
-        return Fix(float(latitude), float(longitude), float(above), FIX_SIGMA)
+    `frame` is that of the world's origin, from which the height counts.
+    """
+    east, north = to_east_north(place[None, :])[0]
+    latitude, longitude, above = frame.to_geodetic(np.array([[east, north, height]]))[0]
+    return Fix(float(latitude), float(longitude), float(above), FIX_SIGMA)
 
 
 def write_survey_bag(
@@ -188,7 +178,7 @@ class InstrumentWriter:
         self._camera = camera
         self._errors = errors
         self._factory = RosbagsMessages()
-        self._earth = Earth()
+        self._frame = LocalFrame(*ORIGIN)
         rotation = optical_rotation(camera.mounting)
         transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
         bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
@@ -204,7 +194,7 @@ class InstrumentWriter:
         self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, errors), stamp)
         if tick.fix is not None:
             height = float(tick.motion.position[2]) - DEPTH
-            fix = make_fix(factory, at_base, self._earth.fix(tick.fix, height))
+            fix = make_fix(factory, at_base, fix_at(self._frame, tick.fix, height))
             self._write(node_topics.FIX, fix, stamp)
         if tick.altitude is not None:
             self._write_altitude(tick, tick.altitude, stamp)

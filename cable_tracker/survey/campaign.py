@@ -13,7 +13,7 @@ from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
-from cable_tracker.survey.local_frame import LocalFrame
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap

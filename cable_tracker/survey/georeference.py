@@ -9,10 +9,10 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.metric.frames import rotation_in_plane
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
-from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses, turned
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import RecordingError, write_failure
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.survey.dive_faults import count_rows, find_faults
@@ -25,7 +26,6 @@ from cable_tracker.survey.forward_pass import (
 from cable_tracker.survey.frame_table import TRACKING
 from cable_tracker.survey.georeference import Georeference, georeference
 from cable_tracker.survey.keyframes import make_keyframes
-from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import Poses, joined_poses, poses_of_rows

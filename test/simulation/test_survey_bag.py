@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import OutputError
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.source import open_source
@@ -14,7 +15,7 @@ from cable_tracker.simulation.scenario import SimulationSettings, simulate, simu
 from cable_tracker.simulation.survey_bag import (
     ORIGIN,
     TRUTH,
-    Earth,
+    fix_at,
     to_east_north,
     vehicle_text,
     write_survey_bag,
@@ -52,7 +53,7 @@ def test_the_truth_of_the_course_lies_beside_it(bag):
 
 
 def test_the_origin_of_the_world_lies_where_it_is_said_to():
-    fix = Earth().fix(np.zeros(2), 0.0)
+    fix = fix_at(LocalFrame(*ORIGIN), np.zeros(2), 0.0)
     assert (fix.latitude, fix.longitude) == pytest.approx(ORIGIN, abs=1e-9)
     assert fix.height == pytest.approx(0.0, abs=1e-6)
 

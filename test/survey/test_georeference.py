@@ -1,9 +1,9 @@
 import numpy as np
 from survey_dives import odometry, way
 
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.georeference import georeference
-from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.navigation import joined_poses
 
 SECOND = 1_000_000_000

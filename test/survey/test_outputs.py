@@ -10,8 +10,8 @@ import pytest
 import shapely
 from survey_dives import Plan, make_dive
 
+from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import merge
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.outputs.maps import (

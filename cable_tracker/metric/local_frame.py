@@ -45,7 +45,15 @@ class LocalFrame:
         """Return latitude and longitude of metres east and north (N, 2), shape (N, 2)."""
         # Back to height 0: the plane leaves the ellipsoid by the square of the distance.
         up = -(places**2).sum(axis=1) / (2 * 6.371e6)
-        longitude, latitude, _ = self._to_local.transform(
-            places[:, 0], places[:, 1], up, direction="INVERSE"
-        )
-        return np.column_stack((latitude, longitude))
+        return self.to_geodetic(np.column_stack((places, up)))[:, :2]
+
+    def to_geodetic(self, places: FloatArray) -> FloatArray:
+        """Return latitude, longitude [deg] and height above the ellipsoid [m], shape (N, 3).
+
+        Parameters
+        ----------
+        places : FloatArray
+            Metres east, north and up, shape (N, 3).
+        """
+        longitude, latitude, height = self._to_local.transform(*places.T, direction="INVERSE")
+        return np.column_stack((latitude, longitude, height))

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.survey.local_frame import LocalFrame
+from cable_tracker.metric.local_frame import LocalFrame
 
 
 @given(st.floats(-80.0, 80.0), st.floats(-179.0, 179.0))
