@@ -55,5 +55,6 @@ class LocalFrame:
         places : FloatArray
             Metres east, north and up, shape (N, 3).
         """
-        longitude, latitude, height = self._to_local.transform(*places.T, direction="INVERSE")
+        east, north, up = places.T
+        longitude, latitude, height = self._to_local.transform(east, north, up, direction="INVERSE")
         return np.column_stack((latitude, longitude, height))
