@@ -7,15 +7,18 @@ coordinates, of outlines and browsers: from the corner of that pixel, half a pix
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
 
 Coordinate = TypeVar("Coordinate", float, NDArray[Any])
 """One number, or an array of any shape."""
+
+Window: TypeAlias = tuple[int, int, int, int]
+"""First column, first row, and the column and row after the last [px]."""
 
 
 def image_centre(image_size: tuple[int, int]) -> tuple[float, float]:
@@ -64,3 +67,11 @@ def image_to_pixel(points: FloatArray, image_size: tuple[int, int]) -> FloatArra
 def pixel_to_image(pixels: FloatArray, image_size: tuple[int, int]) -> FloatArray:
     """Turn pixel coordinates (..., 2), column and row, into points of the image frame."""
     return np.stack(to_image(pixels[..., 0], pixels[..., 1], image_size), axis=-1)
+
+
+def bounding_box(mask: BoolArray) -> Window | None:
+    """Return the smallest window that holds all pixels of a mask (H, W); None: it has none."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if len(rows) == 0:
+        return None
+    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1

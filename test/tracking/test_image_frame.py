@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.tracking.image_frame import (
+    bounding_box,
     from_page,
     image_centre,
     image_to_pixel,
@@ -54,3 +55,13 @@ def test_a_page_counts_from_the_corner_of_the_top_left_pixel():
 
 def test_single_precision_stays():
     assert to_image(np.zeros(1, np.float32), np.zeros(1, np.float32), SIZE)[0].dtype == np.float32
+
+
+def test_the_bounding_box_holds_the_first_and_the_last_pixels():
+    mask = np.zeros((6, 9), bool)
+    mask[2, 3] = mask[4, 7] = True
+    assert bounding_box(mask) == (3, 2, 8, 5)
+
+
+def test_an_empty_mask_has_no_bounding_box():
+    assert bounding_box(np.zeros((6, 9), bool)) is None

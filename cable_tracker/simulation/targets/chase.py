@@ -17,7 +17,7 @@ from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
-from cable_tracker.simulation.targets.sequence import HAZE, box_of
+from cable_tracker.simulation.targets.sequence import HAZE
 from cable_tracker.simulation.targets.surroundings import (
     MARGIN,
     TargetBackground,
@@ -30,7 +30,7 @@ from cable_tracker.simulation.vehicle import (
     VehicleState,
     VelocityCommand,
 )
-from cable_tracker.tracking.image_frame import to_pixel
+from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 
 DIAMETER = 0.5
 """Diameter of the float [m]."""
@@ -102,9 +102,9 @@ class ChaseView:
     place: FloatArray
 
     @property
-    def box(self) -> tuple[float, float, float, float] | None:
+    def box(self) -> Window | None:
         """Left, top, right, bottom of the mask, from the top left corner; None if out of view."""
-        return box_of(self.mask)
+        return bounding_box(self.mask)
 
 
 @cache

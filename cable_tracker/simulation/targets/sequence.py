@@ -14,6 +14,7 @@ from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.stamps import stamp_of_frame
+from cable_tracker.tracking.image_frame import Window, bounding_box
 
 LEAST_SHARE = 0.25
 """Smallest visible share of a target that counts as in view."""
@@ -52,22 +53,14 @@ class TargetFrame:
     size: float
 
     @property
-    def box(self) -> tuple[float, float, float, float] | None:
+    def box(self) -> Window | None:
         """Left, top, right, bottom of the mask, from the top left corner; None if out of view."""
-        return box_of(self.mask)
+        return bounding_box(self.mask)
 
     @property
-    def twin_box(self) -> tuple[float, float, float, float] | None:
+    def twin_box(self) -> Window | None:
         """Left, top, right, bottom of the twin's mask; None if the twin is out of view."""
-        return box_of(self.twin_mask)
-
-
-def box_of(mask: BoolArray) -> tuple[float, float, float, float] | None:
-    """Return left, top, right and bottom of a mask (H, W) [px]; None for an empty one."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if len(rows) == 0:
-        return None
-    return float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1)
+        return bounding_box(self.twin_mask)
 
 
 def find_target_scenario(name: str) -> TargetScenario:

@@ -10,11 +10,12 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.contour.evolution import ContourSettings
 from cable_tracker.target.measure.appearance import Appearance, learn_histograms
 from cable_tracker.target.measure.features import BinMap, Bins, bins_of, choose_bins, looked_up
-from cable_tracker.target.measure.outline import Window, bounding_box, find_outline
+from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.measure.region import HueModel, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.state import STATE_SIZE
 from cable_tracker.target.model.template import LEAST_AREA, Template, centroid, template_of_mask
+from cable_tracker.tracking.image_frame import Window, bounding_box
 
 ROUNDS = 3
 """How often outline and appearance are worked out in turn."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +15,7 @@ from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template, interpolated
-from cable_tracker.tracking.image_frame import to_pixel
-
-Window: TypeAlias = tuple[int, int, int, int]
-"""First column, first row, and the column and row after the last [px]."""
+from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 
 MARGIN = 1.4
 """The window reaches this much farther than the template."""
@@ -72,14 +68,6 @@ class Outline:
         """Tell whether the target reaches the border of a picture of this shape."""
         left, top, right, bottom = self.box
         return left <= 0 or top <= 0 or right >= shape[1] or bottom >= shape[0]
-
-
-def bounding_box(mask: BoolArray) -> Window | None:
-    """Return the smallest window that holds all pixels of a mask (H, W); None: it has none."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if len(rows) == 0:
-        return None
-    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1
 
 
 def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) -> Window | None:

@@ -3,7 +3,7 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
-from cable_tracker.simulation.targets.sequence import box_of, simulate_target
+from cable_tracker.simulation.targets.sequence import simulate_target
 
 
 def frames(name, seed=3, count=12, **options):
@@ -66,7 +66,3 @@ def test_larger_frames_show_the_same_larger():
 def test_an_unknown_scenario_is_refused():
     with pytest.raises(ParameterError, match="submarine"):
         frames("submarine")
-
-
-def test_the_box_of_an_empty_mask_is_none():
-    assert box_of(np.zeros((4, 4), bool)) is None

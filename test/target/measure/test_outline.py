@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.contour.evolution import ContourSettings
-from cable_tracker.target.measure.outline import bounding_box, find_outline
+from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.model.template import template_of_mask
 
 SETTINGS = ContourSettings(0.3, -1.0, 12)
@@ -40,13 +40,3 @@ def test_a_target_at_the_border_touches_it(draw):
     assert outline.touches_border(mask.shape)
     assert outline.box[0] == 0.0
     assert outline.area == pytest.approx(mask.sum(), rel=0.1)
-
-
-def test_the_bounding_box_holds_the_first_and_the_last_pixels():
-    mask = np.zeros((6, 9), bool)
-    mask[2, 3] = mask[4, 7] = True
-    assert bounding_box(mask) == (3, 2, 8, 5)
-
-
-def test_an_empty_mask_has_no_bounding_box():
-    assert bounding_box(np.zeros((6, 9), bool)) is None
