@@ -45,11 +45,6 @@ class History:
         return len(self._stamps)
 
     @property
-    def last_stamp(self) -> int | None:
-        """Stamp of the newest measurement [ns]; None before any."""
-        return self._stamps[-1] if self._stamps else None
-
-    @property
     def last_values(self) -> FloatArray | None:
         """The newest measurement, shape (k,); None before any."""
         return self._values[-1] if self._values else None

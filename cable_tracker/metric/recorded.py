@@ -239,6 +239,6 @@ def recorded_vehicle(
         file = read_vehicle_file(vehicle_file or own)
     if not isinstance(recording, BagSource):
         return RecordedVehicle(describe_vehicle(None, "", file), None)
-    source = InstrumentSource(recording.path, recording.topic, choice, recording.storage)
+    source = InstrumentSource(recording.path, recording.storage, recording.topic, choice)
     vehicle = describe_vehicle(source, recording.camera_frame, file)
     return RecordedVehicle(vehicle, source)

@@ -75,7 +75,7 @@ class TargetMessages(FrameMessages):
         if particles is not None:
             cloud = make_target_particles(factory, header, particles)
             self._write(node_topics.PARTICLES, cloud)
-        markers = make_target_markers(factory, header, estimate, estimate.image_size)
+        markers = make_target_markers(factory, header, estimate)
         self._write(node_topics.MARKERS, markers)
         jpeg = make_compressed_image(factory, encode_jpeg(picture), header)
         self._write(node_topics.TARGET_OVERLAY, jpeg)

@@ -105,7 +105,7 @@ def format_stamp(stamp: int) -> str:
 def parse_stamp(text: str) -> int:
     """Read seconds written by `format_stamp` back as nanoseconds, exactly."""
     whole, _, fraction = text.partition(".")
-    magnitude = abs(int(whole)) * NANOSECONDS + int(fraction.ljust(9, "0")[:9] or "0")
+    magnitude = abs(int(whole)) * NANOSECONDS + int(fraction.ljust(9, "0")[:9])
     return -magnitude if whole.startswith("-") else magnitude
 
 

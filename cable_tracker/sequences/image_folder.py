@@ -22,6 +22,7 @@ from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
 DEFAULT_RATE = 25.0
+"""Frames per second of pictures, unless the user says otherwise."""
 
 _ENCODINGS = {
     ("uint8", 1): "mono8",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
+from cable_tracker.sequences.bag_storage import BagStorage, is_ros1
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
@@ -55,12 +55,14 @@ class InstrumentSource:
 
     Parameters
     ----------
+    path : Path
+        Path of the bag, for messages.
+    storage : BagStorage
+        The bag, which its owner closes.
     image_topic : str
         Whose calibration is meant.
-    choice : InstrumentChoice
+    choice : InstrumentChoice or None
         Topics chosen by the user.
-    storage : BagStorage or None
-        The bag, if it is open already.
 
     Attributes
     ----------
@@ -70,21 +72,21 @@ class InstrumentSource:
     Raises
     ------
     RecordingError
-        The bag cannot be read, or a topic that the user named is not there.
+        A topic that the user named is not there.
     """
 
     def __init__(
         self,
         path: Path,
+        storage: BagStorage,
         image_topic: str,
         choice: InstrumentChoice | None = None,
-        storage: BagStorage | None = None,
     ) -> None:
         self.path = path
         self._is_ros1 = is_ros1(path)
-        self._storage = storage or open_bag(path)
+        self._storage = storage
         try:
-            self.found = find_instruments(self._storage, image_topic, choice or InstrumentChoice())
+            self.found = find_instruments(storage, image_topic, choice or InstrumentChoice())
         except RecordingError as error:
             raise RecordingError(f"{path}: {error}") from error
         self._unreadable: dict[str, _Unreadable] = {}

@@ -114,8 +114,7 @@ class OneTarget:
         if answer.particles is not None and self._particles.get_subscription_count():
             self._particles.publish(make_target_particles(self._factory, header, answer.particles))
         if self._markers.get_subscription_count():
-            size = answer.estimate.image_size
-            self._markers.publish(make_target_markers(self._factory, header, answer.estimate, size))
+            self._markers.publish(make_target_markers(self._factory, header, answer.estimate))
 
     def publish_state(self, header: Message, estimate: TargetEstimate | None) -> None:
         """Publish the state: always, because a subscriber that joins later may ask for it."""

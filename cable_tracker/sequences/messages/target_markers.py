@@ -19,22 +19,19 @@ from cable_tracker.tracking.image_frame import from_page
 
 
 def make_target_markers(
-    factory: MessageFactory,
-    header: Message,
-    estimate: TargetEstimate | None,
-    image_size: tuple[int, int],
+    factory: MessageFactory, header: Message, estimate: TargetEstimate
 ) -> Message:
     """Pack contour, box and image frame as a MarkerArray, 0.01 m to the pixel, y up.
 
     Without a claim the lines of before are deleted.
     """
-    width, height = image_size
-    drawn = [Lines("image", _sides(box_corners((0.0, 0.0, width, height)), image_size), GREY)]
-    if estimate is not None and is_claimed(estimate):
+    size = estimate.image_size
+    drawn = [Lines("image", _sides(box_corners((0.0, 0.0, *size)), size), GREY)]
+    if is_claimed(estimate):
         assert estimate.box is not None
-        drawn.append(Lines("box", _sides(box_corners(estimate.box), image_size), GREEN))
+        drawn.append(Lines("box", _sides(box_corners(estimate.box), size), GREEN))
         if len(estimate.outline):
-            drawn.append(Lines("contour", _sides(estimate.outline, image_size), AMBER))
+            drawn.append(Lines("contour", _sides(estimate.outline, size), AMBER))
     return make_line_markers(factory, header, drawn)
 
 

@@ -85,9 +85,7 @@ MESSAGES: dict[str, Make] = {
     "contour": lambda f, h: target.make_polygon(f, h, TARGET.outline),
     "bearing": lambda f, h: target.make_bearing(f, h, np.array([0.0, 0.6, 0.8])),
     "particles of a target": lambda f, h: target_particles.make_target_particles(f, h, POSES),
-    "markers of a target": lambda f, h: target_markers.make_target_markers(
-        f, h, TARGET, (320, 240)
-    ),
+    "markers of a target": lambda f, h: target_markers.make_target_markers(f, h, TARGET),
     "diagnostics": lambda f, h: make_diagnostics(
         f,
         h,

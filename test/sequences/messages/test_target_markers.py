@@ -20,7 +20,7 @@ def estimate(status: TrackingStatus, outline: np.ndarray) -> TargetEstimate:
 
 def test_markers_count_from_the_centre_of_the_image_with_y_up(sent):
     claimed = estimate(TrackingStatus.TRACKING, np.array([[160.0, 120.0], [320.0, 120.0]]))
-    markers = sent(make_target_markers(FACTORY, HEADER, claimed, (320, 240))).markers
+    markers = sent(make_target_markers(FACTORY, HEADER, claimed)).markers
     assert [marker.ns for marker in markers] == ["", "image", "box", "contour"]
     first = markers[2].points[0]
     assert (first.x, first.y) == pytest.approx((-1.6, 1.2))
@@ -30,12 +30,11 @@ def test_markers_count_from_the_centre_of_the_image_with_y_up(sent):
 
 def test_without_a_contour_there_is_its_box():
     claimed = estimate(TrackingStatus.TRACKING, np.empty((0, 2)))
-    markers = make_target_markers(FACTORY, HEADER, claimed, (320, 240)).markers
+    markers = make_target_markers(FACTORY, HEADER, claimed).markers
     assert [marker.ns for marker in markers] == ["", "image", "box"]
 
 
 def test_without_a_claim_the_markers_of_before_are_deleted():
     lost = estimate(TrackingStatus.LOST, np.empty((0, 2)))
-    for each in (lost, None):
-        markers = make_target_markers(FACTORY, HEADER, each, (320, 240)).markers
-        assert [marker.ns for marker in markers] == ["", "image"]
+    markers = make_target_markers(FACTORY, HEADER, lost).markers
+    assert [marker.ns for marker in markers] == ["", "image"]
