@@ -22,8 +22,8 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
+from cable_tracker.ros.process.environment import DOMAIN_VARIABLE
 
-DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 FIRST_DOMAIN, LAST_DOMAIN = 88, 101
 """Domains above the last collide with ephemeral ports."""
 

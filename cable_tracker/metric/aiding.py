@@ -21,7 +21,7 @@ from cable_tracker.metric.homography import (
     prediction_covariance,
 )
 from cable_tracker.metric.instruments import Instruments
-from cable_tracker.metric.motion import NoMotion, Odometry
+from cable_tracker.metric.motion import FIRST_FRAME, NoMotion, Odometry
 from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
 from cable_tracker.metric.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
@@ -154,7 +154,7 @@ class MotionAiding:
         """Predict; while the look at the texture rests, what is unknown is as it was."""
         before = self._before
         if before is None:
-            return NoMotion("no frame has come before")
+            return FIRST_FRAME
         change = self._odometry.motion(before.stamp, stamp)
         if isinstance(change, NoMotion):
             return change

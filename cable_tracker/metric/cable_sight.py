@@ -24,7 +24,7 @@ from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.motion import Odometry
 from cable_tracker.metric.sea_bed_texture import TextureMotion
 from cable_tracker.metric.settings import instrument_settings, number
-from cable_tracker.metric.unaided import Unaided
+from cable_tracker.metric.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
@@ -33,8 +33,6 @@ CABLE_INSTRUMENTS = (
     Instrument.CAMERA_INFO, Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY,
 )  # fmt: skip
 """Instruments whose messages count."""
-
-SWITCHED_OFF = Unaided("the parameter motion_aid is false")
 
 
 class CableSight:

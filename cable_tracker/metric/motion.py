@@ -59,6 +59,9 @@ class NoMotion:
     why: str
 
 
+FIRST_FRAME = NoMotion("no frame has come before")
+
+
 class Odometry:
     """The last twists of a vehicle, with their covariances.
 

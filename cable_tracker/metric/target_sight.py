@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.known_calibration import KnownCalibration
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
-from cable_tracker.metric.motion import NoMotion, PoseChange
+from cable_tracker.metric.motion import FIRST_FRAME, NoMotion, PoseChange
 from cable_tracker.metric.settings import target_settings
 from cable_tracker.metric.target_metres import (
     TargetMetres,
@@ -20,6 +20,7 @@ from cable_tracker.metric.target_metres import (
     VehicleMotion,
     turn_of_picture,
 )
+from cable_tracker.metric.unaided import SWITCHED_OFF
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.target.model.camera_motion import CameraMotion
@@ -30,8 +31,6 @@ TARGET_INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETR
 
 LEAST_SIGMAS = (0.02, math.radians(0.3))
 """Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
-
-FIRST_FRAME = NoMotion("no frame has come before")
 
 
 class TargetSight:
@@ -121,7 +120,7 @@ class TargetSight:
         )
         camera = self._motion.camera(image_size)
         if not self._settings.uses_motion:
-            self._why_unaided = "the parameter motion_aid is false"
+            self._why_unaided = SWITCHED_OFF.why
         elif isinstance(self._moved, NoMotion):
             self._why_unaided = self._moved.why
         elif not isinstance(camera, CameraModel):

@@ -21,6 +21,7 @@ class Unaided:
     disagrees: bool = False
 
 
+SWITCHED_OFF = Unaided("the parameter motion_aid is false")
 NO_FRAME = Unaided("no frame has come")
 NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
 CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, eight_bits
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
@@ -150,7 +149,30 @@ class LiveFrames:
         return cable_topics(report)
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
-        return _snapshot(number, stamp, parts)
+        assert parts.image is not None
+        assert parts.state is not None
+        facts = parts.facts()
+        state = read_state(parts.state)
+        sigma = read_sigma(parts.state)
+        cloud = read_particles(parts.cloud) if parts.cloud is not None else None
+        grey = eight_bits(decode_grey(parts.image))
+        return Snapshot(
+            number=number,
+            frame=None,
+            stamp=stamp,
+            grey=grey,
+            status=parts.status() or ("TRACKING" if state is not None else "NO REPORT"),
+            reason=facts.get("event", ""),
+            state=state,
+            sigma=np.array(sigma) if state is not None and sigma is not None else None,
+            cloud=cloud if cloud is not None and len(cloud) else None,
+            hypothesis_count=len(facts.get("hypotheses", "").split()),
+            presence=fact_number(facts, "presence"),
+            evidence=fact_number(facts, "evidence"),
+            n_eff=fact_number(facts, "n_eff"),
+            ms=fact_number(facts, "ms"),
+            truth=read_state(parts.truth) if parts.truth is not None else None,
+        )
 
 
 class LiveTargetFrames(LiveFrames):
@@ -201,34 +223,3 @@ def _pose(message: Message, scale: float) -> tuple[FloatArray, FloatArray]:
 def _corners(message: Message | None) -> FloatArray:
     points = message.polygon.points if message is not None else []
     return np.array([(float(point.x), float(point.y)) for point in points]).reshape(-1, 2)
-
-
-def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
-    assert parts.image is not None
-    assert parts.state is not None
-    facts = parts.facts()
-    state = read_state(parts.state)
-    sigma = read_sigma(parts.state)
-    cloud = read_particles(parts.cloud) if parts.cloud is not None else None
-    grey = eight_bits(decode_grey(parts.image))
-    return Snapshot(
-        number=number,
-        frame=None,
-        stamp=stamp,
-        grey=grey,
-        status=parts.status() or ("TRACKING" if state is not None else "NO REPORT"),
-        reason=facts.get("event", ""),
-        state=state,
-        sigma=np.array(sigma) if state is not None and sigma is not None else None,
-        cloud=cloud if cloud is not None and len(cloud) else None,
-        hypothesis_count=len(facts.get("hypotheses", "").split()),
-        presence=fact_number(facts, "presence"),
-        evidence=fact_number(facts, "evidence"),
-        n_eff=fact_number(facts, "n_eff"),
-        ms=fact_number(facts, "ms"),
-        truth=_truth(parts.truth),
-    )
-
-
-def _truth(message: Message | None) -> CableState | None:
-    return read_state(message) if message is not None else None

@@ -9,6 +9,7 @@ from enum import IntEnum
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.ros.health.latency import LatencyStatistics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.frame_report import make_status_array
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 STALE_INPUT = "STALE INPUT"
@@ -133,15 +134,6 @@ def make_diagnostics(
     factory: MessageFactory, header: Message, name: str, status: str, values: dict[str, str]
 ) -> Message:
     """Pack the node's status as a DiagnosticArray."""
-    entry = factory.make(
-        "diagnostic_msgs/msg/DiagnosticStatus",
-        level=factory.octet(LEVELS[status]),
-        name=f"{name}: tracking",
-        message=status,
-        hardware_id=name,
-        values=[
-            factory.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
-            for key, value in values.items()
-        ],
+    return make_status_array(
+        factory, header, f"{name}: tracking", status, values, level=LEVELS[status], hardware_id=name
     )
-    return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])

@@ -8,17 +8,19 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Any, ClassVar, TypeVar, cast
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.diagnostics import Level
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.frame_report import make_status_array
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 Kept = TypeVar("Kept")
@@ -160,17 +162,16 @@ class GuidanceNode(ProcessNode):
             return
         self._told = self.mode
         self.get_logger().info(self.mode.value)
-        message = DiagnosticArray()
-        seconds, rest = divmod(stamp, NANOSECONDS)
-        message.header.stamp.sec, message.header.stamp.nanosec = seconds, rest
-        is_well = self.mode is self.NOMINAL_MODE
-        status = DiagnosticStatus(
-            level=DiagnosticStatus.OK if is_well else DiagnosticStatus.WARN,
-            name=f"{self.get_fully_qualified_name()}: guidance",
-            message=self.mode.value,
-            hardware_id=self.get_fully_qualified_name(),
+        factory, name = RclpyMessages(), str(self.get_fully_qualified_name())
+        message = make_status_array(
+            factory,
+            make_header(factory, stamp, ""),
+            f"{name}: guidance",
+            self.mode.value,
+            {},
+            level=Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN,
+            hardware_id=name,
         )
-        message.status.append(status)
         self._diagnostics.publish(message)
 
 

@@ -116,13 +116,11 @@ class MetricInputs(InstrumentInputs[CableSight]):
     def diagnostics(self) -> dict[str, str]:
         """Return what diagnostics say about metres, with units in the keys."""
         result, unaided = self._result, self._sight.unaided
-        is_known = isinstance(result, CrossTrack)
+        known = result if isinstance(result, CrossTrack) else None
         return {
-            "cross track [m]": f"{result.offset:.3f}" if isinstance(result, CrossTrack) else "",
-            "cable diameter [m]": (
-                f"{result.diameter:.3f}" if isinstance(result, CrossTrack) else ""
-            ),
-            "no metres": "" if is_known else str(result),
+            "cross track [m]": f"{known.offset:.3f}" if known else "",
+            "cable diameter [m]": f"{known.diameter:.3f}" if known else "",
+            "no metres": "" if known else str(result),
             "no motion aid": "" if unaided is None else unaided.why,
             "odometry error [px]": self._odometry_error(),
         }

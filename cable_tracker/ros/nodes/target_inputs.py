@@ -61,13 +61,11 @@ class TargetInputs(InstrumentInputs[TargetSight]):
         """Return what diagnostics say of the metres of a target, with units in the keys."""
         result = self._results[number] if number < len(self._results) else None
         relative = result.relative if result is not None else None
-        is_known = isinstance(relative, RelativeState)
+        known = relative if isinstance(relative, RelativeState) else None
         return {
-            "range [m]": f"{relative.range:.2f}" if isinstance(relative, RelativeState) else "",
-            "range sigma [m]": (
-                f"{relative.range_sigma:.2f}" if isinstance(relative, RelativeState) else ""
-            ),
-            "no metres": "" if is_known or relative is None else str(relative),
+            "range [m]": f"{known.range:.2f}" if known else "",
+            "range sigma [m]": f"{known.range_sigma:.2f}" if known else "",
+            "no metres": "" if known or relative is None else str(relative),
         }
 
     @property

@@ -32,7 +32,7 @@ from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.environment import DOMAIN_VARIABLE, use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -53,7 +53,6 @@ ANSWER_TIMEOUT, STRAGGLERS = 2.0, 0.1
 SETTLING = 0.3
 """Pause after a node is reset [s]."""
 
-DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 DOMAIN = 87
 """Ours, unless the environment names one."""
 

@@ -1,4 +1,4 @@
-"""Report message about the processing of one frame."""
+"""Words and facts as a DiagnosticArray, and the report about the processing of one frame."""
 
 from __future__ import annotations
 
@@ -7,23 +7,53 @@ from collections.abc import Mapping
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 
 
+def make_status_array(
+    factory: MessageFactory,
+    header: Message,
+    name: str,
+    status: str,
+    values: Mapping[str, str],
+    *,
+    level: int = 0,
+    hardware_id: str,
+) -> Message:
+    """Pack one status and further facts as a DiagnosticArray.
+
+    Parameters
+    ----------
+    name : str
+        What the status is of.
+    status : str
+        In a word or two.
+    values : mapping of str to str
+        Facts by key.
+    level : int
+        Level of diagnostic_msgs/DiagnosticStatus: 0 OK, 1 WARN, 2 ERROR, 3 STALE.
+    hardware_id : str
+        Full name of a node, or frame of a camera.
+    """
+    entry = factory.make(
+        "diagnostic_msgs/msg/DiagnosticStatus",
+        level=factory.octet(level),
+        name=name,
+        message=status,
+        hardware_id=hardware_id,
+        values=[
+            factory.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
+            for key, value in values.items()
+        ],
+    )
+    return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])
+
+
 def make_report(
     factory: MessageFactory, header: Message, status: str, values: Mapping[str, str]
 ) -> Message:
     """Pack what was done with one frame as a DiagnosticArray: its status and further facts."""
-    pairs = [
-        factory.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
-        for key, value in values.items()
-    ]
-    entry = factory.make(
-        "diagnostic_msgs/msg/DiagnosticStatus",
-        level=factory.octet(0),
-        name="cable_tracker: frame",
-        message=status,
-        hardware_id=str(header.frame_id),
-        values=pairs,
+    frame_id = str(header.frame_id)
+    return make_status_array(
+        factory, header, "cable_tracker: frame", status, values, hardware_id=frame_id
     )
-    return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])
 
 
 def report_status(report: Message) -> str:
