@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import yaml
+
 from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
 from cable_tracker.gui.parameter_groups import CABLE_GROUPS, Groups, grouped
@@ -14,6 +16,7 @@ from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_values,
     parse_parameters,
+    with_values,
 )
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
@@ -121,8 +124,13 @@ class ExistingFileError(GuiError):
     """A file lies there already; it is replaced if the user says so."""
 
 
-def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
+def write_parameter_file(
+    path: Path, text: str, subject: Subject = CABLE, *, overwrite: bool
+) -> None:
     """Write the file, as a whole or not at all.
+
+    Of a file with parameters that lies there, the values that differ are changed; its comments, and
+    what it says to other nodes, stay. Anything else is replaced.
 
     Raises
     ------
@@ -137,7 +145,29 @@ def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
         if path.exists() and not path.is_file():
             raise GuiError(f"{path}: is a folder or a device; name a file")
         if path.exists() and not overwrite:
-            raise ExistingFileError(f"{path}: exists already; save once more to replace it")
+            raise ExistingFileError(
+                f"{path}: exists already; save once more to change the parameters in it, or to"
+                f" replace it if it holds none of the {subject.node}"
+            )
+        if path.exists():
+            text = _changed(path.read_text(encoding="utf-8", errors="replace"), text, subject)
         write_text(path, text)
     except OSError as error:
         raise write_failure(path, error) from error
+
+
+def _changed(old: str, new: str, subject: Subject) -> str:
+    """Return the text of a file with the values of another; the other where it cannot be changed.
+
+    A file may be of a form that cannot be changed in place: what comes of it is read again.
+    """
+    defaults = {spec.name: spec.default for spec in subject.of_node}
+    try:
+        wanted = values_from_text(new, "", subject)
+        before = defaults | values_from_text(old, "", subject)
+        differing = {name: each for name, each in wanted.items() if each != before[name]}
+        text = with_values(old, differing, subject.node)
+        after = defaults | values_from_text(text, "", subject)
+    except (ParameterError, yaml.YAMLError):
+        return new
+    return text if all(after[name] == each for name, each in wanted.items()) else new

@@ -11,6 +11,7 @@ from nicegui import run, ui
 from cable_tracker.errors import CableTrackerError, GuiError
 from cable_tracker.gui.parameter_sheet import ExistingFileError, write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracking_commands import KeyBinding
 from cable_tracker.gui.typed_paths import typed_path
 
@@ -140,13 +141,14 @@ class SaveDialog(FormDialog):
     ----------
     text : callable
         Returns what is to be saved; raises CableTrackerError if it is not known.
-    file_name : str
-        To begin with.
+    subject : Subject
+        Kind of tracked object; the file is called like its node to begin with.
     """
 
-    def __init__(self, text: Callable[[], Awaitable[str]], file_name: str) -> None:
+    def __init__(self, text: Callable[[], Awaitable[str]], subject: Subject) -> None:
         self._text = text
-        self._file_name = file_name
+        self._subject = subject
+        self._file_name = f"{subject.node}.yaml"
         self._warned_of = ""
         super().__init__("Save the parameters as YAML for the node", "save on the server")
 
@@ -169,9 +171,9 @@ class SaveDialog(FormDialog):
         """Write the file; one that is there already only the second time."""
         given = self._path.value.strip()
         overwrite, self._warned_of = given == self._warned_of, ""
-        path = typed_path(given)
+        path, text = typed_path(given), await self._text()
         try:
-            await run.io_bound(write_parameter_file, path, await self._text(), overwrite=overwrite)
+            await run.io_bound(write_parameter_file, path, text, self._subject, overwrite=overwrite)
         except ExistingFileError:
             self._warned_of = given
             raise

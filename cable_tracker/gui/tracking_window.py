@@ -131,7 +131,7 @@ class TrackingPage:
         self._open_dialog = OpenDialog(
             lambda: desk.request, self._open, TARGET_START if is_target else CABLE_START
         )
-        self._save_dialog = SaveDialog(self._text_to_save, f"{desk.subject.node}.yaml")
+        self._save_dialog = SaveDialog(self._text_to_save, desk.subject)
         self._start_dialog = (
             NumberDialog(
                 "Start where the target is", TARGET_FIELDS, self._start_with, desk.present_box

@@ -177,6 +177,51 @@ def write_node_parameters(path: Path, parameters: Mapping[str, ParameterValue]) 
     path.write_text("\n".join([*EVERY_NODE, *lines, ""]), encoding="utf-8")
 
 
+def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> str:
+    """Return the text of a parameter file with some values changed, and all else as it is.
+
+    A value is changed where it counts, in the last section for the node that names it; what none
+    names is added at the end of the last one.
+
+    Parameters
+    ----------
+    text : str
+        A file that `parse_parameters` reads for the node.
+    values : mapping of str to ParameterValue
+        Values by name.
+    node : str
+        Name of the node whose sections count.
+    """
+    root = yaml.compose(text, _ParameterLoader)
+    assert isinstance(root, yaml.MappingNode)
+    sections = list(_section_nodes(root, node)) or [root]
+    places = {key.value: value for section in sections for key, value in section.value}
+    edits = [
+        (places[name].start_mark.index, places[name].end_mark.index, _scalar(value))
+        for name, value in values.items()
+        if name in places
+    ]
+    added = [f"{name}: {_scalar(value)}" for name, value in values.items() if name not in places]
+    if added and sections[-1].value:
+        first, last = sections[-1].value[0][0], sections[-1].value[-1][1]
+        line_end = text.find("\n", last.end_mark.index)
+        end = len(text) if line_end < 0 else line_end
+        indent = "\n" + " " * first.start_mark.column
+        edits.append((end, end, "".join(f"{indent}{line}" for line in added)))
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def _section_nodes(content: yaml.Node, node: str, name: str = "") -> Iterator[yaml.MappingNode]:
+    """Yield the sections of a ROS file that count for a node, as YAML's parser finds them."""
+    for key, section in content.value if isinstance(content, yaml.MappingNode) else ():
+        if key.value == ROS_KEY and _is_for(node, name) and isinstance(section, yaml.MappingNode):
+            yield section
+        elif key.value != ROS_KEY:
+            yield from _section_nodes(section, node, f"{name}/{key.value.strip('/')}")
+
+
 def _scalar(value: ParameterValue) -> str:
     """Write a value so that YAML and ROS read it back; what is no plain word is quoted."""
     if isinstance(value, bool):

@@ -8,6 +8,7 @@ from cable_tracker.cable.parameters.parameters import (
     PARAMETERS_BY_NAME,
     TrackerParameters,
 )
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import GuiError, OutputError, ParameterError
 from cable_tracker.gui.parameter_groups import OTHERS, grouped
 from cable_tracker.gui.parameter_sheet import (
@@ -101,3 +102,57 @@ def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch):
         write_parameter_file(path, "two", overwrite=True)
     assert path.read_text() == "precious"
     assert list(tmp_path.iterdir()) == [path]
+
+
+TUNED = """# the boat's own file; ask before changing
+preset: default  # the usual one
+/**:
+  ros__parameters:
+    camera_pitch: 70.0  # measured on deck
+/vehicle/tracker:
+  ros__parameters:
+    particle_count: 300  # so many the old computer takes
+    filter_sigma: 2.0
+controller:
+  ros__parameters: {speed: 0.4}
+"""
+
+
+def saved(path, old, values):
+    path.write_text(old)
+    write_parameter_file(path, parameter_text(values, "a dive"), overwrite=True)
+    return path.read_text()
+
+
+def test_of_a_file_with_parameters_only_the_values_that_differ_are_changed(tmp_path):
+    old = TUNED.replace("preset: default  # the usual one\n", "")
+    values = TrackerParameters().replaced({"particle_count": 800, "tempering": 0.25}).as_mapping()
+    text = saved(tmp_path / "boat.yaml", old, values)
+    assert text == old.replace("count: 300", "count: 800").replace(
+        "    filter_sigma: 2.0\n",
+        f"    filter_sigma: {values['filter_sigma']}\n    tempering: 0.25\n",
+    )
+    read = values_from_text(text, "boat.yaml")
+    assert all(read[name] == value for name, value in values.items())
+    assert read["camera_pitch"] == 70.0
+
+
+def test_a_plain_file_and_its_preset_stay_plain(tmp_path):
+    old = "preset: thesis  # as in the thesis\nparticle_count: 200"
+    values = PRESETS["thesis"].replaced({"particle_count": 700, "seed": 3}).as_mapping()
+    text = saved(tmp_path / "plain.yaml", old, values)
+    assert text == "preset: thesis  # as in the thesis\nparticle_count: 700\nseed: 3"
+
+
+@pytest.mark.parametrize(
+    "old",
+    [
+        "no parameters", "", "tracker: [", "camera: {ros__parameters: {rate: 5}}",
+        "tracker: {ros__parameters: {seed: 1}}\n", "tracker: {ros__parameters: {}}",
+        "wrong_name: 1", "controller: {ros__parameters: {speed: 0.4}}",
+    ],
+)  # fmt: skip
+def test_what_cannot_be_changed_in_place_is_replaced(tmp_path, old):
+    values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
+    text = saved(tmp_path / "other.yaml", old, values)
+    assert text == parameter_text(values, "a dive")
