@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass, replace
 
 from cable_tracker.gui.recording_session import RecordingSession
+from cable_tracker.sequences.frame_access import BEYOND_ALL
 
 SPEEDS = {
     "0.1": 0.1,
@@ -144,7 +144,7 @@ def _seek(player: RecordingSession, name: str, value: object) -> None:
         player.seek(0)
     elif name == "last":
         # How many frames there are may be known only at the end.
-        player.seek(sys.maxsize)
+        player.seek(BEYOND_ALL)
     elif isinstance(value, int) and value >= 0:
         player.seek(value)
 

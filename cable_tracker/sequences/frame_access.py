@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -12,6 +13,9 @@ from cable_tracker.sequences.source import Source
 
 KEPT_BYTES = 256 << 20
 """Pixels that are kept in memory, as they were recorded."""
+
+BEYOND_ALL = sys.maxsize
+"""Number that no frame has: whoever asks for it wants to know where the recording ends."""
 
 
 def _is_far(here: int, there: int) -> bool:
@@ -68,7 +72,11 @@ class FrameAccess:
 
     def _read(self, index: int) -> Frame:
         self._check_end(index)
-        if self._frames is None or index < self._next or _is_far(self._next, index):
+        if index == BEYOND_ALL:
+            # The last frame is wanted next, and can be kept on the way.
+            if self._frames is None or self._next < self._known:
+                self._start(self._known)
+        elif self._frames is None or index < self._next or _is_far(self._next, index):
             self._start(index)
         while True:
             frame = self._advance()

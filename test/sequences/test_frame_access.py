@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.frame_access import BEYOND_ALL, FrameAccess
 from cable_tracker.sequences.frame_source import Source, damage
 
 PIXELS = bytes(12)
@@ -69,6 +69,25 @@ def test_the_number_of_frames_is_known_at_the_end(numbers):
         frames.frame(10)
     assert frames.count == 10
     assert frames.frame(9).stamp == 9
+
+
+def test_the_end_is_found_in_one_reading_which_keeps_the_last_frame(numbers):
+    frames = FrameAccess(numbers, kept_bytes=1)
+    frames.frame(0)
+    with pytest.raises(IndexError):
+        frames.frame(BEYOND_ALL)
+    assert frames.count == 10
+    assert frames.frame(9).stamp == 9
+    assert (numbers.readings, numbers.handed_out) == (1, 10)
+
+
+def test_the_end_is_found_after_going_back_too(numbers):
+    frames = FrameAccess(numbers, kept_bytes=1)
+    for index in (5, 2):
+        frames.frame(index)
+    with pytest.raises(IndexError):
+        frames.frame(BEYOND_ALL)
+    assert frames.count == 10
 
 
 def test_a_far_frame_is_reached_without_those_between(numbers):
