@@ -168,7 +168,7 @@ def _shared_arguments(
         f"--rate={world.rate}", f"--standstill={request.standstill}",
         "--video" if request.with_video else "--no-video",
         *([f"--detector={detector}"] if detector is not None else []),
-        *([f"--params={params}"] if params is not None else []),
+        *([f"--params={params.resolve()}"] if params is not None else []),
         *(["--realtime"] if request.realtime else []),
     ]  # fmt: skip
 

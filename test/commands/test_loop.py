@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
+from cable_tracker.commands import loop as loop_command
 from cable_tracker.commands.loop import verdict_on
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS
@@ -104,3 +105,14 @@ def test_live_needs_no_folder_and_takes_none(tmp_path):
         run("simulate", str(tmp_path / "dive"), "--live")
     with pytest.raises(ParameterError, match="name a folder"):
         run("simulate")
+
+
+def test_each_run_of_several_finds_the_parameter_file_from_any_folder(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text("particle_count: 100\n")
+    campaigns = []
+    monkeypatch.setattr(
+        loop_command, "_run_several", lambda campaign, *_, **__: campaigns.append(campaign)
+    )
+    run("loop", "--seeds", "2", "--length", "20", "--params", "mine.yaml")
+    assert f"--params={tmp_path / 'mine.yaml'}" in campaigns[0].arguments
