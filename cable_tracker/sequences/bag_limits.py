@@ -203,6 +203,13 @@ def _unpacked_size(path: Path, room: int) -> int:
     return size
 
 
+def opened_database(path: Path) -> sqlite3.Connection:
+    """Open a database to be read as it lies there, without its log, in values of limited size."""
+    database = sqlite3.connect(path.resolve().as_uri() + "?mode=ro&immutable=1", uri=True)
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_UNPACKED)
+    return database
+
+
 def check_database(path: Path) -> None:
     """Check that a database is plain tables, as a recorder writes them, and as large as its file.
 
@@ -213,7 +220,6 @@ def check_database(path: Path) -> None:
     RecordingError
         It holds code (views, triggers, virtual tables, computed columns), or rows without end.
     """
-    uri = path.resolve().as_uri() + "?mode=ro&immutable=1"
     size = path.stat().st_size
     steps = SPARE_STEPS + STEPS_PER_ROW * size // SMALLEST_ROW
     left = [steps // CHECK_EVERY]
@@ -222,8 +228,7 @@ def check_database(path: Path) -> None:
         left[0] -= 1
         return left[0] < 0
 
-    with closing(sqlite3.connect(uri, uri=True)) as database:
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_UNPACKED)
+    with closing(opened_database(path)) as database:
         database.set_progress_handler(out_of_steps, CHECK_EVERY)
         database.text_factory = bytes
         try:

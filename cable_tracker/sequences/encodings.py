@@ -5,6 +5,7 @@ The names are those of sensor_msgs/image_encodings.hpp.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +18,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
-from cable_tracker.sequences.picture_header import MAX_PIXELS, read_picture_header
+from cable_tracker.sequences.picture_header import MAX_PIXELS, PICTURE_KINDS, read_picture_header
 
 __all__ = [
     "ENCODINGS",
@@ -26,6 +27,7 @@ __all__ = [
     "check_layout",
     "decode_bgr",
     "decode_grey",
+    "decode_picture_file",
     "raw_from_array",
 ]
 
@@ -212,19 +214,37 @@ def _to_255(pixels: Image) -> Image:
     return pixels
 
 
-def _decode_compressed(image: CompressedImage, flags: int) -> Image:
-    header = read_picture_header(image.data)
-    if header.kind not in _COMPRESSED_KINDS:
-        raise FrameError(f"compressed images must be JPEG or PNG, not {header.kind}")
+def decode_picture_file(
+    data: memoryview, flags: int, kinds: Collection[str] = PICTURE_KINDS
+) -> Image:
+    """Decode a whole picture file; what it says of how the camera was turned is not followed.
+
+    Parameters
+    ----------
+    data : memoryview
+        All bytes of the file.
+    flags : int
+        OpenCV's `IMREAD_*`.
+    kinds : collection of str
+        Kinds that are decoded, of `PictureHeader.kind`.
+
+    Raises
+    ------
+    FrameError
+        It is no such file, or damaged.
+    """
+    kind = read_picture_header(data).kind
+    if kind not in kinds:
+        raise FrameError(f"compressed images must be {' or '.join(kinds)}, not {kind}")
     silence_opencv()
     try:
         # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.
         flags |= cv2.IMREAD_IGNORE_ORIENTATION
-        picture: Any = cv2.imdecode(np.frombuffer(image.data, np.uint8), flags)
+        picture: Any = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
     except cv2.error as error:
-        raise FrameError(f"the {header.kind} is damaged and cannot be decoded") from error
+        raise FrameError(f"the {kind} is damaged and cannot be decoded") from error
     if picture is None or not picture.size:
-        raise FrameError(f"the {header.kind} is damaged and cannot be decoded")
+        raise FrameError(f"the {kind} is damaged and cannot be decoded")
     return np.asarray(picture)
 
 
@@ -254,7 +274,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
         The image cannot be decoded; the message says why.
     """
     if isinstance(image, CompressedImage):
-        return _decode_compressed(image, cv2.IMREAD_GRAYSCALE)
+        return decode_picture_file(image.data, cv2.IMREAD_GRAYSCALE, _COMPRESSED_KINDS)
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
     if pixel_format.luma is not None:
@@ -276,7 +296,7 @@ def decode_bgr(image: RawImage | CompressedImage) -> Image:
         The image cannot be decoded; the message says why.
     """
     if isinstance(image, CompressedImage):
-        return _decode_compressed(image, cv2.IMREAD_COLOR)
+        return decode_picture_file(image.data, cv2.IMREAD_COLOR, _COMPRESSED_KINDS)
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
     if pixel_format.dtype == "u1":

@@ -7,17 +7,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import cv2
-import numpy as np
 
-from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, read_failure
-from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
-from cable_tracker.sequences.opencv_quiet import silence_opencv
-from cable_tracker.sequences.picture_header import read_picture_header
 from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
@@ -34,18 +30,6 @@ _ENCODINGS = {
 }
 
 
-def _decode(data: bytes) -> Image:
-    kind = read_picture_header(memoryview(data)).kind
-    silence_opencv()
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise FrameError(f"the {kind} is damaged") from error
-    if picture is None or not picture.size:
-        raise FrameError(f"the {kind} is damaged")
-    return np.asarray(picture)
-
-
 def load_picture(path: Path) -> RawImage:
     """Read a picture file as it was stored: its depth, its channels, not turned by EXIF.
 
@@ -55,9 +39,10 @@ def load_picture(path: Path) -> RawImage:
         It cannot be read or decoded; the message is the reason alone, without the path.
     """
     try:
-        picture = _decode(path.read_bytes())
+        data = memoryview(path.read_bytes())
     except OSError as error:
         raise FrameError(f"cannot be read: {error.strerror}") from error
+    picture = decode_picture_file(data, cv2.IMREAD_UNCHANGED)
     channels = picture.shape[2] if picture.ndim == 3 else 1
     encoding = _ENCODINGS.get((picture.dtype.name, channels))
     if encoding is None:

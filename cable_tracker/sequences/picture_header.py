@@ -98,6 +98,9 @@ _KINDS: tuple[tuple[bytes, str, Callable[[bytes], tuple[int, int]]], ...] = (
     (b"MM\0*", "TIFF", _tiff_size),
     *((b"P%d" % number, "PNM", _size_by(PpmImageFile)) for number in range(1, 7)),
 )
+PICTURE_KINDS = frozenset(kind for _, kind, _ in _KINDS)
+"""Kinds of pictures that are read."""
+
 _CHECKS: dict[str, Callable[[bytes], None]] = {"JPEG": _check_jpeg_end, "PNG": _check_png}
 
 

@@ -8,7 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, check_database
+from cable_tracker.sequences.bag_limits import check_database, opened_database
 from cable_tracker.sequences.stored_message import StoredMessage
 
 
@@ -25,10 +25,8 @@ def read_messages(path: Path) -> Iterator[StoredMessage]:
         Where the damage is. The message is the reason alone, without the path.
     """
     check_database(path)
-    uri = path.resolve().as_uri() + "?mode=ro&immutable=1"
     try:
-        with closing(sqlite3.connect(uri, uri=True)) as database:
-            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_UNPACKED)
+        with closing(opened_database(path)) as database:
             database.text_factory = _decoded
             # Without this SQLite refuses a file that is shorter than its header says.
             database.execute("PRAGMA writable_schema=ON")

@@ -219,10 +219,6 @@ def _read_bag(storage: BagStorage, path: Path) -> dict[int, Box | None]:
         raise RecordingError(
             f"{path}: the bag holds no {wanted.name} ({wanted.type_name}); give boxes with --truth"
         )
-    return _boxes_of(storage, path, topic)
-
-
-def _boxes_of(storage: BagStorage, path: Path, topic: str) -> dict[int, Box | None]:
     boxes: dict[int, Box | None] = {}
     try:
         with closing(storage.messages([topic])) as messages:
