@@ -20,6 +20,10 @@ LONGEST_STEP = 2.0
 FROZEN_COUNT = 8
 """Number of bit-wise equal twists that show that an instrument hangs."""
 
+LARGEST_NUMBER = 1e12
+"""Velocities and variances beyond it are none [SI units]: an instrument that knows nothing may say
+the largest number there is, whose sums and squares are infinite."""
+
 TWIST = 6
 """Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""
 
@@ -101,8 +105,9 @@ class Odometry:
             return NoMotion(why)
         within = self._twists.between(start + 1, end)
         knots = [self._knot(start), *within, self._knot(end)]
-        if not all(np.isfinite(values).all() for _, values in knots):
-            return NoMotion(f"{self._instrument} is not finite")
+        # Written so that NaN counts as too large.
+        if not all((np.abs(values) <= LARGEST_NUMBER).all() for _, values in knots):
+            return NoMotion(f"{self._instrument} is not finite, or as good as infinite")
         return _integrated(knots, seconds)
 
     def _why_unknown(self, start: int, end: int, seconds: float) -> str:

@@ -106,6 +106,17 @@ def test_odometry_that_is_no_number_is_refused():
     assert "not finite" in why(source, 10 * SECOND + 2 * STEP, 10 * SECOND + 3 * STEP)
 
 
+@pytest.mark.parametrize(
+    ("number", "doubt"), [(1e200, 1e-4), (0.1, np.finfo(float).max), (-1e300, 1e300)]
+)
+def test_numbers_that_are_as_good_as_infinite_are_refused(number, doubt):
+    source = odometry([0.1, 0, 0, 0, 0, 0], count=3)
+    for index in (3, 4):
+        twist = np.full(6, number) * (1.0 + 1e-6 * index)
+        source.add(10 * SECOND + index * STEP, twist, doubt * np.eye(6))
+    assert "infinite" in why(source, 10 * SECOND + 3 * STEP, 10 * SECOND + 4 * STEP)
+
+
 @pytest.mark.parametrize("end", [10 * SECOND, 9 * SECOND, 20 * SECOND])
 def test_a_time_that_cannot_be_bridged(end):
     assert "not bridged" in why(odometry([0.1, 0, 0, 0, 0, 0]), 10 * SECOND, end)

@@ -388,6 +388,19 @@ class TestMetres:
         rates = node.group.trackers[0].particles.states[:, 4]
         assert abs(np.median(rates)) < 0.3 * shift / 0.04
 
+    def test_an_imu_that_says_what_no_vehicle_does_moves_nothing(
+        self, world: Any, show: Callable[..., None], header: Callable[..., Any]
+    ) -> None:
+        node = world.target_tracker(initial_target="78,106,123,135")
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        for index in range(6):
+            message = Imu(header=header(index))
+            message.angular_velocity.z = 1e200 if index == 4 else 1e-6 * index
+            node._metric.take_message(Instrument.IMU, message)
+            show(node, index, scene(100, seed=index))
+        assert (node.status, node.statistics.tracked) == ("TRACKING", 6)
+        assert "infinite" in node._metric.why_unaided
+
     def test_a_frame_waits_for_each_instrument_that_speaks(
         self, world: Any, show: Callable[..., None], header: Callable[..., Any]
     ) -> None:
