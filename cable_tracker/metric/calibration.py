@@ -32,6 +32,11 @@ SAME_ASPECT = 0.01
 same aspect."""
 
 
+LEAST_FOCAL, LARGEST_NUMBER = 0.1, 1e6
+"""Smallest focal length [px] and largest number of a calibration. Beyond, as in a message that was
+never filled in, squares and products are infinite."""
+
+
 class DistortionModel(str, Enum):
     """How a lens bends straight lines; the names of sensor_msgs/CameraInfo."""
 
@@ -305,11 +310,12 @@ def _model_of(name: str) -> DistortionModel:
 def _fault_of(calibration: Calibration) -> str:
     """Return what is wrong with a calibration; empty if nothing is."""
     numbers = (*calibration.focal, *calibration.centre, *calibration.coefficients)
-    if not np.isfinite(numbers).all():
-        return "it has numbers that are not finite; calibrate the camera"
+    # Written so that NaN counts as too large.
+    if not (np.abs(numbers) <= LARGEST_NUMBER).all():
+        return "it has numbers that are not finite, or as good as infinite; calibrate the camera"
     if min(calibration.image_size) < 1:
         return "it says no image size; calibrate the camera"
-    if min(calibration.focal) <= 0.0:
+    if min(calibration.focal) < LEAST_FOCAL:
         return "its focal length is not above 0, as of a camera that was never calibrated"
     try:
         model = _model_of(calibration.model)

@@ -98,6 +98,9 @@ def test_a_region_of_the_image_sees_what_it_saw(camera_of):
     ("changes", "words"),
     [
         ({"focal": (0.0, 0.0)}, "focal length is not above 0"),
+        ({"focal": (280.0, 1e-200)}, "focal length is not above 0"),
+        ({"centre": (159.5, 1e99)}, "as good as infinite"),
+        ({"coefficients": (1e225, 0.0, 0.0, 0.0)}, "as good as infinite"),
         ({"focal": (math.nan, 280.0)}, "not finite"),
         ({"coefficients": (math.inf, 0.0, 0.0, 0.0)}, "not finite"),
         ({"image_size": (0, 0)}, "no image size"),
