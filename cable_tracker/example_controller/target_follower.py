@@ -39,7 +39,8 @@ class FollowSettings:
     search_turn : float
         Rate of turn while it is looked for [rad/s].
     search_angle : float
-        Angle to either side of the course at first, and its growth every time [rad].
+        Angle to either side of the course at first, and its growth every time [rad]; 0: the vehicle
+        does not look around.
     """
 
     distance: float = 2.5
@@ -175,15 +176,14 @@ class TargetController:
     def _search(self, seconds: float, bearing: float) -> FollowCommand:
         """Look to both sides, `seconds` after the search has begun."""
         settings = self._settings
-        side = 1.0 if bearing >= 0.0 else -1.0
-        reach, begin, turned = settings.search_angle, 0.0, settings.search_angle
-        # Each leg goes from one side to the other, and farther than the one before.
-        while settings.search_turn > 0.0 and seconds > begin + turned / settings.search_turn:
-            begin += turned / settings.search_turn
-            turned = 2.0 * reach + settings.search_angle
-            reach += settings.search_angle
-            side = -side
-        return FollowCommand(self._limited(self._integral), 0.0, side * settings.search_turn)
+        surge, side = self._limited(self._integral), 1.0 if bearing >= 0.0 else -1.0
+        if settings.search_angle == 0.0:
+            return FollowCommand(surge)
+        # Each leg goes from one side to the other, and farther than the one before: by 1, 3, 5 ...
+        # times the first angle, so that the first n of them take n squared times as long.
+        legs = math.isqrt(int(seconds * settings.search_turn / settings.search_angle))
+        turn = -side * settings.search_turn if legs % 2 else side * settings.search_turn
+        return FollowCommand(surge, 0.0, turn)
 
     def _limited(self, surge: float) -> float:
         most = self._settings.most_surge
