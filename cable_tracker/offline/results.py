@@ -37,8 +37,10 @@ class Results(ABC):
     ----------
     path : Path
         Path of the finished folder.
+    with_bag : bool
+        As given.
     bag : MessageSink
-        Writer of messages.
+        Writer of messages; forgets them without a bag.
 
     Raises
     ------
@@ -51,7 +53,7 @@ class Results(ABC):
         self.bag: MessageSink = NoMessages()
         self._overwrite = overwrite
         self._timing = timing
-        self._with_bag = with_bag
+        self.with_bag = with_bag
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -60,7 +62,7 @@ class Results(ABC):
             )
             # What is entered last is closed first: the table is written when all else is there.
             stack.push(self._finish)
-            if self._with_bag:
+            if self.with_bag:
                 self.bag = stack.enter_context(BagWriter(self._content / BAG))
             self._open_writers(stack)
             self._stack = stack.pop_all()

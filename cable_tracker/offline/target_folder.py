@@ -41,7 +41,7 @@ class TargetFolder(Results):
     def names(self) -> tuple[str, ...]:
         """Names of the written files."""
         metres = (METRES,) if self.metres else ()
-        return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
+        return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self.with_bag else ()))
 
     def _open_writers(self, stack: ExitStack) -> None:
         self._video = stack.enter_context(VideoWriter(self._content / VIDEO))

@@ -159,7 +159,7 @@ def start_from(tracker: CableTracker, state: CableState | None) -> None:
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
-    output = _CableMessages(results.bag, frame) if results.wanted.bag else None
+    output = _CableMessages(results.bag, frame) if results.with_bag else None
     if metres is not None:
         metres.advance(frame)
     try:

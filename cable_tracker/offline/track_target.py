@@ -69,7 +69,7 @@ def track_target(
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
-    messages = TargetMessages(results.bag, frame)
+    output = TargetMessages(results.bag, frame) if results.with_bag else None
     if sight is not None:
         sight.advance(frame)
     try:
@@ -81,7 +81,8 @@ def _follow(
         estimate = tracker.process(image, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
-        messages.write_refusal(str(error))
+        if output is not None:
+            output.write_refusal(str(error))
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     particles = tracker.particles
@@ -89,8 +90,10 @@ def _follow(
     facts: dict[str, str] = {}
     if sight is not None:
         metres = sight.take(estimate)
-        messages.write_metres(metres, sight)
         facts = target_facts(metres, sight.settings.mounting.position)
         results.metres.append(metres_row(frame, facts))
-    messages.write_estimate(estimate, particles, picture, ms, facts)
+        if output is not None:
+            output.write_metres(metres, sight)
+    if output is not None:
+        output.write_estimate(estimate, particles, picture, ms, facts)
     results.add(frame, row_of(frame, estimate, ms), picture)

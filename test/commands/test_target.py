@@ -53,6 +53,19 @@ def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
     }  # fmt: skip
 
 
+def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeypatch):
+    def encode_jpeg(picture):
+        raise AssertionError("no picture is encoded where no bag is wanted")
+
+    monkeypatch.setattr("cable_tracker.offline.target_messages.encode_jpeg", encode_jpeg)
+    words = ",".join(str(side) for side in first_box)
+    result = run(folder, "--init", words, "--no-bag", "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "estimates.csv", "overlay.webm", "overlay.png",
+    }  # fmt: skip
+
+
 def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(folder, tmp_path):
     for name in ("one", "two"):
         result = run(folder, "--init", "detect", "--no-timing", "--output", tmp_path / name)
