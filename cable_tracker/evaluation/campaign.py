@@ -79,17 +79,25 @@ class _Task:
     sequence: EvaluationSequence
     seed: int
 
+    @property
+    def with_sheet(self) -> bool:
+        """Whether contact sheets are drawn."""
+        return self.campaign.with_sheets and self.seed == self.campaign.seeds[0]
+
     def fingerprint(self) -> str:
         """Return a text that changes with what is run, and with the recording."""
-        own = replace(self.campaign, sequences=(self.sequence,), seeds=(self.seed,))
-        sheet = self.seed == self.campaign.seeds[0]
+        own = replace(
+            self.campaign,
+            sequences=(self.sequence,),
+            seeds=(self.seed,),
+            with_sheets=self.with_sheet,
+        )
         tables = [Path(str(each.parameters.response_table)) for each in own.filters]
         files = [path for path in (*files_of(self.sequence), *tables) if path.exists()]
-        return f"{own!r} {sheet} {fingerprint_of_files(*files)}"
+        return f"{own!r} {fingerprint_of_files(*files)}"
 
     def run(self, advance: Callable[[], None]) -> list[RunResult]:
         campaign = self.campaign
-        with_sheet = campaign.with_sheets and self.seed == campaign.seeds[0]
         runs = [
             MethodRun(
                 name,
@@ -97,7 +105,7 @@ class _Task:
                 self.seed,
                 campaign.start,
                 restart_every=campaign.restart_every,
-                with_sheet=with_sheet,
+                with_sheet=self.with_sheet,
             )
             for name, make in campaign.makers()
         ]

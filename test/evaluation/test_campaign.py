@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.evaluation_sequences import RecordingSequence, ScenarioSequence
@@ -50,6 +51,14 @@ def test_the_number_of_workers_does_not_change_the_results(run_apart):
     together = run_campaign(campaign, workers=2, advance=told.append)
     assert [numbers(result) for result in alone] == [numbers(result) for result in together]
     assert sum(told) == campaign.frame_count() == 6
+
+
+def test_what_is_kept_of_a_run_counts_in_a_campaign_that_begins_with_it(stripe, tmp_path):
+    settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
+    run_campaign(Campaign(("thesis",), (stripe,), (0, 1)), workers=settings)
+    told = []
+    run_campaign(Campaign(("thesis",), (stripe,), (1,)), workers=settings, advance=told.append)
+    assert not told
 
 
 def test_another_seed_is_another_run(results):
