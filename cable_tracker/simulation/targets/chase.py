@@ -7,7 +7,7 @@ hides it. The camera looks straight ahead from a vehicle with inertia, drag and 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -18,11 +18,7 @@ from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE
-from cable_tracker.simulation.targets.surroundings import (
-    MARGIN,
-    TargetBackground,
-    make_surroundings,
-)
+from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.simulation.vehicle import (
     Current,
     Vehicle,
@@ -126,8 +122,9 @@ class ChaseWorld:
             settings.image_size, FIELD * settings.image_size[0], mounting=math.pi / 2
         )
         around = math.ceil(2.0 * math.pi * self.camera.focal)
+        width, height = settings.image_size
         self._surroundings = _closed(
-            make_surroundings((around, settings.image_size[1]), way_rng), around
+            make_surroundings((around, height), way_rng, margin=width / 2 - 1), around
         )
         self._around = around
         rates, phases = way_rng.uniform(0.03, 0.2, 4), way_rng.uniform(0.0, 2.0 * math.pi, 4)
@@ -193,17 +190,15 @@ class ChaseWorld:
 
 def _closed(surroundings: TargetBackground, around: int) -> TargetBackground:
     """Return surroundings whose right end goes over into the left one: one may look all round."""
-    panorama = surroundings.panorama.copy()
+    panorama, margin = surroundings.panorama.copy(), surroundings.margin
     # What lies beyond the round, on both sides, is what lies at its other end.
-    share = np.linspace(0.0, 1.0, MARGIN, dtype=np.float32)[None, :, None]
-    begin, end = panorama[:, :MARGIN].copy(), panorama[:, around : around + MARGIN].copy()
+    share = np.linspace(0.0, 1.0, margin, dtype=np.float32)[None, :, None]
+    begin, end = panorama[:, :margin].copy(), panorama[:, around : around + margin].copy()
     seam = (1.0 - share) * end + share * begin
-    panorama[:, around : around + MARGIN] = seam
-    panorama[:, :MARGIN] = seam
-    right = panorama.shape[1] - (around + MARGIN)
+    panorama[:, around : around + margin] = seam
+    panorama[:, :margin] = seam
+    right = panorama.shape[1] - (around + margin)
     wrapped = np.concatenate(
-        (panorama[:, : around + MARGIN], panorama[:, MARGIN : MARGIN + right + MARGIN]), axis=1
+        (panorama[:, : around + margin], panorama[:, margin : margin + right + margin]), axis=1
     )
-    return TargetBackground(
-        np.ascontiguousarray(wrapped), surroundings.flakes, surroundings.glitter
-    )
+    return replace(surroundings, panorama=np.ascontiguousarray(wrapped))

@@ -25,6 +25,9 @@ LEAST_AREA = 40
 HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
 
+DRIFT = 70.0
+"""How far the camera looks beside its first view at most, at an image width of 320 [px]."""
+
 STALK = np.array([52.0, 74.0, 58.0], np.float32)
 
 
@@ -106,11 +109,11 @@ def simulate_target(
     """
     scenario = find_target_scenario(name)
     rng = np.random.default_rng([seed, sorted(TARGET_SCENARIOS).index(name)])
-    surroundings = make_surroundings(size, rng, surface=scenario.surface)
-    duration = frame_count / rate
     zoom = size[0] / 320.0
+    surroundings = make_surroundings(size, rng, margin=DRIFT * zoom, surface=scenario.surface)
+    duration = frame_count / rate
     cast = scenario.cast(320.0, size[1] / zoom, duration, rng)
-    drift = rng.uniform(-70.0, 70.0, 2), rng.uniform(0.3, 1.1, 2), rng.uniform(0.0, 6.0, 2)
+    drift = rng.uniform(-DRIFT, DRIFT, 2), rng.uniform(0.3, 1.1, 2), rng.uniform(0.0, 6.0, 2)
     for index in range(frame_count):
         time = index / rate
         offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])

@@ -12,8 +12,8 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.simulation.texture import frequencies, spectral_noise
 from cable_tracker.tracking.image_frame import image_centre
 
-MARGIN = 160
-"""Width of the panorama beyond the camera's first view, on each side [px]."""
+LEAST_MARGIN = 160
+"""Least width of the panorama beyond the camera's first view, on each side [px]."""
 
 SHALLOW, DEEP = np.array([165.0, 150.0, 75.0]), np.array([105.0, 82.0, 38.0])
 """Colour of the water above and below: blue, green, red."""
@@ -31,7 +31,9 @@ class TargetBackground:
     Attributes
     ----------
     panorama : Image
-        Float32, larger than the picture by MARGIN on every side, shape (H', W', 3).
+        Float32, larger than the picture by `margin` on every side, shape (H', W', 3).
+    margin : int
+        Width of the panorama beyond the camera's first view, on each side [px].
     flakes : FloatArray
         Marine snow: x, y as shares of the picture, speeds in shares per second, brightness; (K, 5).
     glitter : Image
@@ -39,6 +41,7 @@ class TargetBackground:
     """
 
     panorama: Image
+    margin: int
     flakes: FloatArray
     glitter: Image
 
@@ -49,7 +52,7 @@ class TargetBackground:
         """
         width, height = size
         column, row = image_centre(size)
-        centre = (MARGIN + offset[0] + column, MARGIN + offset[1] + row)
+        centre = (self.margin + offset[0] + column, self.margin + offset[1] + row)
         picture = cv2.getRectSubPix(self.panorama, size, centre)
         side = self.glitter.shape[0]
         rows = (np.arange(height) + int(9.0 * time)) % side
@@ -66,23 +69,28 @@ class TargetBackground:
         Image
             uint8, shape (H, W, 3).
         """
-        self._snow(picture, time)
-        blurred = cv2.GaussianBlur(picture, (0, 0), BLUR)
+        blurred = cv2.GaussianBlur(self._with_snow(picture, time), (0, 0), BLUR)
         blurred += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
         return eight_bits(blurred)
 
-    def _snow(self, picture: Image, time: float) -> None:
-        """Strew the marine snow over a picture (H, W, 3), in place."""
+    def _with_snow(self, picture: Image, time: float) -> Image:
+        """Return a picture (H, W, 3) with the marine snow strewn over it."""
+        snowy = picture.copy()
         height, width = picture.shape[:2]
         x = (self.flakes[:, 0] + self.flakes[:, 2] * time) % 1.0 * width
         y = (self.flakes[:, 1] + self.flakes[:, 3] * time) % 1.0 * height
         for column, row, light in zip(x, y, self.flakes[:, 4], strict=True):
-            patch = picture[int(row) : int(row) + 2, int(column) : int(column) + 2]
+            patch = snowy[int(row) : int(row) + 2, int(column) : int(column) + 2]
             patch += np.float32(light)
+        return snowy
 
 
 def make_surroundings(
-    size: tuple[int, int], rng: np.random.Generator, *, surface: float | None = None
+    size: tuple[int, int],
+    rng: np.random.Generator,
+    *,
+    margin: float,
+    surface: float | None = None,
 ) -> TargetBackground:
     """Make surroundings at random.
 
@@ -92,17 +100,20 @@ def make_surroundings(
         Width and height of the pictures [px].
     rng : numpy.random.Generator
         Where they come from.
+    margin : float
+        How far the camera looks beside its first view at most [px].
     surface : float or None
         Height of the water's surface above the lower edge, as a share of the picture's height.
     """
-    width, height = size[0] + 2 * MARGIN, size[1] + 2 * MARGIN
+    beside = max(math.ceil(margin) + 1, LEAST_MARGIN)
+    width, height = size[0] + 2 * beside, size[1] + 2 * beside
     depth = np.linspace(0.0, 1.0, height)[:, None, None]
     panorama = np.tile((1.0 - depth) * SHALLOW + depth * DEEP, (1, width, 1)).astype(np.float32)
     panorama *= (1.0 + 0.05 * _clouds((height, width), 60.0, rng))[..., None]
     if surface is None:
-        _lay_bottom(panorama, MARGIN + int(size[1] * rng.uniform(0.6, 0.8)), rng)
+        _lay_bottom(panorama, beside + int(size[1] * rng.uniform(0.6, 0.8)), rng)
     else:
-        _lay_surface(panorama, MARGIN + int(size[1] * (1.0 - surface)), rng)
+        _lay_surface(panorama, beside + int(size[1] * (1.0 - surface)), rng)
     count = int(rng.integers(20, 45))
     flakes = np.stack(
         (
@@ -111,7 +122,7 @@ def make_surroundings(
         ),
         axis=1,
     )  # fmt: skip
-    return TargetBackground(panorama, flakes, _clouds((256, 256), 14.0, rng))
+    return TargetBackground(panorama, beside, flakes, _clouds((256, 256), 14.0, rng))
 
 
 def _clouds(shape: tuple[int, int], length: float, rng: np.random.Generator) -> Image:

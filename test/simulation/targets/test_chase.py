@@ -77,3 +77,12 @@ def test_one_may_look_all_round_without_a_seam():
     panorama = world._surroundings.panorama
     steps = np.abs(np.diff(panorama.mean(axis=0).mean(axis=1)))
     assert steps.max() < 12.0 * np.median(steps) + 3.0
+
+
+@pytest.mark.parametrize("width", [320, 640])
+def test_after_a_whole_turn_the_camera_sees_the_same(width):
+    world = ChaseWorld(ChaseSettings(image_size=(width, 60)))
+    surroundings, around = world._surroundings, world._around
+    first = surroundings.panorama[:, surroundings.margin :][:, :width]
+    again = surroundings.panorama[:, surroundings.margin + around :][:, :width]
+    assert np.array_equal(first, again)
