@@ -12,10 +12,12 @@ from cable_tracker.gui.labelling.labels import (
     FrameLabel,
     Gap,
     Labels,
+    can_be_filled,
     filled_gap,
     gap_at,
     gaps,
-    stranded,
+    interpolated_in,
+    stretches_at,
 )
 
 Changes: TypeAlias = Mapping[int, FrameLabel | None]
@@ -170,17 +172,13 @@ class LabelDocument:
         """Write changes, and let the interpolated labels beside follow."""
         first = self._write(frame, changes)
         followers: dict[int, FrameLabel | None] = {}
-        for gap in gaps(self._labels):
-            touches = any(gap.before <= changed <= gap.after for changed in changes)
-            if touches and any(self._is_interpolated(between) for between in gap.frames):
+        for gap in stretches_at(self._labels, changes):
+            between = [n for n in interpolated_in(self._labels, gap) if n not in changes]
+            if between and can_be_filled(self._labels, gap):
                 filled = filled_gap(self._labels, gap, self.stamps)
-                followers.update(
-                    (between, label)
-                    for between, label in filled.items()
-                    if self._is_interpolated(between) and between not in changes
-                )
-        left = stranded(self._labels, changes)
-        followers.update((between, None) for between in left if between not in changes)
+                followers.update((number, filled[number]) for number in between)
+            else:
+                followers.update(dict.fromkeys(between))
         second = self._write(frame, followers)
         before = {**second.before, **first.before}
         return _Step(frame, before, {changed: self._labels.get(changed) for changed in before})
@@ -198,7 +196,3 @@ class LabelDocument:
             else:
                 self._labels[changed] = label
         return _Step(frame, before, after)
-
-    def _is_interpolated(self, frame: int) -> bool:
-        label = self._labels.get(frame)
-        return label is not None and not label.is_key

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect, bisect_left
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
@@ -128,25 +128,30 @@ def state_from_page(values: Iterable[object]) -> CableState:
     return wrapped_if_outside(CableState(*numbers))
 
 
-def interpolated_state(before: CableState, after: CableState, fraction: float) -> CableState:
-    """Return the cable between two others, each border moving from one to the other.
+def interpolated_states(
+    before: CableState, after: CableState, shares: Sequence[float]
+) -> list[CableState]:
+    """Return the cable at places between two others, each border moving from one to the other.
 
     The second cable is written with its normal within a quarter turn of the first one's, so that
     the way between them never goes across the wrap of alpha.
 
     Parameters
     ----------
-    fraction : float
-        Place between them, from 0 to 1.
+    shares : sequence of float
+        Places between them, from 0 to 1.
     """
     both = np.stack((before.to_array(), after.to_array()))
     both[1:] = states_in_chart(both[1:], before.angle)
     borders = project_borders(both)
-    share = np.array([1.0 - fraction, fraction])
-    between = Borders(share @ borders.angles, share @ borders.offsets)
-    states = np.zeros((1, both.shape[1]))
-    states[:, :4] = states_from_borders(Borders(between.angles[None], between.offsets[None]))
-    return CableState.from_array(wrap_states(states)[0])
+    # Written out: the last bit of a product of matrices depends on how many rows they have.
+    on = np.array(shares)[:, None]
+    angles, offsets = (
+        (1.0 - on) * first + on * second for first, second in (borders.angles, borders.offsets)
+    )
+    states = np.zeros((len(on), both.shape[1]))
+    states[:, :4] = states_from_borders(Borders(angles, offsets))
+    return [CableState.from_array(state) for state in wrap_states(states)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,13 +175,10 @@ class Gap:
 
 def gaps(labels: Labels) -> list[Gap]:
     """Return the gaps that can be filled: between key frames that both show a cable."""
-    keys = sorted(frame for frame, label in labels.items() if label.is_key)
     return [
-        Gap(before, after)
-        for before, after in pairwise(keys)
-        if after > before + 1
-        and labels[before].state is not None
-        and labels[after].state is not None
+        gap
+        for gap in (Gap(before, after) for before, after in pairwise(_key_frames(labels)))
+        if gap.frames and can_be_filled(labels, gap)
     ]
 
 
@@ -186,29 +188,35 @@ def gap_at(labels: Labels, frame: int) -> Gap | None:
     return touching[0] if touching else None
 
 
-def stranded(labels: Labels, changed: Iterable[int]) -> list[int]:
-    """Return the interpolated frames that lie in no gap, of those beside changed frames.
+def stretches_at(labels: Labels, frames: Iterable[int]) -> list[Gap]:
+    """Return what lies between neighbouring key frames, of all that some frames lie in or end.
 
-    Parameters
-    ----------
-    changed : iterable of int
-        Numbers of the frames whose labels were changed; only frames between the key frames beside
-        them are looked at.
+    Before the first key frame and after the last a frame without a label stands for one.
     """
-    keys = sorted(frame for frame, label in labels.items() if label.is_key)
-    ordered = sorted(changed)
-    found = []
-    for frame, label in labels.items():
-        if label.is_key:
-            continue
-        place = bisect(keys, frame)
-        first = keys[place - 1] if place > 0 else -math.inf
-        last = keys[place] if place < len(keys) else math.inf
-        is_beside = bisect_left(ordered, first) < bisect(ordered, last)
-        ends = [labels[end].state for end in (first, last) if isinstance(end, int)]
-        if is_beside and (len(ends) < 2 or None in ends):
-            found.append(frame)
-    return found
+    ends = [min(labels, default=0) - 1, *_key_frames(labels), max(labels, default=0) + 1]
+    places = {
+        min(max(place - 1, 0), len(ends) - 2)
+        for frame in frames
+        for place in (bisect_left(ends, frame), bisect(ends, frame))
+    }
+    return [Gap(ends[place], ends[place + 1]) for place in sorted(places)]
+
+
+def can_be_filled(labels: Labels, gap: Gap) -> bool:
+    """Tell whether both ends of a gap show a cable."""
+    ends = labels.get(gap.before, WITHOUT_CABLE), labels.get(gap.after, WITHOUT_CABLE)
+    return all(label.state is not None for label in ends)
+
+
+def interpolated_in(labels: Labels, gap: Gap) -> list[int]:
+    """Return the frames of a gap whose labels are interpolated."""
+    frames = gap.frames
+    labelled = filter(labels.__contains__, frames) if len(frames) < len(labels) else labels
+    return [frame for frame in labelled if frame in frames and not labels[frame].is_key]
+
+
+def _key_frames(labels: Labels) -> list[int]:
+    return sorted(frame for frame, label in labels.items() if label.is_key)
 
 
 def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int, FrameLabel]:
@@ -231,9 +239,9 @@ def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int,
     if len(known) < len(times) or any(late <= early for early, late in pairwise(known)):
         known = list(range(gap.before, gap.after + 1))
     span = known[-1] - known[0]
+    shares = [(time - known[0]) / span for time in known[1:-1]]
+    states = interpolated_states(before, after, shares)
     return {
-        frame: FrameLabel(
-            interpolated_state(before, after, (time - known[0]) / span), Origin.INTERPOLATED
-        )
-        for frame, time in zip(gap.frames, known[1:-1], strict=True)
+        frame: FrameLabel(state, Origin.INTERPOLATED)
+        for frame, state in zip(gap.frames, states, strict=True)
     }

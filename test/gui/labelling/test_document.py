@@ -1,3 +1,5 @@
+import time
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -143,6 +145,16 @@ def test_interpolated_labels_go_with_the_key_frame_that_ends_them(taken):
     assert sorted(document.labels) == [6 - taken]
     document.undo()
     assert sorted(document.labels) == list(range(7))
+
+
+def test_much_that_is_labelled_is_interpolated_and_edited_in_a_moment():
+    filled_document()
+    document = LabelDocument({frame: key() for frame in range(0, 20_001, 10)})
+    begin = time.process_time()
+    document.interpolate(0, document.gaps_to_fill(None))
+    for stroke in range(10):
+        document.change(5000, {5000: key(float(stroke))}, merges=True)
+    assert time.process_time() - begin < 3.0
 
 
 def test_interpolated_labels_elsewhere_stay_as_the_file_has_them():

@@ -19,7 +19,7 @@ from cable_tracker.gui.labelling.labels import (
     flagged_label,
     gap_at,
     gaps,
-    interpolated_state,
+    interpolated_states,
     state_from_page,
 )
 
@@ -77,18 +77,18 @@ def test_what_cannot_be_drawn_is_refused(values):
 
 @given(states, states)
 def test_interpolation_begins_and_ends_at_the_key_frames(before, after):
-    assert distance_between(before, interpolated_state(before, after, 0.0)) == pytest.approx(
+    assert distance_between(before, interpolated_states(before, after, [0.0])[0]) == pytest.approx(
         np.zeros(4), abs=1e-6
     )
     assume(abs(math.cos(after.angle - before.angle)) > 1e-6)
-    assert distance_between(after, interpolated_state(before, after, 1.0)) == pytest.approx(
+    assert distance_between(after, interpolated_states(before, after, [1.0])[0]) == pytest.approx(
         np.zeros(4), abs=1e-6
     )
 
 
 @given(states, states, st.floats(0.0, 1.0))
 def test_interpolation_takes_the_short_way_round(before, after, fraction):
-    between = interpolated_state(before, after, fraction)
+    between = interpolated_states(before, after, [fraction])[0]
     whole = abs(float(wrap_angles(np.array(after.angle - before.angle))))
     part = abs(float(wrap_angles(np.array(between.angle - before.angle))))
     assert part <= whole + 1e-9
@@ -98,8 +98,8 @@ def test_interpolation_takes_the_short_way_round(before, after, fraction):
 
 def test_interpolation_across_the_wrap_does_not_turn_the_cable_round():
     almost, beyond = math.radians(88.0), math.radians(-88.0)
-    between = interpolated_state(
-        CableState(20.0, almost, 40.0, 0.1), CableState(-20.0, beyond, 40.0, -0.1), 0.5
+    (between,) = interpolated_states(
+        CableState(20.0, almost, 40.0, 0.1), CableState(-20.0, beyond, 40.0, -0.1), [0.5]
     )
     assert distance_between(CableState(20.0, math.pi / 2, 40.0, 0.1), between) == pytest.approx(
         np.zeros(4), abs=1e-9
@@ -109,7 +109,7 @@ def test_interpolation_across_the_wrap_does_not_turn_the_cable_round():
 def test_each_border_moves_evenly():
     before, after = CableState(-30.0, 0.2, 40.0, 0.05), CableState(50.0, -0.1, 60.0, 0.15)
     both = project_borders(np.stack((before.to_array(), after.to_array())))
-    quarter = project_borders(interpolated_state(before, after, 0.25).to_array()[None])
+    quarter = project_borders(interpolated_states(before, after, [0.25])[0].to_array()[None])
     assert quarter.angles[0] == pytest.approx(0.75 * both.angles[0] + 0.25 * both.angles[1])
     assert quarter.offsets[0] == pytest.approx(0.75 * both.offsets[0] + 0.25 * both.offsets[1])
 
