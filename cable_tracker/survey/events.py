@@ -128,26 +128,29 @@ SURE = 2.0
 
 def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Limits) -> list[Event]:
     """Return the events of one route of a dive, by their place."""
-    maker = _Maker(dive, route)
+    maker = _Maker(dive, course, route)
     events = [
-        *_found_and_lost(maker, course),
+        *_found_and_lost(maker),
         *_hidden(maker, limits),
         *_widths(maker, limits),
         *_bends(maker, limits),
         *_asides(maker, limits),
-        *_crossings(maker, course),
-        *_navigation(maker, course),
+        *_crossings(maker),
+        *_navigation(maker),
     ]
     dive.disk.let_go()
     return sorted(events, key=lambda event: (event.along, event.kind.value))
 
 
 class _Maker:
-    """Makes events at places of a route."""
+    """Makes events at places of a route; `piece` is the number of its connected piece.
 
-    def __init__(self, dive: ForwardDive, route: DiveRoute) -> None:
-        self.dive = dive
-        self.route = route
+    Of the way along the cable the next piece begins where the one before ends.
+    """
+
+    def __init__(self, dive: ForwardDive, course: Course, route: DiveRoute) -> None:
+        self.dive, self.course, self.route = dive, course, route
+        self.piece = int(course.cable.piece[course.keyframes.of(route.rows[:1])[0]])
 
     def at(self, kind: EventKind, along: float, detail: str, end: float | None = None) -> Event:
         route = self.route
@@ -162,17 +165,14 @@ class _Maker:
         return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
 
 
-def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
-    route = maker.route
-    cable, disk = course.cable, maker.dive.disk
+def _found_and_lost(maker: _Maker) -> list[Event]:
+    route, cable, disk = maker.route, maker.course.cable, maker.dive.disk
     way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
-    # Of the way along the cable the next piece begins where the one before ends.
-    piece = int(cable.piece[course.keyframes.of(route.rows[:1])[0]])
-    end = int(np.searchsorted(cable.piece, piece, "right"))
+    end = int(np.searchsorted(cable.piece, maker.piece, "right"))
 
     def claimed(part: slice) -> BoolArray:
         inside = (way[part] >= -0.5) & (way[part] <= route.along[-1] + 0.5)
-        inside &= cable.piece[part] == piece
+        inside &= cable.piece[part] == maker.piece
         found: BoolArray = inside & (cable.weights[part] > LEAST_WEIGHT)
         return found
 
@@ -289,18 +289,20 @@ def _asides(maker: _Maker, limits: Limits) -> list[Event]:
     return events
 
 
-def _crossings(maker: _Maker, course: Course) -> list[Event]:
+def _crossings(maker: _Maker) -> list[Event]:
     """Put sights of the same place and direction on the sea bed together."""
-    dive, keyframes, cable, start = maker.dive, course.keyframes, course.cable, maker.route.start
+    dive, keyframes, cable = maker.dive, maker.course.keyframes, maker.course.cable
     sights = []
     for sight in _by_block(dive, dive.table.crossings):
         row = dive.table.rows[sight.row]
         keyframe = int(np.searchsorted(keyframes.first, sight.row, side="right")) - 1
-        if keyframe < 0 or row["status"] != TRACKING:
+        if keyframe < 0 or row["status"] != TRACKING or cable.piece[keyframe] != maker.piece:
             continue
-        along = float(cable.along[keyframe]) + sight.ahead - float(row["look"]) - start
+        heading = float(cable.states[keyframe, 1])
+        beyond = (sight.ahead - float(row["look"])) / math.cos(heading)
+        along = float(cable.along[keyframe]) + beyond - maker.route.start
         direction = float(keyframes.places[keyframe, 2]) + sight.angle
-        across = math.remainder(sight.angle - float(cable.states[keyframe, 1]), math.pi)
+        across = math.remainder(sight.angle - heading, math.pi)
         sights.append((along, direction, across, sight.row))
     events = []
     for along, across, count in _clusters(sorted(sights)):
@@ -343,12 +345,12 @@ def _clusters(sights: Sequence[Sight]) -> list[tuple[float, float, int]]:
     ]
 
 
-def _navigation(maker: _Maker, course: Course) -> list[Event]:
+def _navigation(maker: _Maker) -> list[Event]:
     route = maker.route
     reach = round(JUMP_REACH * NANOSECONDS)
     earliest, latest = int(route.stamps.min()) - reach, int(route.stamps.max()) + reach
     events = []
-    for stamp in course.poses.jumps:
+    for stamp in maker.course.poses.jumps:
         if not earliest <= stamp <= latest:
             continue
         point = int(np.abs(route.stamps - stamp).argmin())

@@ -113,6 +113,28 @@ def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
     assert EventKind.NAVIGATION in kinds[0] and EventKind.NAVIGATION not in kinds[1]
 
 
+def dive_in_two_pieces():
+    """Return a dive whose odometry is silent and then goes on elsewhere."""
+    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), Disk())
+    stamps, values = dive.poses.arrays()
+    silence = (stamps > stamps[400]) & (stamps < stamps[500])
+    for stamp, value in zip(stamps[~silence], values[~silence], strict=True):
+        again.poses.add(int(stamp), list(value))
+    again.table = dive.table
+    return again
+
+
+def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():
+    dive = dive_in_two_pieces()
+    for row in range(500, 508):
+        # Just before the place where the second route begins, and the first one has ended.
+        dive.table.crossings.append(CrossingSight(row, 0.5 - 0.05 * (row - 500), 1.0))
+    surveyed, _ = analyse(dive, SurveySettings())
+    assert len(surveyed.routes) == 2
+    first, _ = surveyed.routes
+    assert EventKind.CROSSING not in [event.kind for event in first.events]
+
+
 @pytest.mark.parametrize("end", [30.0, 30.1, 30.2, 30.3, 30.4])
 def test_a_cable_that_ends_before_the_dive_is_lost_there(end):
     (event,) = events(make_dive(Plan(hidden=((end, 60.0),))), EventKind.LOST)
