@@ -306,6 +306,11 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
     normal = np.column_stack((-directions[:, 1], directions[:, 0]))
     places = axis + mean[:, None] * normal
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
+    # A dive may have gone along the same cable twice.
+    seen_by: dict[str, BoolArray] = {}
+    for each, aside in zip(beside, asides, strict=True):
+        seen = seen_by.get(each.recording, np.zeros(len(axis), np.bool_))
+        seen_by[each.recording] = seen | np.isfinite(aside)
     merged = MergedRoute(
         along=along,
         places=places,
@@ -314,12 +319,12 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
         visible=_mean([each.visible for each in beside]),
         diameters=_mean([each.diameters for each in beside]),
         asides=_mean([each.vehicle for each in beside]),
-        dives=count.astype(np.float64),
+        dives=np.sum(list(seen_by.values()), axis=0, dtype=np.float64),
         events=(),
-        recordings=tuple(each.recording for each in group),
+        recordings=tuple(seen_by),
     )
     apart = (count > 1) & (excess > DISAGREEMENT)
-    disagreements = _disagreements(merged, apart, asides, beside)
+    disagreements = _disagreements(merged, apart, asides)
     events = [*_events_of(merged, group), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return replace(merged, events=tuple(events))
@@ -333,11 +338,9 @@ def _mean(columns: Sequence[FloatArray]) -> FloatArray:
     return mean
 
 
-def _disagreements(
-    route: MergedRoute, apart: BoolArray, asides: FloatArray, beside: Sequence[_Beside]
-) -> list[Event]:
+def _disagreements(route: MergedRoute, apart: BoolArray, asides: FloatArray) -> list[Event]:
     events = []
-    first_name, *others = (each.recording for each in beside)
+    first_name, *others = route.recordings
     for first, last in true_runs(apart):
         start, end = float(route.along[first]), float(route.along[last - 1])
         if end - start < LEAST_DISAGREEMENT:

@@ -47,6 +47,22 @@ def test_two_dives_give_one_route_between_them_weighted_by_their_doubt():
     assert merged.recordings == ("a", "b")
 
 
+def test_a_dive_that_went_along_a_cable_twice_counts_once():
+    there, back, other = (placed(Plan(seed=seed), name) for seed, name in enumerate("aab", 1))
+    (twice,) = merge([there, back])
+    assert twice.recordings == ("a",)
+    assert twice.dives.max() == 1.0
+    (merged,) = merge([there, back, other])
+    assert merged.recordings == ("a", "b")
+    assert merged.dives.max() == 2.0
+
+
+def test_a_dive_that_disagrees_with_itself_is_named_once():
+    (merged,) = merge([placed(Plan(), "a", 0.5, 0.02), placed(Plan(seed=2), "a", -0.5, 0.02)])
+    (event,) = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]
+    assert event.recordings == "a"
+
+
 def test_dives_that_disagree_are_an_event_and_less_sure():
     (merged,) = merge([placed(Plan(), "a", 0.5, 0.02), placed(Plan(seed=2), "b", -0.5, 0.02)])
     (event,) = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]
