@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cable_tracker.atomic_output import atomic_file
@@ -118,7 +118,7 @@ def run_survey(
         The folder cannot be written.
     """
     datum = settings.datum or find_datum(paths, settings.forward)
-    settings = SurveySettings(settings.forward, settings.limits, datum, settings.pictures)
+    settings = replace(settings, datum=datum)
     names = names_of(paths)
     tasks = [
         SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.errors import RecordingError, write_failure
+from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
@@ -61,12 +61,23 @@ class SurveySettings:
 
 
 def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float, float] | None:
-    """Return the first place on the earth that any of the recordings states [deg]; None: none."""
+    """Return the first place on the earth that any of the recordings states [deg]; None: none.
+
+    Raises
+    ------
+    ParameterError
+        The user's vehicle file is not acceptable.
+    """
     for path in paths:
         try:
             with settings.open(path) as recording:
                 vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
         except RecordingError:
+            continue
+        except ParameterError:
+            if settings.vehicle is not None:
+                raise
+            # The file beside a recording is refused where that is surveyed.
             continue
         if vehicle.source is None or Instrument.FIX not in vehicle.source.found.topics:
             continue

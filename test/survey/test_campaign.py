@@ -40,6 +40,14 @@ def test_a_dive_becomes_a_route_and_a_broken_one_a_row(surveyed):
         assert (output / name).stat().st_size > 0
 
 
+def test_a_dive_with_a_broken_vehicle_file_ends_no_other(bag, tmp_path):
+    broken = shutil.copytree(bag, tmp_path / "broken")
+    (broken / "vehicle.yaml").write_text("mounting: sideways\n")
+    result = run_survey([broken, bag], tmp_path / "map", SurveySettings(), ALONE)
+    assert [outcome.state for outcome in result.outcomes] == [TaskState.FAILED, TaskState.DONE]
+    assert "vehicle.yaml" in result.rows[0].state
+
+
 def test_what_was_written_is_read_back(surveyed):
     output, result, _ = surveyed
     dive = read_surveyed(output / "recordings/dive")
