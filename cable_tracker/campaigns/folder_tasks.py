@@ -89,11 +89,16 @@ def _facts_of_files(path: Path) -> Iterator[str]:
 
 def is_done(task: FolderTask, folder: Path, version: str) -> bool:
     """Tell whether a folder holds the results of this very task, by this very version."""
+    return is_marked(folder, task.fingerprint(), version)
+
+
+def is_marked(folder: Path, fingerprint: str, version: str) -> bool:
+    """Tell whether a folder holds the results of a task with this fingerprint, by this version."""
     try:
         marker = json.loads((folder / MARKER).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
-    return bool(marker == _marker(task.fingerprint(), version))
+    return bool(marker == _marker(fingerprint, version))
 
 
 def _marker(fingerprint: str, version: str) -> dict[str, str]:
@@ -102,19 +107,26 @@ def _marker(fingerprint: str, version: str) -> dict[str, str]:
 
 def run_in_folder(
     task: FolderTask, root: Path, version: str, advance: Callable[[int], None]
-) -> None:
+) -> str:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
+
+    Returns
+    -------
+    str
+        The fingerprint in the marker.
 
     Raises
     ------
     OutputError
         The results cannot be written.
     """
-    marker = _marker(task.fingerprint(), version)
+    fingerprint = task.fingerprint()
     with output_file(root / task.name, lambda _earlier: True, overwrite=True) as folder:
         folder.mkdir()
         task.run(folder, advance)
-        (folder / MARKER).write_text(json.dumps(marker), encoding="utf-8")
+        marker = json.dumps(_marker(fingerprint, version))
+        (folder / MARKER).write_text(marker, encoding="utf-8")
+    return fingerprint

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from distributed import Client, as_completed, get_worker
 from distributed.scheduler import KilledWorker
@@ -20,6 +20,7 @@ from cable_tracker.campaigns.folder_tasks import (
     Outcome,
     TaskState,
     is_done,
+    is_marked,
     run_in_folder,
 )
 from cable_tracker.campaigns.result_tasks import ResultTask, run_and_keep
@@ -57,17 +58,25 @@ class _Teller:
         self._count, self._last = 0, time.monotonic()
 
 
-def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) -> tuple[str, int]:
-    """Do a task in a worker; return why it failed, or an empty text, and how many frames it had."""
+class _Done(NamedTuple):
+    """What a worker says of a task: why it failed, or ""; frames; fingerprint of its results."""
+
+    reason: str
+    total: int
+    fingerprint: str = ""
+
+
+def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) -> _Done:
+    """Do a task in a worker."""
     if version != __version__:
-        return _other_version(version), 0
+        return _Done(_other_version(version), 0)
     teller = _Teller(number)
     try:
         with one_thread():
-            run_in_folder(task, Path(root), version, teller)
+            fingerprint = run_in_folder(task, Path(root), version, teller)
     except CableTrackerError as error:
-        return str(error), teller.total
-    return "", teller.total
+        return _Done(str(error), teller.total)
+    return _Done("", teller.total, fingerprint)
 
 
 def _other_version(version: str) -> str:
@@ -124,11 +133,8 @@ def run_campaign(
     except OSError as error:
         raise write_failure(root, error) from error
     outcomes: dict[str, Outcome] = {}
-    earlier: dict[str, tuple[FolderTask, _Identity]] = {}
 
     def end(outcome: Outcome) -> None:
-        if outcome.state is TaskState.DONE and outcome.name in earlier:
-            outcome = _checked(outcome, root, *earlier[outcome.name])
         if outcome.state is TaskState.FAILED:
             shutil.rmtree(root / outcome.name, ignore_errors=True)
         outcomes[outcome.name] = outcome
@@ -138,11 +144,8 @@ def run_campaign(
     for task in tasks:
         if resume and is_done(task, root / task.name, __version__):
             end(Outcome(task.name, TaskState.KEPT))
-            continue
-        left.append(task)
-        identity = _identity(root / task.name)
-        if identity is not None:
-            earlier[task.name] = task, identity
+        else:
+            left.append(task)
     if settings.is_here(len(left)):
         for task in left:
             end(_do_here(task, root, advance))
@@ -150,26 +153,6 @@ def run_campaign(
         with connected(settings) as client:
             _run_on(client, left, root, (advance, end))
     return [outcomes[name] for name in names]
-
-
-_Identity = tuple[int, int]
-"""Device and number of a folder on it."""
-
-
-def _identity(folder: Path) -> _Identity | None:
-    try:
-        found = folder.stat()
-    except OSError:
-        return None
-    return found.st_dev, found.st_ino
-
-
-def _checked(outcome: Outcome, root: Path, task: FolderTask, earlier: _Identity) -> Outcome:
-    """Return what came of a task; it has failed if what is there is still the earlier result."""
-    folder = root / task.name
-    if _identity(folder) != earlier or is_done(task, folder, __version__):
-        return outcome
-    return Outcome(task.name, TaskState.FAILED, _not_here(root))
 
 
 def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Outcome:
@@ -226,25 +209,24 @@ def _as_they_end(
 
 def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa: ANN401
     """Return what came of a future, which has no type, and how many frames it had."""
-    total = 0
     error = future.exception()
     if isinstance(error, KilledWorker):
-        reason = "its worker was ended several times, perhaps for want of memory; give more memory"
+        done = _Done(
+            "its worker was ended several times, perhaps for want of memory; give more memory", 0
+        )
     elif error is not None:
-        reason = _unexpected(error)
+        done = _Done(_unexpected(error), 0)
     else:
-        reason, total = future.result()
-    if not reason and not (root / name).is_dir():
-        reason = _not_here(root)
-    return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), total
+        done = future.result()
+    reason = done.reason
+    # An earlier result may lie here, where a worker has put its own elsewhere.
+    if not reason and not is_marked(root / name, done.fingerprint, __version__):
+        reason = f"its result is not in {root}; workers on other machines must share this folder"
+    return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), done.total
 
 
 def _unexpected(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
-
-
-def _not_here(root: Path) -> str:
-    return f"its result is not in {root}; workers on other machines must share this folder"
 
 
 def _result_in_worker(
