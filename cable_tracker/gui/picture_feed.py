@@ -6,6 +6,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 
 from cable_tracker.errors import CableTrackerError, one_line
 from cable_tracker.gui.frame_channel import FrameChannel
@@ -38,6 +39,7 @@ class PictureFeed:
     def __init__(self) -> None:
         self.channel = FrameChannel(self._is_wanted)
         self._condition = threading.Condition()
+        self._session: Session | None = None
         self._snapshot: AnySnapshot | None = None
         self._history = TrackingHistory()
         self._arrivals: deque[float] = deque(maxlen=256)
@@ -53,15 +55,18 @@ class PictureFeed:
         """Take the snapshots of this session from now on, and of no other."""
         self._end_listening()
         with self._condition:
+            self._session = session
             self._history = TrackingHistory()
             self._arrivals.clear()
             self._snapshot = None
         if session is None:
             self._end_listening = _nothing
             return
-        self._end_listening = session.listen(self._take)
-        if session.latest is not None:
-            self._take(session.latest)
+        self._end_listening = session.listen(partial(self._take, session))
+        with self._condition:
+            # One that has come meanwhile is newer.
+            if self._snapshot is None and session.latest is not None:
+                self._take(session, session.latest)
 
     def close(self) -> None:
         """End the thread."""
@@ -71,8 +76,11 @@ class PictureFeed:
             self._condition.notify_all()
         self._thread.join()
 
-    def _take(self, snapshot: AnySnapshot) -> None:
+    def _take(self, session: Session, snapshot: AnySnapshot) -> None:
         with self._condition:
+            # A session that is no longer watched may be in the midst of telling.
+            if session is not self._session:
+                return
             self._snapshot = snapshot
             self._history.add(snapshot)
             self._arrivals.append(time.monotonic())

@@ -77,6 +77,15 @@ def session(feed):
     return session
 
 
+def test_what_a_session_tells_when_another_is_watched_is_not_shown(feed, session):
+    (telling,) = session._listeners
+    other = Shown()
+    feed.watch(other)
+    other.show(1)
+    telling(Snapshot(7, 7, 280_000_000, np.zeros((24, 32), np.uint8), "LOST"))
+    assert feed._snapshot is other.latest
+
+
 def looking(feed, *visits):
     """Run visits of browsers one after the other."""
 
