@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.particle_filter.student_t import log_peak_density
 
 TAIL = 3.0
 """Degrees of freedom of the Student-t about the usual score of clutter."""
@@ -15,7 +16,8 @@ TAIL = 3.0
 LEAST_SPREAD = 0.2
 """Lower bound of the spread of scores; also the spread of pictures without any texture."""
 
-STUDENT_PEAK = math.gamma((TAIL + 1) / 2) / (math.gamma(TAIL / 2) * math.sqrt(TAIL * math.pi))
+STUDENT_PEAK = math.exp(log_peak_density(TAIL, 1))
+"""Density of that Student-t at its middle, for a unit spread."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,11 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.particle_filter.student_t import log_peak_density, standard_student_t
+from cable_tracker.particle_filter.student_t import (
+    log_peak_density,
+    relative_log_density,
+    standard_student_t,
+)
 from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.tracking.survival import share_about_last_place
 
@@ -112,9 +116,9 @@ def _log_densities(  # noqa: PLR0917
         turn = (turned - TURN * math.floor(turned / TURN + 0.5)) / angle
         by_size = stretch * stretch + turn * turn
         squared = across * across + up * up + by_size
-        near = near_peak - 0.5 * (TAIL + POSE_SIZE) * math.log1p(squared / TAIL)
+        near = near_peak + relative_log_density(squared, TAIL, POSE_SIZE)
         if abs(states[row, 0]) <= width / 2 and abs(states[row, 1]) <= height / 2:
-            far = far_peak - 0.5 * (TAIL + 2) * math.log1p(by_size / TAIL)
+            far = far_peak + relative_log_density(by_size, TAIL, 2)
             most, least = max(near, far), min(near, far)
             near = most + math.log1p(math.exp(least - most))
         densities[row] = near

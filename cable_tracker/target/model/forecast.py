@@ -13,7 +13,7 @@ from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence
 from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 from cable_tracker.particle_filter.resampling import systematic_resampling
-from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.particle_filter.student_t import relative_density, standard_student_t
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import POSE_SIZE
 
@@ -37,18 +37,13 @@ def relative_kernels(
         Degrees of freedom.
     """
     values = np.empty((len(points), len(centres)))
-    power = -0.5 * (tail + POSE_SIZE)
     for row in range(len(points)):
         for column in range(len(centres)):
             squared = 0.0
             for axis in range(POSE_SIZE):
                 offset = (points[row, axis] - centres[column, axis]) / scales[axis]
                 squared += offset * offset
-            base = 1.0 + squared / tail
-            if tail == 4.0:
-                values[row, column] = 1.0 / (base * base * base * base)
-            else:
-                values[row, column] = base**power
+            values[row, column] = relative_density(squared, tail, POSE_SIZE)
     return values
 
 

@@ -20,7 +20,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
-from cable_tracker.tracking.rates import over_time
+from cable_tracker.tracking.rates import event_probability, over_time
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 
@@ -125,7 +125,7 @@ def forecast_of(
     centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
     survival = _survival(centres, shape, dt, p)
     predicted = predict_existence(
-        belief.presence, float(survival.mean()), 1.0 - math.exp(-p.appearance_rate * dt)
+        belief.presence, float(survival.mean()), event_probability(p.appearance_rate, dt)
     )
     total = survival.sum()
     # None can be in view after a long time with high rates: then all are as likely.

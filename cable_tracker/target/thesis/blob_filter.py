@@ -251,10 +251,10 @@ class BlobFilter(TargetFilter):
             whole = outline.in_picture(frame.shape)
             self._prior = replace(prior, mask=_cut_about(whole))
             state[:2] = self._estimate[:2] = centroid(whole)
-        spread = self._particles.states[:, :STATE_SIZE]
+        states = self._particles.states
         return TargetSummary(
             state=state,
-            covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
+            covariance=np.cov(states.T) if len(states) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
             outline=outline,
             is_whole=is_near and not touches,
             presence=1.0 if claims else 0.0,
@@ -266,7 +266,6 @@ class BlobFilter(TargetFilter):
 
     def _nothing(self, n_eff: float) -> TargetSummary:
         """Say that nothing of the target can be in the picture."""
-        assert self._prior is not None
         return TargetSummary(
             state=self._estimate.copy(),
             covariance=np.eye(STATE_SIZE) * 1e6,
