@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 Groups = tuple[tuple[str, tuple[str, ...]], ...]
 """Titles, and names of parameters."""

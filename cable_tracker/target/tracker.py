@@ -64,15 +64,8 @@ class TargetTracker:
 
     def __init__(self, parameters: TargetParameters | None = None) -> None:
         self._parameters = parameters if parameters is not None else TargetParameters()
-        self._rng = np.random.default_rng(self._parameters.seed)
-        self._filter = self._make_filter()
-        self._start: TargetStart | None = None
-        self._status = StatusMachine()
-        self._frame: FrameMark | None = None
         self._zoom = 1.0
-        self._is_proposed = False
-        self._presence = 0.0
-        self._has_begun = False
+        self.reset()
 
     @property
     def parameters(self) -> TargetParameters:
@@ -104,9 +97,11 @@ class TargetTracker:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = self._make_filter()
-        self._start = None
+        self._start: TargetStart | None = None
         self._status = StatusMachine()
-        self._frame = None
+        self._frame: FrameMark | None = None
+        self._is_proposed = self._has_begun = False
+        self._presence = 0.0
 
     def copy(self) -> TargetTracker:
         """Return another tracker that goes on as this one would, bit for bit, and apart from it."""

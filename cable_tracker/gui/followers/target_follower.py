@@ -7,7 +7,6 @@ import time
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.followers.follower import BLANK, Follower
 from cable_tracker.gui.session import AnyStart, TargetSnapshot
@@ -16,6 +15,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.target_labels import BoxTruth
+from cable_tracker.target.model.estimate import is_claimed
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
 from cable_tracker.target.model.state import PoseColumn
@@ -88,9 +88,9 @@ class TargetFollower(Follower):
         begin = time.perf_counter()
         estimate = self._tracker.process(self._image, frame.stamp)
         ms = (time.perf_counter() - begin) * 1e3
-        is_claimed = estimate.status is TrackingStatus.TRACKING and estimate.box is not None
+        claimed = is_claimed(estimate)
         state = sigma = None
-        if is_claimed:
+        if claimed:
             state = estimate.state.copy()
             state[PoseColumn.LOG_SCALE] = estimate.scale
             sigma = estimate.standard_deviations()[:4]
@@ -104,9 +104,9 @@ class TargetFollower(Follower):
             reason=estimate.event,
             state=state,
             sigma=sigma,
-            box=estimate.box if is_claimed else None,
-            outline=estimate.outline if is_claimed else np.empty((0, 2)),
-            area=estimate.area if is_claimed else None,
+            box=estimate.box if claimed else None,
+            outline=estimate.outline if claimed else np.empty((0, 2)),
+            area=estimate.area if claimed else None,
             cloud=_poses_of(self._tracker.particles),
             score=float(estimate.score),
             presence=float(estimate.presence),
