@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.working_image import MINIMUM_SIDE
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.detection.search_region import scaled_state
@@ -52,7 +53,8 @@ class CrossingSearch:
         self._searched = estimate.stamp
         state, (width, height) = estimate.state, estimate.image_size
         own = np.array([math.cos(state.angle), math.sin(state.angle)])
-        scale = max(width / CROSSING_WIDTH, 1.0)
+        # A long, low picture keeps as many rows as a detector needs.
+        scale = max(min(width / CROSSING_WIDTH, height / MINIMUM_SIDE), 1.0)
         for found in self._finder.detect(_reduced(grey, scale)):
             other = scaled_state(found.state, scale)
             across = abs(math.remainder(other.angle - state.angle, math.pi))
@@ -74,5 +76,5 @@ def _reduced(grey: Image, scale: float) -> Image:
     """Return a picture whose sides are divided by a factor."""
     if scale <= 1.0:
         return grey
-    size = (round(grey.shape[1] / scale), max(1, round(grey.shape[0] / scale)))
+    size = (round(grey.shape[1] / scale), round(grey.shape[0] / scale))
     return cv2.resize(grey, size, interpolation=cv2.INTER_AREA)

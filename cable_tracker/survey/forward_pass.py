@@ -299,15 +299,21 @@ def read_pose(message: object) -> list[float]:
 
 
 def read_fix(message: object) -> list[float] | None:
-    """Read a sensor_msgs/NavSatFix; None if it says that it has none."""
+    """Read a sensor_msgs/NavSatFix as `FIX_WIDTH` numbers [deg, m, m²]; None where it has none.
+
+    Receivers that have none yet may say 0, 0 all the same.
+    """
     fix: Any = message
     if int(fix.status.status) < 0:
         return None
     place = [float(fix.latitude), float(fix.longitude)]
     if not (np.isfinite(place).all() and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
         return None
+    if place == [0.0, 0.0]:
+        return None
     height = float(fix.altitude) if math.isfinite(float(fix.altitude)) else 0.0
     variances = [float(fix.position_covariance[0]), float(fix.position_covariance[4])]
-    if int(fix.position_covariance_type) == 0 or not all(value > 0.0 for value in variances):
+    is_said = all(0.0 < value < math.inf for value in variances)
+    if not is_said or int(fix.position_covariance_type) == 0:
         variances = [UNSAID_FIX_VARIANCE] * 2
     return [*place, height, *variances]

@@ -44,7 +44,7 @@ def search():
             estimate = SimpleNamespace(
                 stamp=round((number * pause - (back if number else 0.0)) * SECOND),
                 state=CableState(0.0, 0.0, 24.0),
-                image_size=(320, 240),
+                image_size=grey.shape[::-1],
             )
             crossings.search(FLIGHT, grey, estimate)
         return table.crossings
@@ -71,3 +71,7 @@ def test_pictures_are_searched_now_and_then(search):
 def test_a_clock_that_is_set_back_does_not_end_the_search(search):
     pictures = [picture(CABLE, ACROSS)] * 3
     assert {sight.row for sight in search(*pictures, back=3600.0)} == {0, 1, 2}
+
+
+def test_a_long_low_picture_is_searched_like_any_other(search):
+    assert search(np.full((20, 640), 70, np.uint8)) == []

@@ -1,9 +1,18 @@
+import math
+from types import SimpleNamespace
+
 import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.metric.vehicle import VehicleDescription
-from cable_tracker.survey.forward_pass import ForwardDive, ForwardSettings, _Run
+from cable_tracker.survey.forward_pass import (
+    UNSAID_FIX_VARIANCE,
+    ForwardDive,
+    ForwardSettings,
+    _Run,
+    read_fix,
+)
 
 SECOND = 1_000_000_000
 
@@ -55,3 +64,27 @@ def test_after_a_silence_and_a_clock_that_jumps_back_the_count_begins_anew(run):
 def test_a_rate_that_cannot_be_is_refused(rate):
     with pytest.raises(ParameterError, match="most-rate"):
         ForwardSettings(most_rate=rate)
+
+
+def fix(latitude=54.0, longitude=7.0, variance=0.04, status=0, kind=2):
+    return SimpleNamespace(
+        status=SimpleNamespace(status=status), latitude=latitude, longitude=longitude,
+        altitude=math.nan, position_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0],
+        position_covariance_type=kind,
+    )  # fmt: skip
+
+
+def test_a_fix_is_read_with_its_variances():
+    assert read_fix(fix()) == [54.0, 7.0, 0.0, 0.04, 0.04]
+
+
+@pytest.mark.parametrize(
+    "none", [{"status": -1}, {"latitude": math.nan}, {"latitude": 0.0, "longitude": 0.0}]
+)
+def test_what_is_no_fix_is_passed_over(none):
+    assert read_fix(fix(**none)) is None
+
+
+@pytest.mark.parametrize("unsaid", [{"kind": 0}, {"variance": 0.0}, {"variance": math.inf}])
+def test_a_fix_that_does_not_say_how_sure_it_is_counts_little(unsaid):
+    assert read_fix(fix(**unsaid))[3:] == [UNSAID_FIX_VARIANCE] * 2
