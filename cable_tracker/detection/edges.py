@@ -10,12 +10,10 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.libraries import without_ipp
+from cable_tracker.tracking.robust import RAYLEIGH_MEDIAN
 
 GRADIENT_FLOOR = 0.5
 """Smallest robust scale of a frame's gradient [grey levels per px]: below it lies the noise."""
-
-GAUSSIAN_MEDIAN = 1.1774
-"""Median over sigma of the length of a vector of two Gaussian components."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +49,7 @@ def gradient_of(smooth: Image) -> Gradient:
     y = cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=3, scale=-1 / 8)
     modulus = magnitude(x, y)
     # Every second row and column says the same in a quarter of the time.
-    scale = float(np.median(modulus[::2, ::2])) / GAUSSIAN_MEDIAN
+    scale = float(np.median(modulus[::2, ::2])) / RAYLEIGH_MEDIAN
     return Gradient(x, y, modulus, max(scale, GRADIENT_FLOOR))
 
 

@@ -39,8 +39,8 @@ from cable_tracker.trackers import make_tracker
 POSE_WIDTH = 4
 """x, y, yaw, and speed [m, rad, m/s]."""
 
-FIX_WIDTH = 5
-"""Latitude, longitude, height, variances of east and north."""
+FIX_WIDTH = 4
+"""Latitude, longitude, variances of east and north [deg, m²]."""
 
 UNSAID_FIX_VARIANCE = 25.0
 """Variance of a fix that states none [m²]."""
@@ -299,7 +299,7 @@ def read_pose(message: object) -> list[float]:
 
 
 def read_fix(message: object) -> list[float] | None:
-    """Read a sensor_msgs/NavSatFix as `FIX_WIDTH` numbers [deg, m, m²]; None where it has none.
+    """Read a sensor_msgs/NavSatFix as `FIX_WIDTH` numbers; None where it has none.
 
     Receivers that have none yet may say 0, 0 all the same.
     """
@@ -311,9 +311,8 @@ def read_fix(message: object) -> list[float] | None:
         return None
     if place == [0.0, 0.0]:
         return None
-    height = float(fix.altitude) if math.isfinite(float(fix.altitude)) else 0.0
     variances = [float(fix.position_covariance[0]), float(fix.position_covariance[4])]
     is_said = all(0.0 < value < math.inf for value in variances)
     if not is_said or int(fix.position_covariance_type) == 0:
         variances = [UNSAID_FIX_VARIANCE] * 2
-    return [*place, height, *variances]
+    return [*place, *variances]

@@ -15,13 +15,11 @@ from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses, turned
+from cable_tracker.tracking.robust import RAYLEIGH_MEDIAN
 
 FEWEST_FIXES = 3
 LEAST_WAY = 2.0
 """Smallest extent of the fixes from which a dive is turned on the earth [m]."""
-
-RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))
-"""Median length of a vector in the plane, in standard deviations of each coordinate."""
 
 OUTLIER = 4.0
 """Distance from which on a fix is an outlier [standard deviations]."""
@@ -89,7 +87,7 @@ def georeference(
     if len(stamps) < FEWEST_FIXES:
         return None
     measured = frame.from_degrees(values[:, 0], values[:, 1])
-    variances = values[:, 3:5].mean(axis=1)
+    variances = values[:, 2:4].mean(axis=1)
     kept = np.ones(len(stamps), bool)
     for _ in range(3):
         if kept.sum() < FEWEST_FIXES or np.ptp(places[kept], axis=0).max() < LEAST_WAY:

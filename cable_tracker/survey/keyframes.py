@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,11 +108,13 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
     breaks = disk.filled(count, lambda part: gaps[part] > MOST_SPACING, np.bool_)
     breaks[:1] = True
     isolated = _isolated_claims(summed(gaps, disk), claims, disk)
-    odd, weak = _odd_limits(diameters, disk), _weak_limit(border_steps, disk)
+    usual_diameter, usual_step = _usual(diameters, disk), _usual(border_steps, disk)
 
     def doubts(part: slice) -> BoolArray:
         with np.errstate(invalid="ignore"):
-            found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | isolated[part]
+            odd = np.abs(diameters[part] - usual_diameter) > ODD_DIAMETER * usual_diameter
+            weak = border_steps[part] < WEAK_BORDERS * usual_step
+        found: BoolArray = odd | weak | isolated[part]
         return found
 
     return Keyframes(
@@ -220,22 +221,6 @@ def filled(values: FloatArray, disk: Disk) -> FloatArray:
 
     whole: FloatArray = disk.filled(len(values), between)
     return whole
-
-
-def _odd_limits(diameters: FloatArray, disk: Disk) -> Callable[[FloatArray], BoolArray]:
-    """Return what tells which diameters are out of the ordinary among all (S,) [m]; NaN is not."""
-    usual = _usual(diameters, disk)
-
-    def odd(some: FloatArray) -> BoolArray:
-        found: BoolArray = np.abs(some - usual) > ODD_DIAMETER * usual
-        return found
-
-    return odd
-
-
-def _weak_limit(border_steps: FloatArray, disk: Disk) -> float:
-    """Return below which steps of the borders are far below the usual of all (S,); or NaN."""
-    return WEAK_BORDERS * _usual(border_steps, disk)
 
 
 def _usual(values: FloatArray, disk: Disk) -> float:

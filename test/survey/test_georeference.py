@@ -12,12 +12,12 @@ FRAME = LocalFrame(54.0, 7.9)
 
 
 def fixes_of(places: np.ndarray, sigma: float, rng) -> Samples:
-    fixes = Samples(5)
+    fixes = Samples(4)
     for k in range(0, len(places), 10):
         noisy = places[k : k + 1, :2] + sigma * rng.standard_normal((1, 2))
         latitude, longitude = FRAME.to_degrees(noisy)[0]
         stamp = SECOND + k * SECOND // 10
-        fixes.add(stamp, [latitude, longitude, 0.0, sigma**2, sigma**2])
+        fixes.add(stamp, [latitude, longitude, sigma**2, sigma**2])
     return fixes
 
 
@@ -47,7 +47,7 @@ def test_fixes_far_off_do_not_count():
     true = way(2000)
     fixes = fixes_of(true, 0.3, np.random.default_rng(3))
     latitude, longitude = FRAME.to_degrees(np.array([[400.0, 400.0]]))[0]
-    fixes.add(SECOND + 50 * SECOND + 5, [latitude, longitude, 0.0, 0.09, 0.09])
+    fixes.add(SECOND + 50 * SECOND + 5, [latitude, longitude, 0.09, 0.09])
     earth = georeference(joined_poses(odometry(true)), fixes, FRAME)
     assert earth.left_out == 1
 

@@ -54,7 +54,7 @@ def hard_dive(disk: Disk, length: float = 35.0) -> ForwardDive:
             dive.poses.add(int(stamp) + later, pose)
             if count % 10 == 0:
                 (place,) = frame.to_degrees(np.array([[x, y + 30.0 * (count == 200)]]))
-                dive.fixes.add(int(stamp) + later, [*place, 0.0, 0.25, 0.25])
+                dive.fixes.add(int(stamp) + later, [*place, 0.25, 0.25])
     return dive
 
 

@@ -163,7 +163,7 @@ def write_geojson(path: Path, survey: SurveyMap) -> None:
     features: list[dict[str, Any]] = []
     for name, route in zip(survey.names, survey.routes, strict=True):
         line = survey.coordinates(route.places).tolist()
-        table = {key: _finite(values) for key, values in at_every_metre(route).items()}
+        table = {key: rounded(values, 4) for key, values in at_every_metre(route).items()}
         own = {"layer": "route", "name": name, "length_m": round(float(route.along[-1]), 3)}
         own["recordings"] = list(route.recordings)
         features.append(_feature("LineString", line, {**own, "every_metre": table}))
@@ -188,8 +188,9 @@ def write_geojson(path: Path, survey: SurveyMap) -> None:
         file.write("\n]}\n")
 
 
-def _finite(values: FloatArray) -> list[float | None]:
-    return [round(float(value), 4) if np.isfinite(value) else None for value in values]
+def rounded(values: FloatArray, digits: int) -> list[float | None]:
+    """Return values (N,) as JSON has them: to so many digits, and None for what is no number."""
+    return [round(float(value), digits) if np.isfinite(value) else None for value in values]
 
 
 def _feature(kind: str, coordinates: object, properties: dict[str, Any]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from cable_tracker.survey.outputs.maps import (
     event_rows,
     kilometre_points,
     picture_name,
+    rounded,
 )
 
 MOST_POINTS = 8000
@@ -117,25 +118,21 @@ def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:
     }
 
 
-def _numbers(values: FloatArray, digits: int) -> list[float | None]:
-    return [round(float(value), digits) if np.isfinite(value) else None for value in values]
-
-
 def _route_data(name: str, route: MergedRoute) -> dict[str, Any]:
     stride = max(1, -(-len(route.along) // MOST_POINTS))
     chosen = np.unique(np.append(np.arange(0, len(route.along), stride), len(route.along) - 1))
     along, places = kilometre_points(route)
     return {
         "name": name,
-        "along": _numbers(route.along[chosen], 2),
-        "x": _numbers(route.places[chosen, 0], 3),
-        "y": _numbers(route.places[chosen, 1], 3),
-        "heading": _numbers(route.headings[chosen], 4),
-        "sigma": _numbers(_worst(route.sigmas, chosen), 3),
-        "visible": _numbers(route.visible[chosen], 2),
-        "diameter": _numbers(route.diameters[chosen], 4),
-        "aside": _numbers(route.asides[chosen], 3),
-        "kp": [_numbers(along, 1), _numbers(places[:, 0], 2), _numbers(places[:, 1], 2)],
+        "along": rounded(route.along[chosen], 2),
+        "x": rounded(route.places[chosen, 0], 3),
+        "y": rounded(route.places[chosen, 1], 3),
+        "heading": rounded(route.headings[chosen], 4),
+        "sigma": rounded(_worst(route.sigmas, chosen), 3),
+        "visible": rounded(route.visible[chosen], 2),
+        "diameter": rounded(route.diameters[chosen], 4),
+        "aside": rounded(route.asides[chosen], 3),
+        "kp": [rounded(along, 1), rounded(places[:, 0], 2), rounded(places[:, 1], 2)],
     }
 
 
