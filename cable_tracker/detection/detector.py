@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.working_image import check_frame, make_working_image
@@ -30,8 +29,19 @@ class Detection:
     score: float
 
 
-class CableDetector(Protocol):
-    """Finds cables in one picture, without a memory."""
+class CableDetector(ABC):
+    """Finds cables in one picture of the reference width at most, without a memory.
+
+    Wider pictures are reduced as the tracker reduces them, so that all methods see the same.
+
+    Parameters
+    ----------
+    limits : PairLimits
+        Widths and skews of the cables that are reported.
+    """
+
+    def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
+        self._limits = limits
 
     def detect(self, image: Image, region: SearchRegion | None = None) -> list[Detection]:
         """Return the cables in a picture, best first; an empty list if there are none.
@@ -48,25 +58,6 @@ class CableDetector(Protocol):
         FrameError
             The picture cannot be used.
         """
-        ...
-
-
-class ReducedImageDetector(ABC):
-    """A detector that works on a picture of the reference width at most.
-
-    Wider pictures are reduced as the tracker reduces them, so that all methods see the same.
-
-    Parameters
-    ----------
-    limits : PairLimits
-        Widths and skews of the cables that are reported.
-    """
-
-    def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
-        self._limits = limits
-
-    def detect(self, image: Image, region: SearchRegion | None = None) -> list[Detection]:
-        """Return the cables in a picture, best first; see `CableDetector.detect`."""
         check_frame(image)
         working = make_working_image(image, round(REFERENCE_WIDTH))
         reduction = working.reduction

@@ -23,7 +23,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
-from cable_tracker.detection.detector import Detection, ReducedImageDetector
+from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
@@ -51,7 +51,7 @@ VOTE_CAP = 6.0
 MINIMUM_SCORE = 0.35
 
 
-class HoughDetector(ReducedImageDetector):
+class HoughDetector(CableDetector):
     """Detect cables by edges and a Hough transform; see the module."""
 
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:

@@ -19,7 +19,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.detector import Detection, ReducedImageDetector
+from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
@@ -42,7 +42,7 @@ MINIMUM_CONTRAST = 1.5
 MINIMUM_SCORE = 0.2
 
 
-class LineSegmentDetector(ReducedImageDetector):
+class LineSegmentDetector(CableDetector):
     """Detect cables by OpenCV's LSD; see the module.
 
     Raises

@@ -23,7 +23,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.detector import Detection, ReducedImageDetector
+from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
@@ -66,7 +66,7 @@ STRAIGHTNESS = 1.2
 MINIMUM_SCORE = 0.2
 
 
-class SegmentationDetector(ReducedImageDetector):
+class SegmentationDetector(CableDetector):
     """Detect cables by segmentation; see the module."""
 
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:

@@ -25,7 +25,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.hough import hough_lines
 from cable_tracker.detection.border_lines import CONTRAST_CAP
-from cable_tracker.detection.detector import Detection, ReducedImageDetector
+from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge, magnitude
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
@@ -84,7 +84,7 @@ class Cells:
     directions: FloatArray
 
 
-class TextureDetector(ReducedImageDetector):
+class TextureDetector(CableDetector):
     """Detect cables by the texture of cells; see the module."""
 
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:

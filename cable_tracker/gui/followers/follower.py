@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.gui.session import AnySnapshot, AnyStart
 from cable_tracker.gui.subject import Subject
+from cable_tracker.gui.tracker_memory import Remembered
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
@@ -18,20 +19,11 @@ BLANK = np.zeros((240, 320), np.uint8)
 """Shown where no frame could be decoded yet."""
 
 
-class AnyTracker(Protocol):
+class AnyTracker(Remembered, Protocol):
     """Interface of the trackers of all subjects."""
-
-    @property
-    def particles(self) -> Particles | None:
-        """The present belief."""
-        ...
 
     def reset(self) -> None:
         """Forget everything."""
-        ...
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
         ...
 
 
