@@ -66,6 +66,9 @@ class CrossingSearch:
                 continue
             along = np.array([-normal[1], normal[0]])
             near, far = on_ground(flight, np.array([place - 5.0 * along, place + 5.0 * along]))
+            # Above the horizon there is no ground that a line could lie on.
+            if not np.isfinite((near, far)).all():
+                continue
             middle = (near + far) / 2
             angle = math.remainder(math.atan2(far[1] - near[1], far[0] - near[0]), math.pi)
             sight = CrossingSight(len(self._table) - 1, float(middle[0]), angle)

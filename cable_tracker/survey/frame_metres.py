@@ -53,13 +53,23 @@ def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
 
     In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
     """
-    matrix = np.linalg.inv(flight.camera.image_matrix)
-    level = flight.attitude.rotation
-    turned = level @ flight.mounting.rotation @ matrix
-    rays = np.column_stack((points, np.ones(len(points)))) @ turned.T
-    centre = level @ flight.mounting.position
+    places = np.column_stack((points, np.ones(len(points)))) @ np.linalg.inv(to_image(flight)).T
+    # What lies behind the camera, or nowhere, has a depth that is not positive.
     with np.errstate(divide="ignore", invalid="ignore"):
-        reach = -(flight.height + centre[2]) / rays[:, 2]
-        ground: FloatArray = centre[:2] + reach[:, None] * rays[:, :2]
-    ground[~(rays[:, 2] < 0.0)] = np.nan
-    return ground
+        right, ahead = np.where(places[:, 2:] > 0.0, places[:, :2] / places[:, 2:], np.nan).T
+    return np.column_stack((ahead, -right))
+
+
+def to_image(flight: Overflight) -> FloatArray:
+    """Return what takes the ground, seen from above, to the image, shape (3, 3).
+
+    The ground from above, at the cable's height, is an image frame in metres: x to the right, y
+    ahead, in the level frame. The third number that a point gets is its depth before the camera.
+    """
+    level = flight.attitude.rotation
+    centre = level @ flight.mounting.position
+    ground = np.array(
+        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
+    )
+    mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
+    return mapping

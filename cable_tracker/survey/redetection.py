@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import IndexArray
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
@@ -22,7 +22,7 @@ from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_metres import put_profile
+from cable_tracker.survey.frame_metres import put_profile, to_image
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
@@ -172,19 +172,7 @@ def place_in_image(
 ) -> CableState:
     """Return where in the picture a cable is seen that lies beside a look line [m, rad]."""
     aside, heading = place
-    # The ground from above, x to the right and y ahead, is an image frame in metres.
+    # In the frame of the ground from above, see `to_image`.
     distance = -aside * math.cos(heading) + look * math.sin(heading)
-    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), _to_image(flight))[0]
+    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), to_image(flight))[0]
     return CableState.from_array(seen)
-
-
-def _to_image(flight: Overflight) -> FloatArray:
-    """Return what takes the ground, seen from above, to the image, shape (3, 3)."""
-    level = flight.attitude.rotation
-    centre = level @ flight.mounting.position
-    ground = np.array(
-        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
-    )
-    mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
-    mapping /= mapping[2, 2]
-    return mapping

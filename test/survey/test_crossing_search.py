@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -35,7 +36,7 @@ BESIDE = (60, -150), (90, 150)
 def search():
     """Search pictures that come with so many seconds between them; return what was seen."""
 
-    def run(*pictures, pause=1.0, back=0.0):
+    def run(*pictures, pause=1.0, back=0.0, flight=FLIGHT):
         """`back`: by how much the clock is set back after the first picture [s]."""
         table = FrameTable()
         crossings = CrossingSearch(table)
@@ -46,7 +47,7 @@ def search():
                 state=CableState(0.0, 0.0, 24.0),
                 image_size=grey.shape[::-1],
             )
-            crossings.search(FLIGHT, grey, estimate)
+            crossings.search(flight, grey, estimate)
         return table.crossings
 
     return run
@@ -75,3 +76,10 @@ def test_a_clock_that_is_set_back_does_not_end_the_search(search):
 
 def test_a_long_low_picture_is_searched_like_any_other(search):
     assert search(np.full((20, 640), 70, np.uint8)) == []
+
+
+def test_a_line_above_the_horizon_is_none_on_the_ground(search):
+    ahead = replace(FLIGHT, mounting=Mounting(pitch=math.radians(3.0)))
+    below = (-200, -60), (200, -60)
+    assert len(search(picture(CABLE, below), flight=ahead)) == 1
+    assert search(picture(CABLE, ACROSS), flight=ahead) == []

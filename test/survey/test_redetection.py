@@ -122,3 +122,12 @@ def test_a_place_on_the_ground_is_where_the_camera_sees_it(attitude, place):
     aside, heading = place
     off = (points[:, 1] - aside) * math.cos(heading) - (points[:, 0] - LOOK) * math.sin(heading)
     assert off == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_cable_far_ahead_converges_upwards_and_not_the_other_way_round():
+    # The ground below the vehicle's middle lies behind this camera.
+    flight = Overflight(CAMERA, Mounting(x=1.0, pitch=math.radians(25.0)), Attitude(), 1.5, 0.02)
+    look = float(on_ground(flight, np.zeros((1, 2)))[0, 0])
+    state = place_in_image(flight, look, (0.2, 0.1), DIAMETER)
+    assert 0.0 < state.skew < 0.1
+    assert state.width > 0.0
