@@ -36,7 +36,8 @@ LEAST_STEP = 0.15
 def alignment(now: NDArray[np.float32], before: NDArray[np.float32]) -> tuple[int, int]:
     """Return the shift (columns, rows) of the picture since the frame before.
 
-    Two rows and two columns are compared, at thirds of the picture, for shifts of -5 to 5 px.
+    Two rows and two columns are compared, at thirds of the picture, for shifts of -5 to 5 px, or as
+    many as leave something to compare of a low picture.
     """
     height, width = now.shape
     rows, columns = (height // 3, 2 * height // 3), (width // 3, 2 * width // 3)
@@ -46,7 +47,7 @@ def alignment(now: NDArray[np.float32], before: NDArray[np.float32]) -> tuple[in
 
 
 def _best_shift(pairs: list[tuple[NDArray[np.float32], NDArray[np.float32]]]) -> int:
-    reach = FARTHEST_SHIFT
+    reach = min(FARTHEST_SHIFT, (len(pairs[0][0]) - 1) // 2)
     best, least = 0, math.inf
     # Small shifts first: of equal ones the smallest.
     for shift in sorted(range(-reach, reach + 1), key=abs):

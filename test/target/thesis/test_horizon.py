@@ -56,3 +56,9 @@ def test_edges_near_the_sun_and_the_horizon_count_less():
 
 def test_a_picture_without_sun_has_none():
     assert sun_column(np.full((60, 80), 0.6, np.float32)) is None
+
+
+def test_of_a_low_picture_what_there_is_is_compared():
+    picture = np.random.default_rng(1).random((5, 320)).astype(np.float32)
+    assert alignment(np.roll(picture, 4, axis=1), picture)[0] == 4
+    assert alignment(np.roll(picture, -1, axis=0), picture)[1] == -1
