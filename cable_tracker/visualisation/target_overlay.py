@@ -9,12 +9,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.visualisation.palette import status_colour, to_bgr
-
-CONTOUR = (0, 255, 255)
-"""Colour of the contour [red, green, blue]."""
-
-PARTICLE = (255, 0, 255)
+from cable_tracker.visualisation.palette import AMBER, PARTICLES, status_colour, to_bgr
 
 LEGEND_HEIGHT = 18
 """Height of the line of numbers, at a width of 480 [px]."""
@@ -44,12 +39,12 @@ def draw_target(
     if particles is not None:
         for x, y in particles[:, :2]:
             column, row = to_pixel(float(x), float(y), (width, height))
-            cv2.circle(canvas, (round(column), round(row)), thick, to_bgr(PARTICLE), -1)
+            cv2.circle(canvas, (round(column), round(row)), thick, to_bgr(PARTICLES), -1)
     claimed = estimate.status is TrackingStatus.TRACKING
     if claimed and len(estimate.outline):
         # The outline counts from the corner of the picture, OpenCV from the centre of a pixel.
         corners = np.floor(estimate.outline).astype(np.int32)
-        cv2.polylines(canvas, [corners], True, to_bgr(CONTOUR), thick, cv2.LINE_AA)
+        cv2.polylines(canvas, [corners], True, to_bgr(AMBER), thick, cv2.LINE_AA)
     if claimed and estimate.box is not None:
         left, top, right, bottom = (round(side) for side in estimate.box)
         cv2.rectangle(canvas, (left, top), (right, bottom), colour, thick)

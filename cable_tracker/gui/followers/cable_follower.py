@@ -7,14 +7,15 @@ import time
 from dataclasses import replace
 from typing import Self
 
-from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.arrays import eight_bits
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
-from cable_tracker.gui.followers.follower import BLANK, Follower
+from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnyStart, Snapshot
+from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import CABLE
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
@@ -61,8 +62,7 @@ class CableFollower(Follower):
         self._parameters = parameters
         self._tracker = make_tracker(parameters)
         self._metres = metres
-        self._decoded: Image = BLANK
-        self._grey: Image = BLANK
+        self._decoded = self._grey = stand_in()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""

@@ -6,17 +6,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Protocol, Self
 
-import numpy as np
-
 from cable_tracker.gui.session import AnySnapshot, AnyStart
 from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracker_memory import Remembered
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
-
-BLANK = np.zeros((240, 320), np.uint8)
-"""Shown where no frame could be decoded yet."""
 
 
 class AnyTracker(Remembered, Protocol):

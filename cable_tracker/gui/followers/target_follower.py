@@ -6,10 +6,11 @@ import time
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
-from cable_tracker.gui.followers.follower import BLANK, Follower
+from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnyStart, TargetSnapshot
+from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
@@ -54,7 +55,7 @@ class TargetFollower(Follower):
             parameters = parameters.with_detector()
         self._parameters = parameters
         self._tracker = TargetTracker(parameters)
-        self._image: Image = BLANK
+        self._image = stand_in()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
