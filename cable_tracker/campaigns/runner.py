@@ -217,7 +217,8 @@ def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa
     elif error is not None:
         done = _Done(_unexpected(error), 0)
     else:
-        done = future.result()
+        # One of an earlier version, which came late, tells less.
+        done = _Done(*future.result())
     reason = done.reason
     # An earlier result may lie here, where a worker has put its own elsewhere.
     if not reason and not is_marked(root / name, done.fingerprint, __version__):

@@ -92,3 +92,8 @@ def done_elsewhere(task: Square, *_arguments: object) -> object:
     from cable_tracker.campaigns.runner import _Done  # noqa: PLC0415
 
     return _Done("", 1, task.fingerprint())
+
+
+def of_an_earlier_version(*_arguments: object) -> tuple[str, int]:
+    """Stand for a worker whose version came before fingerprints were told."""
+    return "the worker has cable_tracker 0.1", 0

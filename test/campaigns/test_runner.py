@@ -21,6 +21,7 @@ from campaign_tasks import (  # noqa: E402
     Square,
     SquareResult,
     done_elsewhere,
+    of_an_earlier_version,
 )
 from distributed import Client, LocalCluster  # noqa: E402
 
@@ -117,6 +118,12 @@ def test_an_earlier_result_is_not_taken_for_that_of_a_worker_that_does_not_share
     (outcome,) = run_campaign([Square(1, parameter="another")], tmp_path, both)
     assert outcome.state is TaskState.FAILED
     assert "workers on other machines must share this folder" in outcome.reason
+
+
+def test_a_worker_of_an_earlier_version_that_comes_late_is_told(both, tmp_path, monkeypatch):
+    monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", of_an_earlier_version)
+    (outcome,) = run_campaign([Square(1)], tmp_path, both)
+    assert outcome.reason == "the worker has cable_tracker 0.1"
 
 
 def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
