@@ -30,9 +30,10 @@ class Detection:
 
 
 class CableDetector(ABC):
-    """Finds cables in one picture of the reference width at most, without a memory.
+    """Finds cables in one picture, without a memory.
 
-    Wider pictures are reduced as the tracker reduces them, so that all methods see the same.
+    Pictures wider than the reference width are reduced as the tracker reduces them, so that all
+    methods see the same.
 
     Parameters
     ----------

@@ -121,7 +121,7 @@ def values_from_text(
 
 
 class ExistingFileError(GuiError):
-    """A file lies there already; it is replaced if the user says so."""
+    """A file lies there already; it is changed or replaced only if the user says so."""
 
 
 def write_parameter_file(
@@ -129,15 +129,16 @@ def write_parameter_file(
 ) -> None:
     """Write the file, as a whole or not at all.
 
-    Of a file with parameters that lies there, the values that differ are changed; its comments, and
-    what it says to other nodes, stay. Anything else is replaced.
+    Of a file with parameters of the node that lies there, the values that differ are changed; its
+    comments, and what it says to other nodes, stay. Anything else is replaced.
 
     Raises
     ------
     ExistingFileError
         There is one already, and it must not be overwritten.
     GuiError
-        There is a folder or a device of this name.
+        There is a folder or a device of this name, or a file with parameters of the node that
+        cannot be changed in place.
     OutputError
         It cannot be written; what lay there is as it was.
     """
@@ -150,24 +151,44 @@ def write_parameter_file(
                 f" replace it if it holds none of the {subject.node}"
             )
         if path.exists():
-            text = _changed(path.read_text(encoding="utf-8", errors="replace"), text, subject)
+            text = _changed(path, text, subject)
         write_text(path, text)
     except OSError as error:
         raise write_failure(path, error) from error
 
 
-def _changed(old: str, new: str, subject: Subject) -> str:
-    """Return the text of a file with the values of another; the other where it cannot be changed.
+def _changed(path: Path, new: str, subject: Subject) -> str:
+    """Return the text of a file with the values of another; the other where it holds none of these.
 
     A file may be of a form that cannot be changed in place: what comes of it is read again.
+
+    Raises
+    ------
+    GuiError
+        It holds parameters of the node, and cannot be changed in place.
     """
     defaults = {spec.name: spec.default for spec in subject.of_node}
     try:
-        wanted = values_from_text(new, "", subject)
+        with path.open(encoding="utf-8", newline="") as file:
+            old = file.read()
+        parse_parameters(old, "", subject.node)
+    except (ParameterError, UnicodeDecodeError):
+        return new
+    wanted = values_from_text(new, "", subject)
+    try:
         before = defaults | values_from_text(old, "", subject)
         differing = {name: each for name, each in wanted.items() if each != before[name]}
         text = with_values(old, differing, subject.node)
         after = defaults | values_from_text(text, "", subject)
-    except (ParameterError, yaml.YAMLError):
-        return new
-    return text if all(after[name] == each for name, each in wanted.items()) else new
+    except (ParameterError, yaml.YAMLError) as error:
+        raise _unchangeable(path) from error
+    if any(after[name] != each for name, each in wanted.items()):
+        raise _unchangeable(path)
+    return text
+
+
+def _unchangeable(path: Path) -> GuiError:
+    return GuiError(
+        f"{path}: the parameters in it cannot be changed without losing something else in it; save"
+        " under another name"
+    )

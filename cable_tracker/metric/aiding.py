@@ -104,6 +104,7 @@ class MotionAiding:
         image : Image
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
+        # A refusal is told, not raised: the frame is tracked without aid.
         try:
             return self._motion(stamp, image)
         except MetricError as error:

@@ -31,7 +31,6 @@ SAME_ASPECT = 0.01
 """Largest relative difference between the scales of calibration and image at which they have the
 same aspect."""
 
-
 LEAST_FOCAL, LARGEST_NUMBER = 0.1, 1e6
 """Smallest focal length [px] and largest number of a calibration. Beyond, as in a message that was
 never filled in, squares and products are infinite."""
@@ -316,7 +315,7 @@ def _fault_of(calibration: Calibration) -> str:
     if min(calibration.image_size) < 1:
         return "it says no image size; calibrate the camera"
     if min(calibration.focal) < LEAST_FOCAL:
-        return "its focal length is not above 0, as of a camera that was never calibrated"
+        return f"its focal length is below {LEAST_FOCAL:g} px; calibrate the camera"
     try:
         model = _model_of(calibration.model)
     except ValueError:

@@ -20,7 +20,7 @@ LONGEST_STEP = 2.0
 FROZEN_COUNT = 8
 """Number of bit-wise equal twists that show that an instrument hangs."""
 
-LARGEST_NUMBER = 1e12
+LARGEST_TWIST = 1e12
 """Velocities and variances beyond it are none [SI units]: an instrument that knows nothing may say
 the largest number there is, whose sums and squares are infinite."""
 
@@ -106,7 +106,7 @@ class Odometry:
         within = self._twists.between(start + 1, end)
         knots = [self._knot(start), *within, self._knot(end)]
         # Written so that NaN counts as too large.
-        if not all((np.abs(values) <= LARGEST_NUMBER).all() for _, values in knots):
+        if not all((np.abs(values) <= LARGEST_TWIST).all() for _, values in knots):
             return NoMotion(f"{self._instrument} is not finite, or as good as infinite")
         return _integrated(knots, seconds)
 

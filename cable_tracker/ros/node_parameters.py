@@ -67,6 +67,7 @@ def declare(
     ParameterError
         What was given at start is not acceptable.
     """
+    # rclpy has no public way to what was given at the start.
     override = node._parameter_overrides.get(spec.name)
     # None is what an empty list in a YAML file turns into; it is refused like any other type.
     value = spec.coerce(default if override is None else override.value)

@@ -235,7 +235,7 @@ def decode_picture_file(
     """
     kind = read_picture_header(data).kind
     if kind not in kinds:
-        raise FrameError(f"compressed images must be {' or '.join(kinds)}, not {kind}")
+        raise FrameError(f"pictures here must be {' or '.join(kinds)}, not {kind}")
     silence_opencv()
     try:
         # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.

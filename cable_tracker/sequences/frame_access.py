@@ -15,7 +15,7 @@ KEPT_BYTES = 256 << 20
 """Pixels that are kept in memory, as they were recorded."""
 
 BEYOND_ALL = sys.maxsize
-"""Number that no frame has: whoever asks for it wants to know where the recording ends."""
+"""Number that no frame has: asking for it finds where the recording ends."""
 
 
 def _is_far(here: int, there: int) -> bool:

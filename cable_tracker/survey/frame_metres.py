@@ -51,13 +51,21 @@ def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableStat
 def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
     """Return where points of the image (N, 2) [px] lie at the cable's height, (N, 2) [m].
 
-    In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
+    In the level frame; the lens counts as a pinhole. NaN at and above the horizon, and where the
+    camera is no higher than the cable.
     """
+    if depth_of_ground(flight) <= 0.0:
+        return np.full((len(points), 2), np.nan)
     places = np.column_stack((points, np.ones(len(points)))) @ np.linalg.inv(to_image(flight)).T
     # What lies behind the camera, or nowhere, has a depth that is not positive.
     with np.errstate(divide="ignore", invalid="ignore"):
         right, ahead = np.where(places[:, 2:] > 0.0, places[:, :2] / places[:, 2:], np.nan).T
     return np.column_stack((ahead, -right))
+
+
+def depth_of_ground(flight: Overflight) -> float:
+    """Return how far below the camera the cable's height is [m]; not above 0: it sees no ground."""
+    return float(flight.height + (flight.attitude.rotation @ flight.mounting.position)[2])
 
 
 def to_image(flight: Overflight) -> FloatArray:
@@ -69,7 +77,7 @@ def to_image(flight: Overflight) -> FloatArray:
     level = flight.attitude.rotation
     centre = level @ flight.mounting.position
     ground = np.array(
-        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
+        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -depth_of_ground(flight)]]
     )
     mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
     return mapping

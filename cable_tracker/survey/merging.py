@@ -72,9 +72,9 @@ class MergedRoute:
     sigmas : FloatArray
         Standard deviation across the cable [m].
     visible : FloatArray
-        Share of the dives that see it, 0 to 1.
+        Share of the dives' routes that see it, 0 to 1.
     diameters, asides : FloatArray
-        Means over the dives [m]; NaN where none can say.
+        Means over the dives' routes [m]; NaN where none can say.
     dives : FloatArray
         Number of dives that observed each point, shape (N,).
     events : tuple of Event

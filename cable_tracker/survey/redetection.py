@@ -22,7 +22,7 @@ from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_metres import put_profile, to_image
+from cable_tracker.survey.frame_metres import depth_of_ground, put_profile, to_image
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
@@ -128,6 +128,8 @@ def _look(  # noqa: PLR0917
     row, (diameter, border_step) = rows[number], usual
     attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
     flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
+    if depth_of_ground(flight) <= 0.0:
+        return False
     try:
         grey = decode_grey(encoded)
     except FrameError:

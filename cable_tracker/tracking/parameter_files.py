@@ -181,7 +181,8 @@ def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> s
     """Return the text of a parameter file with some values changed, and all else as it is.
 
     A value is changed where it counts, in the last section for the node that names it; what none
-    names is added at the end of the last one.
+    names is added at the end of the last one. That needs a section of a line for each value: what
+    comes of another form has to be read again.
 
     Parameters
     ----------
@@ -191,10 +192,16 @@ def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> s
         Values by name.
     node : str
         Name of the node whose sections count.
+
+    Raises
+    ------
+    ParameterError
+        It holds no parameters by name.
     """
     root = yaml.compose(text, _ParameterLoader)
-    assert isinstance(root, yaml.MappingNode)
-    sections = list(_section_nodes(root, node)) or [root]
+    if not isinstance(root, yaml.MappingNode):
+        raise ParameterError("holds no parameters by name")
+    sections = list(_section_nodes(root, node, "", set())) or [root]
     places = {key.value: value for section in sections for key, value in section.value}
     edits = [
         (places[name].start_mark.index, places[name].end_mark.index, _scalar(value))
@@ -213,13 +220,22 @@ def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> s
     return text
 
 
-def _section_nodes(content: yaml.Node, node: str, name: str = "") -> Iterator[yaml.MappingNode]:
-    """Yield the sections of a ROS file that count for a node, as YAML's parser finds them."""
-    for key, section in content.value if isinstance(content, yaml.MappingNode) else ():
-        if key.value == ROS_KEY and _is_for(node, name) and isinstance(section, yaml.MappingNode):
-            yield section
-        elif key.value != ROS_KEY:
-            yield from _section_nodes(section, node, f"{name}/{key.value.strip('/')}")
+def _section_nodes(
+    content: yaml.MappingNode, node: str, name: str, seen: set[int]
+) -> Iterator[yaml.MappingNode]:
+    """Yield the sections of a ROS file that count for a node, as YAML's parser finds them.
+
+    `seen` as in `_node_sections`.
+    """
+    for key, section in content.value:
+        if not isinstance(section, yaml.MappingNode):
+            continue
+        if key.value == ROS_KEY:
+            if _is_for(node, name):
+                yield section
+        elif any(each.value == ROS_KEY for each, _ in section.value) or id(section) not in seen:
+            seen.add(id(section))
+            yield from _section_nodes(section, node, f"{name}/{key.value.strip('/')}", seen)
 
 
 def _scalar(value: ParameterValue) -> str:

@@ -146,13 +146,40 @@ def test_a_plain_file_and_its_preset_stay_plain(tmp_path):
 
 @pytest.mark.parametrize(
     "old",
-    [
-        "no parameters", "", "tracker: [", "camera: {ros__parameters: {rate: 5}}",
-        "tracker: {ros__parameters: {seed: 1}}\n", "tracker: {ros__parameters: {}}",
-        "wrong_name: 1", "controller: {ros__parameters: {speed: 0.4}}",
-    ],
+    ["no parameters", "", "tracker: [", "camera: {ros__parameters: {rate: 5}}",
+     "controller: {ros__parameters: {speed: 0.4}}"],
 )  # fmt: skip
-def test_what_cannot_be_changed_in_place_is_replaced(tmp_path, old):
+def test_a_file_without_parameters_of_the_node_is_replaced(tmp_path, old):
     values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
     text = saved(tmp_path / "other.yaml", old, values)
     assert text == parameter_text(values, "a dive")
+
+
+CONTROLLER = "controller: {ros__parameters: {speed: 0.4}}  # not ours\n"
+
+
+@pytest.mark.parametrize(
+    "old",
+    ["tracker: {ros__parameters: {seed: 1}}\n", "tracker: {ros__parameters: {}}\n",
+     "tracker: {ros__parameters: {wrong_name: 1}}\n",
+     "tracker: {ros__parameters: {particle_count: -3}}\n"],
+)  # fmt: skip
+def test_what_cannot_be_changed_without_loss_is_left(tmp_path, old):
+    values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
+    with pytest.raises(GuiError, match="save under another name"):
+        saved(tmp_path / "boat.yaml", old + CONTROLLER, values)
+    assert (tmp_path / "boat.yaml").read_text() == old + CONTROLLER
+
+
+def test_a_namespace_that_names_itself_is_passed_over(tmp_path):
+    old = "boat: &boat\n  boat: *boat\ntracker:\n  ros__parameters:\n    particle_count: 300\n"
+    values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
+    assert saved(tmp_path / "boat.yaml", old, values) == old.replace("300", "800")
+
+
+def test_line_ends_stay_as_they_are(tmp_path):
+    path = tmp_path / "boat.yaml"
+    path.write_bytes(b"# ours\r\nparticle_count: 300\r\n")
+    values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
+    write_parameter_file(path, parameter_text(values, "a dive"), overwrite=True)
+    assert path.read_bytes() == b"# ours\r\nparticle_count: 800\r\n"

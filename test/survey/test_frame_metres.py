@@ -26,6 +26,12 @@ def test_at_and_above_the_horizon_there_is_no_ground():
     assert np.isnan(ground[1]).all()
 
 
+@pytest.mark.parametrize("height", [0.0, -0.5])
+def test_a_camera_that_is_no_higher_than_the_cable_sees_no_ground(height):
+    flight = Overflight(CAMERA, Mounting(), Attitude(), height, 0.02)
+    assert np.isnan(on_ground(flight, np.array([[0.0, 0.0], [30.0, -60.0]]))).all()
+
+
 @pytest.mark.parametrize("look_ahead", [0.0, 1.0])
 def test_the_place_looked_at_does_not_depend_on_the_look_ahead(look_ahead):
     heading, covariance = 0.3, np.diag([0.01, 0.02, 0.004, 0.001])

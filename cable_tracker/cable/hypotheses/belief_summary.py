@@ -55,14 +55,15 @@ angle."""
 
 BLUR = 1.5
 """Sigma of what blurs borders besides the filter: water, lens, and the likelihood, which cannot
-tell places a pixel apart [px at the reference width]. Chosen on crisp strips of seeds of their
-own."""
+tell places a pixel apart [px at the reference width]. Chosen on crisp strips, of seeds that nothing
+else was chosen on."""
 
 LEAST_WIDTH_SHARE = 0.6
 """Least width before smoothing as a share of the width between the steepest places: of what is
 thinner, they say hardly anything."""
 
 WIDTH_ITERATIONS = 30
+"""Iterations towards the fixed point in `width_before_smoothing`."""
 
 
 def belief_summary(

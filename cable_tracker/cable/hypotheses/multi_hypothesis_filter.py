@@ -11,7 +11,7 @@ from a mixture of proposals: from f, about what a detector sees, and, in rounds,
 particles of the same frame. A particle weighs f(x) L(x) / q(x), where q is the density of the whole
 mixture and L the likelihood ratio of the frame: no proposal is a second prior, wherever it comes
 from. Whether a hypothesis is a cable at all is judged against strips drawn at random in the same
-frame, see `presence`.
+frame, see `background` and `score_likelihood`.
 
 References
 ----------

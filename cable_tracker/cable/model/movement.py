@@ -18,6 +18,7 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.tracking.rates import over_time
 
 ALMOST_UNDAMPED = 1e-3
 """Logarithm of the damping over a gap, below which the sums of its powers are rounded away."""
@@ -141,7 +142,7 @@ class CableMovement:
     def drift(self, states: FloatArray, dt: float) -> FloatArray:
         """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
         time = effective_time(self._parameters, dt)
-        damping = self._parameters.rate_damping ** (dt * REFERENCE_RATE)
+        damping = over_time(self._parameters.rate_damping, dt)
         return _drifted(np.ascontiguousarray(states), time, damping)
 
     def diffusion_sigmas(self, dt: float, motion: MotionAid | None = None) -> FloatArray:

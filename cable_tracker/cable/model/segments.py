@@ -1,4 +1,4 @@
-"""What of a cable's lines lies inside an image, for whoever shows it."""
+"""What of a cable's lines lies inside an image, to be shown."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class CameraFrame:
     Attributes
     ----------
     stamp : int
-        Time that the camera gave [ns]; 0 where it gave none.
+        That of the header, worked out once: time that the camera gave [ns]; 0 where it gave none.
     header : MessageHeader
         Stamp and frame_id as the camera gave them.
     image : RawImage or CompressedPicture

@@ -101,7 +101,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
             self._publishers[topic].publish(message)
 
     def _tell_of_mounting(self) -> None:
-        """Warn with the first `cross_track` of a camera whose mounting nobody has given."""
+        """Warn with the first `cross_track` of a camera whose mounting was not given."""
         if self._is_mounting_told:
             return
         self._is_mounting_told = True

@@ -113,7 +113,7 @@ class InstrumentReplay:
             publisher.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
 
     def unheard(self) -> list[Instrument]:
-        """Return the instruments that nobody subscribes to; fixes need no subscriber."""
+        """Return the instruments without a subscriber; fixes need none."""
         return [
             each
             for each, publisher in self._publishers.items()

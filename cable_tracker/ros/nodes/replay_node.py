@@ -273,8 +273,9 @@ class ReplayNode(ProcessNode):
         is_heard = self._image.get_subscription_count() > 0
         answers = self.count_publishers(self._state.topic_name) > 0
         # A tracker subscribes to instruments before it subscribes to images.
-        answers = answers and not (self._instruments is not None and self._instruments.unheard())
-        is_ready = is_heard and (answers or not lockstep) and not self._warming.names()
+        all_heard = self._instruments is None or not self._instruments.unheard()
+        in_step = not lockstep or (answers and all_heard)
+        is_ready = is_heard and in_step and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits
         self._due = time.monotonic()

@@ -123,6 +123,7 @@ class ChaseWorld:
         )
         around = math.ceil(2.0 * math.pi * self.camera.focal)
         width, height = settings.image_size
+        # `_closed` lays one margin more beyond the round: both hold a view across the seam.
         self._surroundings = _closed(
             make_surroundings((around, height), way_rng, margin=width / 2 - 1), around
         )

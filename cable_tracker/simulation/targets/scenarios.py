@@ -196,9 +196,7 @@ def _vanishing_cast(width: float, height: float, duration: float, rng: np.random
     return Cast(way)
 
 
-def _nobody_cast(
-    _width: float, _height: float, _duration: float, _rng: np.random.Generator
-) -> Cast:
+def _empty_cast(_width: float, _height: float, _duration: float, _rng: np.random.Generator) -> Cast:
     return Cast(lambda _time: None)
 
 
@@ -225,7 +223,7 @@ TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
             # Soon gone, for good.
             TargetScenario("vanishing", buoy, _vanishing_cast),
             # Never any target.
-            TargetScenario("nothing", buoy, _nobody_cast),
+            TargetScenario("nothing", buoy, _empty_cast),
         )
     }
 )

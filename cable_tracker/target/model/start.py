@@ -1,4 +1,4 @@
-"""Where a target is at the start: a box or an outline that somebody marked."""
+"""Where a target is at the start: a box or an outline that was marked."""
 
 from __future__ import annotations
 
