@@ -2,7 +2,8 @@
 
 Corners of the sea bed's texture in the picture before are found again in this one, and compared
 with where the predicted homography takes them. This asks neither the cable nor the filter, so that
-odometry can be judged before a cable is found, and cannot be drawn along by a prediction.
+odometry can be judged before a cable is found, and cannot be drawn along by a prediction. Whether
+predictions may be used follows from several pictures (`TextureGate`).
 
 References
 ----------
@@ -126,32 +127,6 @@ class SeaBedTexture:
         return TextureMotion(unit * float(np.median(errors)), length)
 
 
-class TextureGate:
-    """Says by the sea bed's texture whether predictions may be used.
-
-    Two pictures show at once what is wrong: odometry is believed until a picture speaks against it.
-    """
-
-    def __init__(self) -> None:
-        self._calm = CALM_PICTURES
-        self._unseen = REMEMBERED_PICTURES
-
-    @property
-    def verdict(self) -> bool | None:
-        """Whether predictions may be used; None: there is too little texture to tell."""
-        if self._unseen >= REMEMBERED_PICTURES:
-            return None
-        return self._calm >= CALM_PICTURES
-
-    def take(self, motion: TextureMotion | None) -> None:
-        """Take one picture into account; None: it showed too little."""
-        if motion is None:
-            self._unseen += 1
-            return
-        self._unseen = 0
-        self._calm = self._calm + 1 if motion.agrees else 0
-
-
 def _reduced(image: Image) -> Image:
     """Return a picture of the reference width, or as it is if it is narrower; uint8."""
     height, width = image.shape
@@ -206,3 +181,29 @@ def _followed(
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )
     return ends[:, 0].astype(np.float64), status[:, 0] > 0
+
+
+class TextureGate:
+    """Says by the sea bed's texture whether predictions may be used.
+
+    Two pictures show at once what is wrong: odometry is believed until a picture speaks against it.
+    """
+
+    def __init__(self) -> None:
+        self._calm = CALM_PICTURES
+        self._unseen = REMEMBERED_PICTURES
+
+    @property
+    def verdict(self) -> bool | None:
+        """Whether predictions may be used; None: there is too little texture to tell."""
+        if self._unseen >= REMEMBERED_PICTURES:
+            return None
+        return self._calm >= CALM_PICTURES
+
+    def take(self, motion: TextureMotion | None) -> None:
+        """Take one picture into account; None: it showed too little."""
+        if motion is None:
+            self._unseen += 1
+            return
+        self._unseen = 0
+        self._calm = self._calm + 1 if motion.agrees else 0

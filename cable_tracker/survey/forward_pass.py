@@ -26,6 +26,7 @@ from cable_tracker.metric.recorded import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_folder import DEFAULT_RATE
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.poses import yaw_of
@@ -94,7 +95,7 @@ class ForwardSettings:
 
     parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
     topic: str | None = None
-    rate: float = 25.0
+    rate: float = DEFAULT_RATE
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
     most_rate: float = MOST_RATE

@@ -230,12 +230,13 @@ def _section_nodes(
     for key, section in content.value:
         if not isinstance(section, yaml.MappingNode):
             continue
-        if key.value == ROS_KEY:
-            if _is_for(node, name):
-                yield section
-        elif any(each.value == ROS_KEY for each, _ in section.value) or id(section) not in seen:
+        inner = f"{name}/{key.value.strip('/')}"
+        of_node = [values for each, values in section.value if each.value == ROS_KEY]
+        if of_node and _is_for(node, inner):
+            yield from (values for values in of_node if isinstance(values, yaml.MappingNode))
+        elif not of_node and id(section) not in seen:
             seen.add(id(section))
-            yield from _section_nodes(section, node, f"{name}/{key.value.strip('/')}", seen)
+            yield from _section_nodes(section, node, inner, seen)
 
 
 def _scalar(value: ParameterValue) -> str:

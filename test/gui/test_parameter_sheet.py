@@ -171,8 +171,12 @@ def test_what_cannot_be_changed_without_loss_is_left(tmp_path, old):
     assert (tmp_path / "boat.yaml").read_text() == old + CONTROLLER
 
 
-def test_a_namespace_that_names_itself_is_passed_over(tmp_path):
-    old = "boat: &boat\n  boat: *boat\ntracker:\n  ros__parameters:\n    particle_count: 300\n"
+@pytest.mark.parametrize(
+    "itself",
+    ["boat: &boat\n  boat: *boat\n", "boat: &boat\n  ros__parameters: {speed: 1}\n  boat: *boat\n"],
+)
+def test_a_namespace_that_names_itself_is_passed_over(tmp_path, itself):
+    old = itself + "tracker:\n  ros__parameters:\n    particle_count: 300\n"
     values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
     assert saved(tmp_path / "boat.yaml", old, values) == old.replace("300", "800")
 

@@ -128,15 +128,7 @@ class InputWatch:
         return True
 
     def is_frozen(self, picture: Image, stamp: int) -> bool:
-        """Compare a picture with the one before; tell whether it has been the same for too long.
-
-        Parameters
-        ----------
-        picture : Image
-            Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
-        stamp : int
-            Time of the frame [ns].
-        """
+        """Tell whether the picture has been the same for too long; see `FrozenInput.take`."""
         seconds = self._frozen.take(picture, stamp)
         return 0.0 < self._frozen_timeout <= seconds
 
