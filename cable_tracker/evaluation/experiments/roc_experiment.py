@@ -39,6 +39,13 @@ LOSING = DEFAULT.presence_to_lose / DEFAULT.presence_to_track
 HYSTERESIS = DEFAULT.evidence_to_track - DEFAULT.evidence_to_lose
 """`evidence_to_track` less `evidence_to_lose`, as in `default`."""
 
+NOTE = (
+    "With `presence_to_track`, `presence_to_lose` changes in the same ratio. With"
+    " `evidence_to_track`, `evidence_to_find` takes the same value, and `evidence_to_lose` stays"
+    f" {HYSTERESIS:g} below: no row of it is the preset, whose `evidence_to_find` is"
+    f" {DEFAULT.evidence_to_find:g}."
+)
+
 HEADINGS = (
     "setting", "useful [%]", "wrong [%]", "silence [%]", "claimed without a cable [%]",
     "started rightly [%]", "wrong lock [%]",
@@ -116,7 +123,7 @@ class RocExperiment(CampaignExperiment):
             y_label="useful [%]",
             markers=True,
         )
-        notes = self._available()[1]
+        notes = (NOTE, *self._available()[1])
         return ExperimentResult(
             "Useful frames against wrong claims over the thresholds, from cold starts",
             (ResultTable(HEADINGS, tuple(rows), notes=notes),),

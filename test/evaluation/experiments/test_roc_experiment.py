@@ -1,7 +1,10 @@
 """Shares of useful, wrong and silent frames over thresholds."""
 
+from dataclasses import replace
+
 import pytest
 
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.experiments.roc_experiment import (
     THRESHOLDS,
     RocExperiment,
@@ -29,3 +32,13 @@ def test_thresholds_are_values_that_the_tracker_takes():
 def test_dives_are_cut_where_that_is_wanted():
     short, shorter = (RocExperiment((0,), limit=limit).frame_count() for limit in (4, 2))
     assert short == 2 * shorter
+
+
+def test_the_table_says_what_changes_with_each_threshold(trace):
+    results = [replace(result(trace("hhs")), method=each.name) for each in THRESHOLDS]
+    (table,) = RocExperiment((0,), sequences=()).result_of(results).tables
+    told = " ".join(table.notes)
+    usual = preset("default").as_mapping()
+    for threshold in THRESHOLDS:
+        values = threshold.filter().parameters.as_mapping()
+        assert all(f"`{name}`" in told for name in values if values[name] != usual[name])
