@@ -19,9 +19,11 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
-from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
+from cable_tracker.metric.frames import Attitude, Mounting
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
     FOLLOWER_PARAMETERS,
@@ -36,8 +38,11 @@ from cable_tracker.node_parameter_tables import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import TARGET_PRESETS
+from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
+from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
 from cable_tracker.tracking.parameter_table import parameter_table
@@ -169,8 +174,20 @@ API = (
     (CrossTrackMeter, "cable_tracker.metric.cross_track"),
     (CrossTrackMeter.measure, "cable_tracker.metric.cross_track"),
     (CrossTrack, "cable_tracker.metric.cross_track"),
-    (Calibration, "cable_tracker.metric.calibration"),
+    (Withheld, "cable_tracker.metric.withheld"),
+    (MetricSettings, "cable_tracker.metric.cross_track"),
     (Mounting, "cable_tracker.metric.frames"),
+    (Calibration, "cable_tracker.metric.calibration"),
+    (Altitude, "cable_tracker.metric.altitude"),
+    (Attitude, "cable_tracker.metric.frames"),
+    (TargetTracker, "cable_tracker.target.tracker"),
+    (TargetTracker.initialise, "cable_tracker.target.tracker"),
+    (TargetTracker.process, "cable_tracker.target.tracker"),
+    (TargetTracker.reset, "cable_tracker.target.tracker"),
+    (TargetStart, "cable_tracker.target.model.start"),
+    (TargetStart.from_box, "cable_tracker.target.model.start"),
+    (TargetEstimate, "cable_tracker.target.model.estimate"),
+    (target_preset, "cable_tracker.target.parameters.presets"),
 )
 """What is meant to be used from outside, and where it is imported from."""
 
