@@ -10,6 +10,7 @@ import math
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
@@ -47,8 +48,16 @@ class WatchTracker(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    node = WatchTracker()
-    node.parameters.wait_for_services()
-    node.set("particle_count", 1000)
-    # node.reset.call_async(Trigger.Request())
-    rclpy.spin(node)
+    try:
+        node = WatchTracker()
+        print("waiting for the tracker", flush=True)
+        node.parameters.wait_for_services()
+        node.set("particle_count", 1000)
+        # node.reset.call_async(Trigger.Request())
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except RuntimeError:
+        # A signal came between two waits: rclpy began to wait with a context that was gone.
+        if rclpy.ok():
+            raise

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +13,9 @@ from typing import Any
 import pytest
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "watch_tracker.py"
+
+PATIENCE = 60.0
+"""What has not ended by then does not end [s]."""
 
 
 @pytest.fixture
@@ -72,3 +78,23 @@ def test_it_says_that_no_cable_is_claimed(
     world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/state"))
     world.show(tracker, image_message())
     world.spin(lambda: "no cable is claimed" in capsys.readouterr().out, patience=60.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_without_a_traceback(
+    world: Any, tmp_path: Path, number: signal.Signals
+) -> None:
+    words = tmp_path / "stderr"
+    command = [sys.executable, EXAMPLE, "--ros-args", "-r", f"__ns:={world.namespace}"]
+    with (
+        words.open("w") as file,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=file, text=True) as process,
+    ):
+        try:
+            assert process.stdout is not None
+            assert "waiting for" in process.stdout.readline()
+            process.send_signal(number)
+            process.wait(PATIENCE)
+        finally:
+            process.kill()
+    assert "Traceback" not in words.read_text()
