@@ -135,6 +135,17 @@ def test_a_start_may_have_a_negative_first_number(run, bag):
     assert run("track", bag, "--init", "-5,0.1,9,0", *TABLE_ALONE).code == 0
 
 
+def test_what_a_detector_says_is_claimed_like_any_other_find(run, bag):
+    demanding = ("-p", "evidence_to_find=100", "--force", *TABLE_ALONE)
+
+    def statuses(init):
+        assert run("track", bag, "--init", init, "--output", "out", *demanding).code == 0
+        return {row.status for row in read_estimates(Path("out") / "estimates.csv")}
+
+    assert statuses("truth") == {"TRACKING"}
+    assert statuses("hough") == {"INITIALISING"}
+
+
 def test_preset_parameter_file_and_seed_add_up(tmp_path):
     file = tmp_path / "p.yaml"
     file.write_text("particle_count: 77\nseed: 3\nimage_transport: raw\n")

@@ -50,6 +50,7 @@ from cable_tracker.offline.advice import advice
 from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.offline.track_recording import (
     initial_state_for,
+    names_detector,
     start_from,
     track_recording,
 )
@@ -108,7 +109,8 @@ def track(  # noqa: PLR0917
     wanted = WantedResults(video=video, bag=bag, pictures=pictures)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
-        state = initial_state_for(recording, chosen_start(init, values), pair_limits(parameters))
+        start = chosen_start(init, values)
+        state = initial_state_for(recording, start, pair_limits(parameters))
         results = stack.enter_context(
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
@@ -119,13 +121,14 @@ def track(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.CableTrackingRequest(replayed, parameters, state, described)
+            detector = start if names_detector(start) else ""
+            request = client.CableTrackingRequest(replayed, parameters, state, described, detector)
             damage = client.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
             )
         else:
             tracker = make_tracker(parameters)
-            start_from(tracker, state)
+            start_from(tracker, state, is_guess=names_detector(start))
             metres = described.metres()
             with metres or nullcontext():
                 damage = track_recording(

@@ -57,7 +57,7 @@ def initial_state_for(
     RecordingError
         The recording cannot be read.
     """
-    if init != TRUTH and init not in DETECTORS:
+    if init != TRUTH and not names_detector(init):
         return parse_initial_state(init)
     first = next(source.frames(), None)
     if first is None:
@@ -65,6 +65,11 @@ def initial_state_for(
     if init == TRUTH:
         return _true_state(source, first)
     return _detected_state(source, first, init, limits)
+
+
+def names_detector(init: str) -> bool:
+    """Tell whether words that say where to start leave that to a detector, which may be wrong."""
+    return init in DETECTORS
 
 
 def _detected_state(source: Source, first: Frame, detector: str, limits: PairLimits) -> CableState:
@@ -150,10 +155,10 @@ def track_recording(
     return None
 
 
-def start_from(tracker: CableTracker, state: CableState | None) -> None:
-    """Start a tracker from a state, or at random if there is none."""
+def start_from(tracker: CableTracker, state: CableState | None, *, is_guess: bool = False) -> None:
+    """Start a tracker from a state, a guess if a detector has found it; at random without one."""
     if state is not None:
-        tracker.initialise(GivenState.around(state))
+        tracker.initialise(GivenState.around(state, is_guess=is_guess))
 
 
 def _track_frame(

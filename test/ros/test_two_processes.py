@@ -15,12 +15,14 @@ from rosbags.rosbag2 import Reader
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import RecordingError
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
     TRUTH,
     initial_state_for,
+    names_detector,
     start_from,
     track_recording,
 )
@@ -67,7 +69,9 @@ class Outcome:
 def track(tmp_path: Path) -> Callable[..., Outcome]:
     """Track a recording with the nodes or without."""
 
-    def tracked(path: Path, over_ros: bool, initial: CableState | None = None) -> Outcome:
+    def tracked(
+        path: Path, over_ros: bool, initial: CableState | None = None, detector: str = ""
+    ) -> Outcome:
         folder = tmp_path / ("ros" if over_ros else "core")
         steps: list[None] = []
         with ExitStack() as stack:
@@ -78,11 +82,13 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 steps.append(None)
 
             if over_ros:
-                request = CableTrackingRequest({"source": str(path)}, PARAMETERS, initial)
+                request = CableTrackingRequest(
+                    {"source": str(path)}, PARAMETERS, initial, detector=detector
+                )
                 damage = track_recording_over_ros(source, request, results, advance)
             else:
                 tracker = make_tracker(PARAMETERS)
-                start_from(tracker, initial)
+                start_from(tracker, initial, is_guess=names_detector(detector))
                 damage = track_recording(source, tracker, results, advance)
         return Outcome(results.rows, results.truths, folder / BAG, damage, len(steps))
 
@@ -131,6 +137,18 @@ def test_a_simulated_dive_gives_the_same_table_and_the_same_messages(
         assert recorded
         assert recorded == messages_of(core.bag, topic)
     assert messages_of(ros.bag, "/diagnostics")
+
+
+@pytest.mark.slow
+def test_from_a_detection_a_dive_gives_the_same_table(
+    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = make_dive(6)
+    with open_source(path) as source:
+        found = initial_state_for(source, "hough", pair_limits(PARAMETERS))
+    assert found is not None
+    ros, core = track(path, True, found, "hough"), track(path, False, found, "hough")
+    assert_same(ros, core, 6)
 
 
 @pytest.mark.slow

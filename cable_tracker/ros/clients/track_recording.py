@@ -46,12 +46,15 @@ class CableTrackingRequest:
         Initial state; None: random initialisation.
     vehicle : RecordedVehicle or None
         With its instruments; None: everything stays in pixels.
+    detector : str
+        Detector that has found the initial state, and finds it anew in the node; empty: none has.
     """
 
     source: dict[str, ParameterValue]
     parameters: TrackerParameters
     initial_state: CableState | None
     vehicle: RecordedVehicle | None = None
+    detector: str = ""
 
 
 def track_recording_over_ros(
@@ -103,9 +106,10 @@ def track_recording_over_ros(
 
 def _tracker_parameters(request: CableTrackingRequest) -> dict[str, ParameterValue]:
     state = request.initial_state
+    start = RANDOM if state is None else request.detector or format_initial_state(state)
     return {
         **request.parameters.as_mapping(),
-        "initial_state": RANDOM if state is None else format_initial_state(state),
+        "initial_state": start,
         **_vehicle_parameters(request.vehicle),
     }
 
