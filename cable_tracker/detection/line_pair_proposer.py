@@ -94,7 +94,7 @@ class LinePairProposer:
         """Yield the pictures in which faint lines are looked for."""
         yield coarse_brightness(image)
         yield coarse_texture(image)
-        if self._looks_at_map and image.cable_map.probabilities.max() >= SHOWN:
+        if self._looks_at_map and image.cable_map.probabilities.max(initial=0.0) >= SHOWN:
             yield image.cable_map.probabilities
 
     def _faint_pairs(self, picture: Image, image: WorkingImage) -> FloatArray:

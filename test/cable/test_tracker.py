@@ -452,10 +452,10 @@ def test_one_particle_is_enough_to_run(draw_strip, noise_picture, name, kind):
         np.testing.assert_allclose(estimate.covariance, 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("size", [(16, 16), (48, 36), (16, 400), (700, 16)])
+@pytest.mark.parametrize("size", [(16, 16), (48, 36), (16, 400), (700, 16), (2400, 16), (16, 8000)])
 def test_frames_of_unusual_size_are_no_problem(size):
     rng = np.random.default_rng(0)
-    tracker = CableTracker(TrackerParameters(particle_count=50))
+    tracker = make_tracker(TrackerParameters(particle_count=50))
     for k in range(5):
         image = rng.integers(0, 256, size[::-1]).astype(np.uint8)
         assert_sound(tracker.process(image, START + k * FRAME), 50)

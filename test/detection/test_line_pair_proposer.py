@@ -105,7 +105,7 @@ def test_lengths_are_those_of_the_frame_not_of_the_reduced_picture(draw_strip):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("size", [(16, 16), (16, 200), (300, 16), (160, 120)])
+@pytest.mark.parametrize("size", [(16, 16), (16, 200), (300, 16), (160, 120), (2400, 16)])
 @pytest.mark.parametrize("kind", ["black", "white", "noise", "one edge"])
 @pytest.mark.parametrize("is_searching", [False, True])
 def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind, is_searching):

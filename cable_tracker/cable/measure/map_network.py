@@ -27,7 +27,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.cable_map import CableMap, cable_map_of
+from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap, cable_map_of
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
 NETWORK = "cable_map.onnx"
@@ -56,7 +56,7 @@ LARGEST = 5.0
 
 
 def make_cable_map(picture: Image, frame_width: int) -> CableMap:
-    """Return the map of a picture.
+    """Return the map of a picture; `NO_MAP` of one that is too narrow for a cell.
 
     Parameters
     ----------
@@ -69,8 +69,10 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
     height, width = levels.shape
     relative = normalised(levels)
     whole, (margin_left, margin_top) = padded(relative)
-    log_odds = _log_odds(whole)
     columns, rows = cells_within(margin_left, width), cells_within(margin_top, height)
+    if not (columns and rows):
+        return NO_MAP
+    log_odds = _log_odds(whole)
     inside = np.ascontiguousarray(log_odds[rows.start : rows.stop, columns.start : columns.stop])
     probabilities = (1.0 / (1.0 + np.exp(-inside))).astype(np.float32)
     if not relative.any():

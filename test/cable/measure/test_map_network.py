@@ -122,6 +122,11 @@ def test_a_tall_picture_is_reduced_further(picture):
     assert where.cell == pytest.approx(CELL * 240 / TALLEST, rel=0.02)
 
 
+@pytest.mark.parametrize("size", [(2400, 16), (16, 8000)])
+def test_a_picture_too_narrow_for_a_cell_has_no_map(size):
+    assert make_cable_map(np.zeros(size[::-1], np.uint8), size[0]).probabilities.shape == (0, 0)
+
+
 @given(st.integers(16, 400), st.integers(16, 400))
 def test_padding_repeats_margins_of_whole_cells_up_to_the_stride(width, height):
     levels = np.arange(2 * width * height, dtype=np.float32).reshape(2, height, width)
