@@ -17,7 +17,7 @@ PROPOSERS: Mapping[str, Callable[[TrackerParameters], CableProposer]] = MappingP
     {
         "none": lambda _parameters: NoProposer(),
         "line_pairs": lambda parameters: LinePairProposer(
-            pair_limits(parameters), looks_at_map=parameters.looks == "network"
+            pair_limits(parameters), looks_at_map=parameters.uses_map
         ),
     }
 )

@@ -166,7 +166,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
         parameters = self._parameters
         is_clear = belief.hypotheses.weaker_border_mean >= parameters.evidence_to_find
-        return parameters.looks == "network" and not (is_known and is_clear)
+        return parameters.uses_map and not (is_known and is_clear)
 
     def _inputs(
         self,

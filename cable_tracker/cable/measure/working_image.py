@@ -180,10 +180,15 @@ class WorkingImage:
         return make_cable_map(self._cleared.astype(np.float32), self.frame_size[0])
 
     @property
+    def has_map(self) -> bool:
+        """Whether the map has been asked for, and so is known."""
+        return "_bent_map" in vars(self)
+
+    @property
     def next_history(self) -> PictureHistory:
-        """The history for the next frame; the bend stays as it was if no map was asked for."""
+        """The history for the next frame; the bend stays as it was where there is no map."""
         bend = self.history.bend
-        if "_bent_map" in vars(self):
+        if self.has_map:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
         return PictureHistory(bend, self._standing_lines)
 
@@ -273,4 +278,7 @@ def working_image_for(
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
     )
+    if not parameters.uses_map:
+        # Without maps, nothing would tell that a bend has ended.
+        history = replace(history, bend=STRAIGHT)
     return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)

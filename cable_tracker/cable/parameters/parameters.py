@@ -407,6 +407,11 @@ class TrackerParameters(ParameterSet):
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
     )
 
+    @property
+    def uses_map(self) -> bool:
+        """Whether frames are looked at through the network that maps cables."""
+        return self.filter == "multi_hypothesis" and self.looks == "network"
+
     def check_together(self) -> None:
         """Refuse parts that do not go together."""
         if self.filter == "multi_hypothesis" and self.observation != "likelihood_ratio":

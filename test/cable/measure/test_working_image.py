@@ -4,8 +4,16 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.working_image import check_frame, make_working_image
+from cable_tracker.cable.measure.bend import STRAIGHT, Bend
+from cable_tracker.cable.measure.working_image import (
+    PictureHistory,
+    check_frame,
+    make_working_image,
+    working_image_for,
+)
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError
 
 
@@ -77,3 +85,21 @@ def test_a_large_frame_keeps_its_middle_and_nearly_its_levels(height, rng):
     difference = image.pixels - expected
     assert abs(difference.mean()) < 0.5 + 0.1
     assert difference.std() < 1.5
+
+
+@pytest.mark.parametrize(
+    ("parameters", "is_straightened"),
+    [
+        (TrackerParameters(), True),
+        (TrackerParameters(looks="borders"), False),
+        (preset("thesis").replaced({"looks": "network"}), False),
+    ],
+    ids=["network", "borders", "bootstrap filter"],
+)
+def test_a_picture_is_straightened_only_where_a_map_tells_when_the_bend_has_ended(
+    parameters, is_straightened, draw_strip
+):
+    bent = PictureHistory(Bend(0.1))
+    image = working_image_for(draw_strip(CableState(0.0, 0.0, 20.0)), parameters, bent)
+    assert (not np.array_equal(image.pixels, image.frame)) == is_straightened
+    assert (image.next_history.bend == STRAIGHT) != is_straightened
