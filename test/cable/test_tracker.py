@@ -621,6 +621,17 @@ def test_limits_that_exclude_every_particle_are_no_problem_and_no_warning(draw_s
         assert estimate.status is INITIALISING
 
 
+@pytest.mark.parametrize(
+    "limits", [{"skew_limit": 0.0}, {"width_minimum": 24.0, "width_maximum": 24.0}], ids=str
+)
+def test_limits_that_leave_one_value_find_such_a_cable(draw_strip, limits):
+    tracker = make_tracker(TrackerParameters().replaced(limits))
+    cable = CableState(12.0, 0.2, 12.0)
+    *_, last = run(tracker, repeated(draw_strip(cable, (160, 120)), 10))
+    assert last.status is TRACKING
+    assert last.state.distance == pytest.approx(cable.distance, abs=1.0)
+
+
 def test_with_its_detector_a_cable_anywhere_is_found_lost_and_found_elsewhere(
     draw_strip, noise_picture
 ):

@@ -32,9 +32,6 @@ OFFSET_SIGMA, ANGLE_SIGMA, SKEW_SIGMA = 4.0, math.radians(2.0), math.radians(6.0
 """How exactly the shared border is known [px at the reference width, rad], and how far the skew is
 from that of the hypothesis [rad]."""
 
-LEAST_RANGE = 1e-3
-"""Smallest range of log w that jumps are taken to be spread over."""
-
 COMBINATIONS = 4
 """The left or the right border of the hypothesis is the left or the right one of the strip."""
 
@@ -52,7 +49,7 @@ class BorderJump(NamedTuple):
     skew : float
         beta of the hypothesis [rad].
     narrowest, widest : float
-        Limits of the widths of the strips [px].
+        Limits of the widths of the strips, the first one below the other [px].
     offset_sigma : float
         `OFFSET_SIGMA` for frames of this size [px].
     """
@@ -115,6 +112,5 @@ def jump_density(state: FloatArray, jump: BorderJump) -> float:
         if squared < 50.0:
             total += math.exp(-0.5 * squared)
     scales = jump.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
-    # Both limits may be the same.
-    log_range = max(math.log(jump.widest / jump.narrowest), LEAST_RANGE)
+    log_range = math.log(jump.widest / jump.narrowest)
     return float(total / (COMBINATIONS * scales * width * log_range))

@@ -17,7 +17,7 @@ from cable_tracker.cable.hypotheses.presence import PriorPresence
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import image_reach, state_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
-from cable_tracker.cable.model.limits import state_limits
+from cable_tracker.cable.model.limits import possible_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
@@ -116,7 +116,7 @@ class Predictor:
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._survival_rates = survival_rates(parameters, width)
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
-        limits = state_limits(parameters, width)
+        limits = possible_limits(parameters, width)
         self._widths = float(limits.lower[WIDTH]), float(limits.upper[WIDTH])
 
     def predict(self, belief: Belief, dt: float, motion: MotionAid | None) -> Prediction:

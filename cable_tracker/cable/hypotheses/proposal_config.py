@@ -12,7 +12,7 @@ from cable_tracker.cable.hypotheses.clusters import RADII
 from cable_tracker.cable.hypotheses.evidence_correction import EvidenceLimits
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
-from cable_tracker.cable.model.limits import StateLimits, state_limits
+from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
@@ -70,7 +70,7 @@ def proposal_config(
     units, rounds = pose_units(width), range(parameters.refinement_rounds)
     return ProposalConfig(
         image_size=(float(width), float(height)),
-        limits=state_limits(parameters, width),
+        limits=possible_limits(parameters, width),
         degrees_of_freedom=degrees_of_freedom,
         cluster_radii=RADII * units,
         detection_sigmas=DETECTION_SIGMAS * units,

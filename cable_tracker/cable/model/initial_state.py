@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.limits import clip_to_limits, state_limits
+from cable_tracker.cable.model.limits import clip_to_limits, possible_limits, state_limits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
@@ -117,7 +117,7 @@ def between(lower: Range, upper: Range, share: Range) -> Range:
 
 
 def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
-    """Return the box for frames of a given width [px]."""
+    """Return the box for frames of a given width [px]: what of the search is possible."""
     scale = image_width / REFERENCE_WIDTH
     distance = parameters.initial_distance_range * scale
     angle = np.deg2rad(parameters.initial_angle_range)
@@ -131,8 +131,10 @@ def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
         [distance, angle, parameters.initial_width_maximum * scale,
          np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate, 0.0, 0.0]
     )  # fmt: skip
+    limits = possible_limits(parameters, image_width)
     # A range of zero would make the uniform density infinite.
-    upper[:POSE_SIZE] = np.maximum(upper[:POSE_SIZE], lower[:POSE_SIZE] + SMALLEST_RANGE)
+    lower[:POSE_SIZE] = np.clip(lower[:POSE_SIZE], limits.lower, limits.upper - SMALLEST_RANGE)
+    upper[:POSE_SIZE] = np.clip(upper[:POSE_SIZE], lower[:POSE_SIZE] + SMALLEST_RANGE, limits.upper)
     return SearchBox(lower, upper)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+LEAST_EXTENT = np.array([0.0, 0.0, 0.8, math.radians(0.5)])
+"""Smallest extent of `possible_limits`: d, alpha, w, beta [px at the reference width, rad]. Of what
+is drawn about a cable, hardly anything would lie within narrower ones."""
 
 
 class StateLimits(NamedTuple):
@@ -33,6 +38,16 @@ def state_limits(parameters: TrackerParameters, image_width: int) -> StateLimits
         lower=units * [-distance, -np.inf, parameters.width_minimum, -skew],
         upper=units * [distance, np.inf, parameters.width_maximum, skew],
     )
+
+
+def possible_limits(parameters: TrackerParameters, image_width: int) -> StateLimits:
+    """Return the limits beyond which poses are impossible, for frames of a given width [px].
+
+    Those of particles, but never so narrow that nothing which is drawn at random is possible.
+    """
+    lower, upper = state_limits(parameters, image_width)
+    missing = np.maximum(LEAST_EXTENT * pose_units(image_width) - (upper - lower), 0.0)
+    return StateLimits(lower - 0.5 * missing, upper + 0.5 * missing)
 
 
 def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:

@@ -435,7 +435,7 @@ class TrackerParameters(ParameterSet):
         """Say which values are accepted but hardly meant, one sentence each.
 
         A search that begins outside the limits of a particle is no contradiction, because one
-        limit alone may be changed: what lies outside is brought to the limit.
+        limit alone may be changed: only what of it lies within them is searched.
         """
         remarks = []
         if self.initial_width_maximum > self.width_maximum:

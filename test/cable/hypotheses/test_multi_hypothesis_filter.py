@@ -268,13 +268,13 @@ def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
 
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
-    # No width that particles may have is one that is drawn; only jumps would have one.
+    # Of what survives, nothing is as wide as it has to be, and there is nothing else.
     monkeypatch.setattr(sample_counts, "JUMP_SHARE", 0.0)
     cable_filter = make_filter(
-        width_minimum=150.0, initial_width_minimum=6.0, initial_width_maximum=20.0,
-        detector_share=0.0, diffusion_degrees_of_freedom=0.0,
+        width_minimum=150.0, appearance_rate=0.0, search_share=0.0, detector_share=0.0,
+        diffusion_degrees_of_freedom=0.0,
     )  # fmt: skip
-    before = cable_filter.first_belief()
+    before = cable_filter.guessed_belief(cloud(STRIP))
     (after,) = run(cable_filter, before, [strip])
     assert_sound(after)
     assert after.presence == LEAST_PRESENCE
@@ -339,6 +339,8 @@ EXTREMES = {
         "tempering": 1.0,
     },
     "no polarity": {"polarity_memory": 0.0},
+    "one width": {"width_minimum": 48.0, "width_maximum": 48.0},
+    "no skew": {"skew_limit": 0.0},
     "cauchy": {"diffusion_degrees_of_freedom": 1.0},
     "gaussian": {"diffusion_degrees_of_freedom": 0.0},
 }  # fmt: skip

@@ -11,7 +11,7 @@ from cable_tracker.cable.model.initial_state import (
     search_box,
     usual_sigma,
 )
-from cable_tracker.cable.model.limits import state_limits
+from cable_tracker.cable.model.limits import possible_limits, state_limits
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -41,12 +41,32 @@ def test_a_random_start_fills_table_5_2_and_no_more(width, rng):
     np.testing.assert_allclose(states.var(axis=0), half**2 / 3, rtol=0.04)
 
 
-def test_a_random_start_stays_within_the_limits(rng):
-    changed = parameters(initial_distance_range=1e4, initial_width_maximum=1e4)
+NARROW = {
+    "skew": {"skew_limit": 0.0},
+    "width": {"width_minimum": 30.0, "width_maximum": 30.0},
+    "narrower than the search": {"width_maximum": 4.5},
+    "wider than the search": {"width_minimum": 120.0},
+}
+
+
+@pytest.mark.parametrize("limits", NARROW.values(), ids=NARROW)
+def test_a_random_start_stays_within_the_limits(limits, rng):
+    changed = parameters(initial_distance_range=1e4, **limits)
     states = random_states(changed, 320, rng)
     box = state_limits(changed, 320)
     assert (states[:, :4] >= box.lower).all()
     assert (states[:, :4] <= box.upper).all()
+    # What lies beyond a limit is not searched: nothing piles up there.
+    assert states[:, 0].std() == pytest.approx(box.upper[0] / np.sqrt(3.0), rel=0.03)
+
+
+@pytest.mark.parametrize("limits", NARROW.values(), ids=NARROW)
+def test_all_that_is_searched_is_possible(limits):
+    changed = parameters(**limits)
+    box, possible = search_box(changed, 640), possible_limits(changed, 640)
+    assert (possible.lower <= box.lower[:4]).all()
+    assert (box.lower[:4] < box.upper[:4]).all()
+    assert (box.upper[:4] <= possible.upper).all()
 
 
 def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):

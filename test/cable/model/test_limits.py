@@ -1,0 +1,25 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.limits import LEAST_EXTENT, possible_limits, state_limits
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+
+def test_what_a_particle_may_be_is_possible_and_nothing_else():
+    for limits, possible in zip(
+        state_limits(TrackerParameters(), 640),
+        possible_limits(TrackerParameters(), 640),
+        strict=True,
+    ):
+        assert np.array_equal(limits, possible)
+
+
+@pytest.mark.parametrize("width", [1.0, 30.0])
+def test_limits_that_leave_one_value_leave_a_little_about_it_possible(width):
+    parameters = TrackerParameters(width_minimum=width, width_maximum=width, skew_limit=0.0)
+    lower, upper = (limit[2:] for limit in possible_limits(parameters, 320))
+    np.testing.assert_allclose(upper - lower, LEAST_EXTENT[2:])
+    np.testing.assert_allclose(0.5 * (lower + upper), [width, 0.0])
+    assert lower[0] > 0.0
