@@ -22,8 +22,8 @@ from typing import NamedTuple
 from cable_tracker.compilation import compiled_inside
 
 LEAST_SHOWN, ENOUGH_SHOWN = 0.3, 0.5
-"""Length in view, as a share of the picture's height, up to which the clearness does not count, and
-from which it counts fully; linear between. Short edges of the bottom are clear, too."""
+"""Length in view, as a share of the picture's shorter side, up to which the clearness does not
+count, and from which it counts fully; linear between. Short edges of the bottom are clear, too."""
 
 
 class ScoreModel(NamedTuple):

@@ -55,7 +55,7 @@ class ScanInputs(NamedTuple):
     scale : float
         Working pixels per pixel of an image of the reference width.
     expected : float
-        Number of points of a border that runs through the picture.
+        Number of points of a border that runs through the picture along its shorter side.
     shape : GradientShape
         Covariance of the gradients, by which responses are divided.
     """
@@ -76,7 +76,7 @@ def scan_inputs(image: WorkingImage) -> ScanInputs:
         scanned.columns,
         image.reduction,
         image.scale,
-        image.size[1] / image.line_spacing,
+        min(image.size) / image.line_spacing,
         scanned.shape,
     )
 

@@ -241,8 +241,8 @@ def fill_log_ratios(
 def _add_missing_points(lacking: float, model: RatioModel, sums: Float32Array) -> None:
     """Add the ratios of the length that a border lacks in view to its sums (8,).
 
-    A border that runs through the picture has as many points as the picture is high. Points beyond
-    the edge cannot be seen, but a cable without is not believed for free.
+    A border that runs through the picture has at least as many points as the shorter side takes.
+    Points beyond the edge cannot be seen, but a cable without is not believed for free.
     """
     for strength in range(CLASSES):
         cost = np.float32(lacking * model.missing[strength])
@@ -294,7 +294,7 @@ class BorderClearness(NamedTuple):
     clearness : FloatArray
         Mean log-likelihood ratio per point in view of the weaker border, shape (N,) [nats].
     shown : FloatArray
-        Length in view of the shorter border, as a share of the picture's height, at most 1,
+        Length in view of the shorter border, as a share of the picture's shorter side, at most 1,
         shape (N,).
     """
 

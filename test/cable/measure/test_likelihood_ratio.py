@@ -249,10 +249,18 @@ def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
     assert list(map(weaker_common_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]
 
 
+def test_in_a_tall_picture_a_cable_across_is_as_clear_as_one_that_runs_down(draw_strip):
+    down, across = (
+        MODEL.evidence(state.to_array(), working(draw_strip(state, (180, 320))))
+        for state in (CableState(5.0, 0.0, 20.0), CableState(5.0, np.pi / 2, 20.0))
+    )
+    assert across == pytest.approx(down, rel=0.1)
+
+
 def literal_log_ratios(state, image, table, parameters) -> np.ndarray:
     """The model written down from its definition, over the points that learning records."""
     tempering = parameters.tempering * image.line_spacing / image.scale / 5.0
-    expected = image.size[1] / image.line_spacing
+    expected = min(image.size) / image.line_spacing
     points = measure_points(state[None], image)
     ratios, sums = table.look_up(points.measures), np.zeros((2, 2, CLASSES))
     for border, side in enumerate((-1.0, 1.0)):
