@@ -58,6 +58,13 @@ class Belief:
     is_clear: bool = False
     known_time: float = 0.0
 
+    def is_known(self, known_after: float) -> bool:
+        """Tell whether the leading hypothesis is known; `known_after` is the parameter [s].
+
+        What no frame has held for a cable is not, however soon that may be.
+        """
+        return self.known_time > 0.0 and self.known_time >= known_after
+
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:
     """Return a belief of equally weighted states (N, 8), all of them one hypothesis."""

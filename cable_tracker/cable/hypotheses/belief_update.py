@@ -43,7 +43,7 @@ def updated_belief(
     """
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
-    is_known = conclusion.goes_on and before.known_time >= parameters.known_after
+    is_known = conclusion.goes_on and before.is_known(parameters.known_after)
     is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size[0])
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.

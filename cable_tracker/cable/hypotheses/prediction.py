@@ -134,7 +134,7 @@ class Predictor:
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
             birth=birth,
             gain=gain_over(parameters.presence_gain, dt),
-            is_known=belief.known_time >= parameters.known_after,
+            is_known=belief.is_known(parameters.known_after),
         )
         density = self._density(ancestors, existence, expected[0], belief.memory, dt, motion)
         return Prediction(existence, density, prior, reference_angle)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,21 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     assert len(belief.hypotheses.clusters.masses) == 1
     assert abs(belief.hypotheses.clusters.means[0, 1]) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
+
+
+@pytest.mark.parametrize(
+    ("known_time", "known_after", "is_known"),
+    [
+        (0.0, 1.0, False),
+        (1.0, 1.0, True),
+        (math.inf, 1e6, True),
+        (0.04, 0.0, True),
+        (0.0, 0.0, False),
+    ],
+)
+def test_only_what_was_held_for_a_cable_is_known(known_time, known_after, is_known, rng):
+    belief = replace(initial_belief(rng.normal(0.0, 0.1, (5, 8)), 0.9), known_time=known_time)
+    assert belief.is_known(known_after) == is_known
 
 
 def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):
