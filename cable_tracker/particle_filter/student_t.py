@@ -52,10 +52,10 @@ def relative_density(squared_distance: float, degrees_of_freedom: float, dimensi
     """Return the density over its peak at a squared Mahalanobis distance."""
     if math.isinf(degrees_of_freedom):
         return math.exp(-0.5 * squared_distance)
-    if degrees_of_freedom == 4.0 and dimensions == 4:
+    if degrees_of_freedom == 4.0 and dimensions in (1, 4):
         base = 1.0 + 0.25 * squared_distance
         square = base * base
-        return 1.0 / (square * square)
+        return 1.0 / (square * (square if dimensions == 4 else math.sqrt(base)))
     return math.exp(relative_log_density(squared_distance, degrees_of_freedom, dimensions))
 
 

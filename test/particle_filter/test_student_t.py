@@ -36,10 +36,15 @@ def test_a_gaussian_and_a_cauchy_density_worked_by_hand():
     np.testing.assert_allclose(density(x, 1.0), 1 / (np.pi * (1 + x**2)))
 
 
-def test_the_usual_tail_in_four_dimensions_is_that_of_the_general_formula():
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
+def test_the_usual_tail_is_that_of_the_general_formula(dimensions):
     for squared in (0.0, 0.3, 7.0, 1e4):
-        general = (1.0 + squared / 4.0) ** -4.0
-        assert relative_density(squared, 4.0, 4) == pytest.approx(general, rel=1e-12)
+        general = (1.0 + squared / 4.0) ** (-0.5 * (4.0 + dimensions))
+        assert relative_density(squared, 4.0, dimensions) == pytest.approx(general, rel=1e-12)
+
+
+def test_the_peak_of_the_usual_tail_worked_by_hand():
+    assert peak_density(4.0, 1) == pytest.approx(3.0 / 8.0)
     # Gamma(4) / Gamma(2) / (4 pi)^2
     assert peak_density(4.0, 4) == pytest.approx(6.0 / (4.0 * math.pi) ** 2)
 

@@ -30,6 +30,7 @@ from cable_tracker.cable.model.state import (
     WIDTH,
 )
 from cable_tracker.compilation import compiled_inside, compiled_loop
+from cable_tracker.particle_filter.student_t import relative_density
 from cable_tracker.tracking.survival import share_about_last_place
 
 BIRTH_PEAK = (
@@ -211,7 +212,4 @@ def _beside(distance: float, skew: float, middle: float, births: BirthDensity) -
 
 @compiled_inside
 def _birth_tail(deviation: float) -> float:
-    base = 1.0 + deviation * deviation / BIRTH_TAIL
-    if BIRTH_TAIL == 4.0:
-        return 1.0 / (base * base * math.sqrt(base))
-    return math.pow(base, -0.5 * (BIRTH_TAIL + 1.0))
+    return relative_density(deviation * deviation, BIRTH_TAIL, 1)
