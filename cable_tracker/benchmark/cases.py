@@ -20,7 +20,7 @@ from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
@@ -30,6 +30,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.trackers import make_proposer
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 TIMED_PRESETS = ("default", "thesis")
 """Presets that are timed; the others differ from `default` in limits and variances only."""
@@ -116,7 +117,7 @@ def points_of_a_cable(shown: Footage, spacing: float) -> float:
     """
     borders = project_borders(np.array([truth.to_array() for truth in shown.truths]))
     width = shown.size[0]
-    _, inside = sample_points(borders, spacing * width / REFERENCE_WIDTH, shown.size)
+    _, inside = sample_points(borders, spacing * pixel_scale(width), shown.size)
     return float(inside.sum(axis=(1, 2)).mean())
 
 

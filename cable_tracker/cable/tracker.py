@@ -23,11 +23,12 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.status import StatusMachine
 from cable_tracker.tracking.succession import FrameMark, succession
 
@@ -252,7 +253,7 @@ class CableTracker:
         return summary.supports_claim
 
     def _has_converged(self, covariance: FloatArray, image_width: int) -> bool:
-        scale = image_width / REFERENCE_WIDTH
+        scale = pixel_scale(image_width)
         sigma_distance = math.sqrt(covariance[StateColumn.DISTANCE, StateColumn.DISTANCE])
         sigma_angle = math.sqrt(covariance[StateColumn.ANGLE, StateColumn.ANGLE])
         return (

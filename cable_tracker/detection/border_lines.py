@@ -13,9 +13,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import Number, lengths_inside
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.detection.edges import EdgePoints
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 FIT_TOLERANCES = (4.0, 2.5, 2.0)
 """How far a point may lie from its line, at one fit after the other [px at the reference width]."""
@@ -89,7 +89,7 @@ def fit_lines(
     BorderLines
         At most N lines, best supported first.
     """
-    scale = image_size[0] / REFERENCE_WIDTH
+    scale = pixel_scale(image_size[0])
     edges = _edges_of(points)
     for tolerance in FIT_TOLERANCES:
         angles, offsets = _drawn(angles, offsets, edges, tolerance * scale)
@@ -176,7 +176,7 @@ def _supports(
     A line that only cuts a corner must not win because it is short: it is taken to be at least half
     as long as the smaller side of the picture.
     """
-    scale = image_size[0] / REFERENCE_WIDTH
+    scale = pixel_scale(image_size[0])
     stretch = max(STRETCH * scale, 1.0)
     reach = int(np.hypot(*image_size) / 2 / stretch) + 1
     covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, stretch, reach)

@@ -16,12 +16,12 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.working_image import check_frame
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.succession import FrameMark, succession
 
 USUAL_WIDTH = 0.1
@@ -171,7 +171,7 @@ class DetectorTracker:
 
     def _region(self, belief: CableKalmanFilter) -> SearchRegion:
         settings = self._settings
-        scale = belief.image_width / REFERENCE_WIDTH
+        scale = pixel_scale(belief.image_width)
         sigmas = settings.region_sigmas * np.sqrt(np.diag(belief.covariance)[:POSE_SIZE])
         return SearchRegion(
             state=belief.state,

@@ -6,7 +6,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 LOST_DISTANCE = 10.0
 """An error of d that is forgiven however narrow the cable, in an image 320 px wide [px]."""
@@ -30,7 +30,7 @@ def is_off_cable(errors: FloatArray, widths: FloatArray, image_width: int) -> Bo
     image_width : int
         Width of the frames [px].
     """
-    allowance = np.maximum(LOST_DISTANCE * image_width / REFERENCE_WIDTH, widths / 2)
+    allowance = np.maximum(LOST_DISTANCE * pixel_scale(image_width), widths / 2)
     held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (
         np.abs(errors[:, StateColumn.ANGLE]) <= LOST_ANGLE
     )

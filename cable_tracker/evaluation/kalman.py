@@ -15,7 +15,8 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import wrapped_estimate
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class FourSigmas:
 
     def variances(self, image_width: int) -> FloatArray:
         """Return the variances for images of a width [px], shape (4,) [px², rad²]."""
-        scale = image_width / REFERENCE_WIDTH
+        scale = pixel_scale(image_width)
         sigmas = np.array(
             [
                 self.distance * scale,

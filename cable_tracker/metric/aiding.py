@@ -10,7 +10,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.model.state import pose_units
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.errors import MetricError, one_line
 from cable_tracker.libraries import REFUSALS
 from cable_tracker.metric.agreement_gate import AgreementGate
@@ -167,8 +168,7 @@ class MotionAiding:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])
         covariance = prediction_covariance(before.state.to_array(), flight, change)
         frames = change.seconds * REFERENCE_RATE
-        scale = before.image_size[0] / REFERENCE_WIDTH
-        floor = UNMODELLED * np.array([scale, 1.0, scale, 1.0]) * np.sqrt(frames)
+        floor = UNMODELLED * pose_units(before.image_size[0]) * np.sqrt(frames)
         sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)
         self._sigmas = (change.seconds, sigmas)
         return PlaneMotion(mapping, change.seconds, sigmas)
@@ -194,6 +194,5 @@ class MotionAiding:
 
 def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotion:
     """Count by how much the picture shows a prediction to be off as unknown."""
-    scale = image_width / REFERENCE_WIDTH
-    more = excess * UNKNOWN_PER_PIXEL * [scale, 1.0, scale, 1.0]
+    more = excess * UNKNOWN_PER_PIXEL * pose_units(image_width)
     return replace(motion, place_sigmas=np.hypot(motion.place_sigmas, more))

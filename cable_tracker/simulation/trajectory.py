@@ -14,7 +14,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
-from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 RATE_STEP = 1e-4
 """Half the interval over which velocities are taken [s]."""
@@ -217,7 +217,7 @@ class Trajectory:
 
         The angle is not wrapped.
         """
-        scale = image_width / REFERENCE_WIDTH
+        scale = pixel_scale(image_width)
         states = np.empty((times.size, STATE_SIZE))
         states[:, 0] = scale * self.distance.values(times)
         states[:, 1] = self.angle.values(times)

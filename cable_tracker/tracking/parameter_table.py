@@ -25,6 +25,11 @@ REFERENCE_RATE = 25.0
 """Frame rate that variances and rates in parameters are given for [1/s]."""
 
 
+def pixel_scale(image_width: float) -> float:
+    """Return pixels of an image of a width [px] per pixel of one of the reference width."""
+    return image_width / REFERENCE_WIDTH
+
+
 @dataclass(frozen=True, slots=True)
 class ParameterSpec:
     """One row of the table.

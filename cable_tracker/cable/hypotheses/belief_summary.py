@@ -24,7 +24,8 @@ from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState
 from cable_tracker.cable.model.statistics import wrapped_estimate
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 FAMILIAR = 2.0
 """Largest difference from the remembered cable, in scales of its place and spreads of its width."""
@@ -161,7 +162,7 @@ def width_before_smoothing(width: float, parameters: TrackerParameters, image_wi
     image_width : int
         Width of the frames [px].
     """
-    sigma = math.hypot(parameters.filter_sigma, BLUR) * image_width / REFERENCE_WIDTH
+    sigma = math.hypot(parameters.filter_sigma, BLUR) * pixel_scale(image_width)
     square = (0.5 * width / sigma) ** 2
     share = 1.0
     for _ in range(WIDTH_ITERATIONS):
@@ -195,7 +196,7 @@ def displaced_covariance(
     image_width : int
         Width of the frames [px].
     """
-    unit = image_width / REFERENCE_WIDTH
+    unit = pixel_scale(image_width)
     factors = displacement_factors(border_means, width / unit)
     border = parameters.border_displacement * unit
     turn = parameters.border_displacement * BORDER_TURN

@@ -22,8 +22,8 @@ from cable_tracker.cable.model.state import (
     SKEW,
     WIDTH,
 )
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 BORDER_ERROR_RATE = 0.7
 """Rate at which a hypothesis turns out to have one border wrong [1/s]."""
@@ -73,7 +73,7 @@ def jump_from(
         skew,
         narrowest,
         widest,
-        OFFSET_SIGMA * image_width / REFERENCE_WIDTH,
+        OFFSET_SIGMA * pixel_scale(image_width),
     )
 
 

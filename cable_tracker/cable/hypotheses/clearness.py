@@ -14,7 +14,8 @@ from cable_tracker.cable.hypotheses.thin_strips import (
     trusted_share,
 )
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 APPEARANCE_SHARE = 0.5
 """Clearness that one nat of appearance by the borders is worth [nats per point]."""
@@ -78,7 +79,7 @@ def clearness_by_borders(
 ) -> float:
     """Return the leader's clearness and what its looks are worth, if borders are looked at."""
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
-    thin_width = parameters.thin_width * image_width / REFERENCE_WIDTH
+    thin_width = parameters.thin_width * pixel_scale(image_width)
     # What is thin has no looks that speak for it, see `trusted_appearance`.
     ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
     above = trusted_appearance(hypotheses.appearance, width, thin_width) - ordinary

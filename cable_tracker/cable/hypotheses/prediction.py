@@ -23,7 +23,6 @@ from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
-    REFERENCE_WIDTH,
     TrackerParameters,
 )
 from cable_tracker.compilation import compiled
@@ -31,6 +30,7 @@ from cable_tracker.particle_filter.existence import PredictedExistence, predict_
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
+from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.rates import event_probability
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
@@ -235,7 +235,7 @@ def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalR
     return SurvivalRates(
         vanishing=parameters.disappearance_rate,
         leaving=parameters.leaving_rate,
-        margin=parameters.leaving_margin * image_width / REFERENCE_WIDTH,
+        margin=parameters.leaving_margin * pixel_scale(image_width),
     )
 
 

@@ -14,7 +14,8 @@ from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
 """Kernel scales of the proposal about a detection: d, alpha, w, beta [px at the reference width,
@@ -80,7 +81,7 @@ def proposal_config(
         evidence_limits=EvidenceLimits(
             parameters.evidence_limit,
             parameters.evidence_repeated,
-            parameters.thin_width * width / REFERENCE_WIDTH,
+            parameters.thin_width * pixel_scale(width),
             is_known=False,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
@@ -88,7 +89,7 @@ def proposal_config(
             parameters.shadow_evidence,
             parameters.evidence_limit,
             SAME_HYPOTHESIS_RADII * units,
-            width / REFERENCE_WIDTH,
+            pixel_scale(width),
         ),
     )
 

@@ -15,9 +15,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import inset, wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
 from cable_tracker.particle_filter.student_t import relative_log_density
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
 """Scales of the search about the last place, at first: d, alpha, w, beta [px at the reference
@@ -137,7 +138,7 @@ def remember(
         log_width = before.log_width + share * (log_width - before.log_width)
         tracked_time = before.tracked_time + dt
     within = inset(state, image_size)
-    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * image_size[0] / REFERENCE_WIDTH
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * pixel_scale(image_size[0])
     return RememberedCable(
         pose=state[:POSE_SIZE].copy(),
         side=float(np.sign(state[StateColumn.DISTANCE])) if is_leaving else 0.0,

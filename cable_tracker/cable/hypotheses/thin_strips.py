@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 THINNEST_FACTOR = 0.5
 """Lower bound of `thin_factor`."""
@@ -69,5 +70,5 @@ def needed_clearness(width: float, parameters: TrackerParameters, image_width: f
     needed = parameters.evidence_to_find
     if needed <= 0.0:
         return needed
-    usual = USUAL_WIDTH * parameters.thin_width * image_width / REFERENCE_WIDTH
+    usual = USUAL_WIDTH * parameters.thin_width * pixel_scale(image_width)
     return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 LEAST_HEIGHT = 8.0
 """How far a thin line stands out from what is beside it, at least [grey levels]."""
@@ -178,5 +178,5 @@ def _thickness(picture: Image) -> int:
 
 def _of_width(length: float, picture: Image) -> int:
     """Return a length in pixels of a picture [from px at the reference width]."""
-    scaled: float = length * picture.shape[1] / REFERENCE_WIDTH
+    scaled: float = length * pixel_scale(picture.shape[1])
     return round(scaled)

@@ -27,8 +27,9 @@ from cable_tracker.cable.measure.illumination import evenly_lit
 from cable_tracker.cable.measure.map_network import make_cable_map
 from cable_tracker.cable.measure.scan_filters import scan_kernels
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 DEFAULTS = TrackerParameters()
 
@@ -159,7 +160,7 @@ class WorkingImage:
     @cached_property
     def scale(self) -> float:
         """Working pixels per pixel of an image of the reference width."""
-        return self.size[0] / REFERENCE_WIDTH
+        return pixel_scale(self.size[0])
 
     @cached_property
     def line_spacing(self) -> int:

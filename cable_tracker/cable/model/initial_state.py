@@ -13,10 +13,10 @@ from cable_tracker.cable.model.limits import clip_to_limits, possible_limits, st
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
-    REFERENCE_WIDTH,
     TrackerParameters,
 )
 from cable_tracker.compilation import compiled_inside
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 Range = TypeVar("Range", float, FloatArray)
 
@@ -76,7 +76,7 @@ class GivenState:
 
 def usual_sigma(image_width: int) -> FloatArray:
     """Return the spread about a state that is known well, shape (8,): 2 px, half a degree."""
-    scale = image_width / REFERENCE_WIDTH
+    scale = pixel_scale(image_width)
     half_degree = float(np.deg2rad(0.5))
     return np.array(
         [
@@ -118,7 +118,7 @@ def between(lower: Range, upper: Range, share: Range) -> Range:
 
 def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
     """Return the box for frames of a given width [px]: what of the search is possible."""
-    scale = image_width / REFERENCE_WIDTH
+    scale = pixel_scale(image_width)
     distance = parameters.initial_distance_range * scale
     angle = np.deg2rad(parameters.initial_angle_range)
     distance_rate = parameters.initial_distance_rate_range * scale * REFERENCE_RATE

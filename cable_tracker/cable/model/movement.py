@@ -13,11 +13,11 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
-    REFERENCE_WIDTH,
     TrackerParameters,
 )
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.rates import over_time
 
 ALMOST_UNDAMPED = 1e-3
@@ -158,7 +158,7 @@ def variances_per_frame(
     parameters: TrackerParameters, image_width: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return the variances that pose and rates gain in a reference frame, (4,) each [px², rad²]."""
-    pixel = (image_width / REFERENCE_WIDTH) ** 2
+    pixel = pixel_scale(image_width) ** 2
     radian = np.deg2rad(1.0) ** 2
     pose = np.array(
         [

@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 
 class StateColumn(IntEnum):
@@ -41,7 +41,7 @@ def pose_units(image_width: float) -> FloatArray:
 
     Factors for d, alpha, w, beta; angles stay as they are.
     """
-    scale = image_width / REFERENCE_WIDTH
+    scale = pixel_scale(image_width)
     return np.array([scale, 1.0, scale, 1.0])
 
 

@@ -20,7 +20,6 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.detector import CableDetector, Detection
@@ -28,6 +27,7 @@ from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 SIGMA = 2.0
 """Sigma of the Laplacian of Gaussian [px at the reference width]."""
@@ -72,7 +72,7 @@ def zero_crossings(pixels: Image) -> EdgePoints:
     pixels : Image
         Grey levels, float32, shape (h, w).
     """
-    sigma = max(SIGMA * pixels.shape[1] / REFERENCE_WIDTH, SMALLEST_SIGMA)
+    sigma = max(SIGMA * pixel_scale(pixels.shape[1]), SMALLEST_SIGMA)
     smooth = cv2.GaussianBlur(pixels, (0, 0), sigma)
     laplacian = cv2.Laplacian(smooth, cv2.CV_32F, ksize=3)
     gradient = gradient_of(smooth)
@@ -124,7 +124,7 @@ def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatA
     image_size : (int, int)
         Width and height of the picture [px].
     """
-    offset_bin = max(OFFSET_BIN * image_size[0] / REFERENCE_WIDTH, 1.0)
+    offset_bin = max(OFFSET_BIN * pixel_scale(image_size[0]), 1.0)
     reach = int(np.hypot(*image_size) / 2 / offset_bin) + 1
     weights = np.minimum(points.contrasts, VOTE_CAP)
     votes = _vote(points.positions, points.directions, weights, offset_bin, reach)

@@ -17,7 +17,6 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import gradient_of
@@ -26,6 +25,7 @@ from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import ResourceError
 from cable_tracker.tracking.image_frame import pixel_to_image
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 SIGMA = 1.0
 """Sigma of the smoothing before the gradient is read [px]."""
@@ -58,7 +58,7 @@ class LineSegmentDetector(CableDetector):
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
         image_size = (pixels.shape[1], pixels.shape[0])
         segments = self._find_segments(pixels)
-        segments = segments.selected(segments.lengths >= SHORTEST * image_size[0] / REFERENCE_WIDTH)
+        segments = segments.selected(segments.lengths >= SHORTEST * pixel_scale(image_size[0]))
         if region is not None:
             segments = segments.selected(
                 region.covers(segments.starts) & region.covers(segments.ends)

@@ -21,13 +21,13 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 SIGMA = 1.5
 """Sigma of the smoothing before the gradient is taken [px at the reference width]."""
@@ -70,7 +70,7 @@ class SegmentationDetector(CableDetector):
     """Detect cables by segmentation; see the module."""
 
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
-        scale = pixels.shape[1] / REFERENCE_WIDTH
+        scale = pixel_scale(pixels.shape[1])
         smooth = cv2.GaussianBlur(pixels, (0, 0), max(SIGMA * scale, SMALLEST_SIGMA))
         gradient = gradient_of(smooth)
         contours = region_contours(smooth, gradient)
@@ -117,7 +117,7 @@ class Grid:
 def make_grid(shape: tuple[int, ...]) -> Grid:
     """Divide a picture of shape (h, w) into cells as nearly square as can be."""
     height, width = shape
-    side = max(CELL * width / REFERENCE_WIDTH, SMALLEST_CELL)
+    side = max(CELL * pixel_scale(width), SMALLEST_CELL)
     down, across = max(round(height / side), 1), max(round(width / side), 1)
     rows, columns = np.arange(height) * down // height, np.arange(width) * across // width
     return Grid(

@@ -22,7 +22,6 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.baselines.hough import hough_lines
 from cable_tracker.detection.border_lines import CONTRAST_CAP
 from cable_tracker.detection.detector import CableDetector, Detection
@@ -30,6 +29,7 @@ from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridg
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 SIGMA = 1.0
 """Sigma of the smoothing before the gradient is taken [px]."""
@@ -187,7 +187,7 @@ def _grains(smooth: Image) -> Image:
 
 def _average(maps: _CellMaps) -> Cells:
     height, width = maps.weight.shape
-    side = 2 * (max(round(CELL * width / REFERENCE_WIDTH), SMALLEST_CELL) // 2) + 1
+    side = 2 * (max(round(CELL * pixel_scale(width)), SMALLEST_CELL) // 2) + 1
 
     def mean(values: Image) -> FloatArray:
         averaged = cv2.blur(values, (side, side), borderType=cv2.BORDER_CONSTANT)

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.worlds.motion import WORLD_RATE
 from cable_tracker.simulation.worlds.strip import border_points, pixel_grid, view_strip
-from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 STRIP_WIDTHS = (4.0, 200.0)
 """Narrowest and widest strip, drawn uniformly in the logarithm [px at 320 px]."""
@@ -56,7 +56,7 @@ def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> Float
     FloatArray
         d, alpha, w, beta and zeros, shape (8,) [px, rad].
     """
-    scale = image_size[0] / REFERENCE_WIDTH
+    scale = pixel_scale(image_size[0])
     state = np.zeros(STATE_SIZE)
     # Width and skew are settled first, so that wide and skewed strips are not fewer than others.
     state[2] = scale * float(np.exp(rng.uniform(*np.log(STRIP_WIDTHS))))
@@ -94,7 +94,7 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
     image_size = 640, 480
     rng = np.random.default_rng((3, seed))
     state = random_strip(image_size, rng)
-    scale = image_size[0] / REFERENCE_WIDTH
+    scale = pixel_scale(image_size[0])
     ground, noise = float(rng.uniform(*GROUND)), float(rng.uniform(*STRIP_NOISE))
     step = float(rng.uniform(*STEP) * rng.choice((-1.0, 1.0)))
     x, y = pixel_grid(image_size)

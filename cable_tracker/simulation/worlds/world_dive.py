@@ -38,7 +38,7 @@ from cable_tracker.simulation.worlds.strip import (
 )
 from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
-from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
@@ -100,7 +100,7 @@ class WorldDive:
         self.world = world
         name = zlib.crc32(world.name.encode())
         self._size = image_size
-        self._scale = image_size[0] / REFERENCE_WIDTH
+        self._scale = pixel_scale(image_size[0])
         route, scenery, picture, self._grain = (
             np.random.default_rng(each)
             for each in np.random.SeedSequence((world.split.number, name, seed)).spawn(4)

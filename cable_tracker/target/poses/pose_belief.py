@@ -19,7 +19,7 @@ from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, wrap_angle
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
-from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import event_probability, over_time
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
@@ -143,7 +143,7 @@ def _survival(
     """Return the probabilities that poses (M, 4) remain in view, shape (M,)."""
     height, width = shape
     inside = np.minimum(width / 2 - np.abs(centres[:, 0]), height / 2 - np.abs(centres[:, 1]))
-    margin = parameters.leaving_margin * width / REFERENCE_WIDTH
+    margin = parameters.leaving_margin * pixel_scale(width)
     rates = SurvivalRates(parameters.disappearance_rate, parameters.leaving_rate, margin)
     return survival_probability(inside, rates, dt)
 
@@ -151,7 +151,7 @@ def _survival(
 def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:
     """Return the scales of the diffusion's kernel over some frames of 25 Hz, shape (4,)."""
     p = parameters
-    reference_scale = width / REFERENCE_WIDTH
+    reference_scale = pixel_scale(width)
     root = math.sqrt(frames)
     position = math.sqrt(p.position_variance) * reference_scale * root
     scales: FloatArray = np.maximum(

@@ -34,7 +34,7 @@ from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
 from cable_tracker.target.thesis.weights import blob_weights
 from cable_tracker.tracking.image_frame import image_centre, to_pixel
-from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 MARGIN = 0.5
 """The window reaches beyond the shape by this share of its sides."""
@@ -195,7 +195,7 @@ class BlobFilter(TargetFilter):
         states = self._particles.states.copy()
         if motion is not None:
             states = motion.moved(states, frame.zoom)
-        reference_scale = frame.shape[1] / REFERENCE_WIDTH
+        reference_scale = pixel_scale(frame.shape[1])
         sigma = (
             math.sqrt(self._parameters.position_variance * dt * REFERENCE_RATE) * reference_scale
         )
@@ -228,7 +228,7 @@ class BlobFilter(TargetFilter):
             means = contour.inside_mean, contour.outside_mean
         energy = (cut[found] - means[0]) @ (cut[found] - means[0])
         energy += (cut[~found] - means[1]) @ (cut[~found] - means[1])
-        unlike = level_set_energy(found, start) / (image.shape[1] / REFERENCE_WIDTH) ** 2
+        unlike = level_set_energy(found, start) / pixel_scale(image.shape[1]) ** 2
         return Blob(found, left, top, float(energy) / cut.size, unlike, contrast)
 
     def _summary(
