@@ -34,8 +34,6 @@ class WorkingFrame:
         The frame, reduced; grey (H, W) or blue-green-red (H, W, 3).
     channels : array
         uint8, shape (H, W, 3); see `features.channels_of`.
-    grey : array
-        uint8, shape (H, W).
     is_coloured : bool
         Whether `channels` hold luma and chroma (else grey and texture); at first, whether there is
         enough colour.
@@ -47,7 +45,6 @@ class WorkingFrame:
 
     picture: Image
     channels: NDArray[np.uint8]
-    grey: NDArray[np.uint8]
     is_coloured: bool
     has_chroma: bool
     zoom: float
@@ -55,7 +52,12 @@ class WorkingFrame:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the working image."""
-        return self.grey.shape[0], self.grey.shape[1]
+        return self.picture.shape[0], self.picture.shape[1]
+
+    @property
+    def grey(self) -> Image:
+        """The picture in grey, uint8, shape (H, W)."""
+        return self.picture if self.picture.ndim == 2 else _in_grey(self.picture)
 
     def measured_in(self, *, colour: bool) -> WorkingFrame:
         """Return it with the channels of colour, or of grey, whatever it shows."""
@@ -122,13 +124,11 @@ def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
         size = _reduced(width, height, working_width)
         small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     if small.ndim == 2:
-        grey = np.ascontiguousarray(small)
-        return WorkingFrame(small, channels_of(grey), grey, False, False, zoom)
+        return WorkingFrame(small, channels_of(np.ascontiguousarray(small)), False, False, zoom)
     channels = channels_of(small)
     chroma = channels[::4, ::4, 1:].astype(np.int16) - 128
     if np.count_nonzero(np.abs(chroma) > COLOURLESS) > COLOURED_SHARE * chroma.size:
-        return WorkingFrame(small, channels, channels[..., 0], True, True, zoom)
+        return WorkingFrame(small, channels, True, True, zoom)
     least, most = int(channels[..., 1:].min()), int(channels[..., 1:].max())
     has_chroma = max(most - 128, 128 - least) > COLOURLESS
-    grey = _in_grey(small)
-    return WorkingFrame(small, channels_of(grey), grey, False, has_chroma, zoom)
+    return WorkingFrame(small, channels_of(_in_grey(small)), False, has_chroma, zoom)

@@ -1,9 +1,14 @@
+import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.target.measure.working_frame import make_working_frame
 
 RED = (30, 30, 200)
+
+
+def luma_of(picture):
+    return cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
 
 
 def with_red(columns, shape=(48, 64)):
@@ -41,3 +46,12 @@ def test_a_coloured_frame_measured_in_grey_is_the_same_as_the_grey_frame():
     luma = round(0.299 * RED[2] + 0.587 * RED[1] + 0.114 * RED[0])
     grey = np.where(np.arange(64) < 20, luma, 110).astype(np.uint8) * np.ones((48, 1), np.uint8)
     np.testing.assert_array_equal(coloured.channels, make_working_frame(grey, 64).channels)
+
+
+@pytest.mark.parametrize("width", [32, 64])
+@pytest.mark.parametrize("columns", [0, 20], ids=["without colour", "coloured"])
+def test_a_picture_in_grey_is_as_sharp_whatever_its_colours(columns, width):
+    picture = with_red(columns)
+    picture[:, 40:] = 220
+    colours, grey = (make_working_frame(each, width).grey for each in (picture, luma_of(picture)))
+    assert np.abs(colours.astype(int) - grey).max() <= 1
