@@ -36,7 +36,7 @@ PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True, "_nrt": True, "fast
 """To unpack what Python hands over takes longest to compile, and a part is never called so."""
 
 LOOP: dict[str, Any] = PART | {"_nrt": False}
-"""Without counting who refers to an array: half of the instructions of a small function."""
+"""Without counting references to arrays: that is half of the instructions of a small function."""
 
 INSIDE: dict[str, Any] = {key: LOOP[key] for key in LOOP if key != "fastmath"} | {
     "forceinline": True

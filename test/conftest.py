@@ -52,7 +52,7 @@ def kept_maps() -> Iterator[None]:
 
     `test_map_network.py` asks the network itself, and holds that it always says the same.
     """
-    # Who only hands out the tests to others needs none of this.
+    # The process that only distributes the tests needs none of this.
     import numpy as np  # noqa: PLC0415
 
     from cable_tracker.arrays import Image  # noqa: PLC0415

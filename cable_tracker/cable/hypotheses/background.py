@@ -122,7 +122,7 @@ def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatA
 def _is_of_use_for_any(
     strip: FloatArray, means: FloatArray, image_size: tuple[float, float]
 ) -> bool:
-    """Tell whether a strip may be a cable, and shares no border with one of the hypotheses."""
+    """Tell whether a strip may be a cable, and at least one hypothesis shares no border with it."""
     apart = False
     for index in range(len(means)):
         apart = apart or not is_within_shared_border_limits(strip, means[index], image_size[0])

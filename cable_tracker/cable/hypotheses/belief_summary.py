@@ -60,8 +60,8 @@ tell places a pixel apart [px at the reference width]. Chosen on crisp strips, o
 else was chosen on."""
 
 LEAST_WIDTH_SHARE = 0.6
-"""Least width before smoothing as a share of the width between the steepest places: of what is
-thinner, they say hardly anything."""
+"""Least width before smoothing as a share of the width between the steepest places: below, these
+places hardly depend on the width."""
 
 WIDTH_ITERATIONS = 30
 """Iterations towards the fixed point in `width_before_smoothing`."""

@@ -129,7 +129,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return resampled_belief(belief, indices)
 
     def is_searching(self, belief: Belief) -> bool:
-        """Tell whether the presence says so."""
+        """Tell whether there is more likely no cable than one."""
         return belief.presence < LIKELY_PRESENCE
 
     def step(

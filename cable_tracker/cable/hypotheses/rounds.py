@@ -8,15 +8,15 @@ from cable_tracker.arrays import IndexArray
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 FIRST_POWER = 0.3
-"""The first round looks at the frame through the likelihood to this power, the last one at it as it
-is: the annealing that keeps a narrow peak from being missed."""
+"""Power of the likelihood in the first round, also where it is the only one; in the last of several
+it is 1. This annealing keeps a narrow peak from being missed."""
 
 WIDENINGS = (1.5, 1.2)
 """Factor on the covariance of the particles that a round draws about: first round, later ones."""
 
 
 def annealing_power(number: int, rounds: int) -> float:
-    """Return the power of the likelihood in a round: from `FIRST_POWER` up to 1 in the last."""
+    """Return the power of the likelihood in a round: `FIRST_POWER` in the first, rising to 1."""
     if rounds == 1:
         return FIRST_POWER
     return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
