@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     ForceOption,
     OutsideOption,
     RateOption,
@@ -23,6 +22,7 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.sequences.convert import ImageFormat, write_bag
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.stamps import USUAL_RATE
 
 
 def convert(  # noqa: PLR0917

@@ -22,7 +22,6 @@ from cable_tracker.commands.campaign_options import (
     seeds_from,
 )
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     ForceOption,
     OutsideOption,
     SkipOption,
@@ -50,6 +49,7 @@ from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.stamps import USUAL_RATE
 
 Recording = TypeVar("Recording", bound=LabelledRecording)
 

@@ -10,7 +10,6 @@ import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     AltitudeOption,
     CameraInfoOption,
     ImuOption,
@@ -36,6 +35,7 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_files import read_parameter_file

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     OutsideOption,
     RateOption,
     SkipOption,
@@ -26,6 +25,7 @@ from cable_tracker.commands.serving import (
 from cable_tracker.commands.terminal import console, counted, messages, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.stamps import USUAL_RATE
 
 
 def label(  # noqa: PLR0917

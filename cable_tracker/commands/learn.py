@@ -23,7 +23,6 @@ from cable_tracker.commands.learning_sources import (
     total_of,
 )
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     ForceOption,
     OutsideOption,
     PresetOption,
@@ -39,6 +38,7 @@ from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 

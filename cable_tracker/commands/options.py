@@ -14,7 +14,6 @@ from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
-from cable_tracker.sequences.image_folder import DEFAULT_RATE
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
 
@@ -54,7 +53,6 @@ SourceArgument = Annotated[
 TopicOption = Annotated[
     str | None, typer.Option(help="Image topic of a bag; needed only where it has several.")
 ]
-USUAL_RATE = DEFAULT_RATE
 RateOption = Annotated[
     float, typer.Option(help="Frames per second of image folders, which have no times.")
 ]

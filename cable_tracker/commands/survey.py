@@ -17,7 +17,6 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
 )
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     AltitudeOption,
     CameraInfoOption,
     FixOption,
@@ -35,6 +34,7 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
 from cable_tracker.survey.events import Limits
 from cable_tracker.survey.forward_pass import MOST_RATE, ForwardSettings

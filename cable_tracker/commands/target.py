@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     BagOption,
     CameraInfoOption,
     ForceOption,
@@ -45,6 +44,7 @@ from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target
 from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS

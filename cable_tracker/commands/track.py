@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     AltitudeOption,
     BagOption,
     CameraInfoOption,
@@ -55,6 +54,7 @@ from cable_tracker.offline.track_recording import (
     track_recording,
 )
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.trackers import make_tracker
 
 

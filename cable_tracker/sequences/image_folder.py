@@ -14,11 +14,9 @@ from cable_tracker.sequences.encodings import decode_picture_file, raw_from_arra
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
-from cable_tracker.stamps import stamp_of_frame
+from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
-DEFAULT_RATE = 25.0
-"""Frames per second of pictures, unless the user says otherwise."""
 
 _ENCODINGS = {
     ("uint8", 1): "mono8",
@@ -94,7 +92,7 @@ class ImageFolderSource(Source):
             raise RecordingError(
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
-        self._rate = rate or DEFAULT_RATE
+        self._rate = rate or USUAL_RATE
         self._positions = positions_by_number([picture.name for picture in self.pictures])
         self._gap_note = self._say_gaps()
         self.note = self._gap_note

@@ -21,7 +21,7 @@ from cable_tracker.errors import FrameError, RecordingError, one_line, read_fail
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
-from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
+from cable_tracker.sequences.image_folder import load_picture
 from cable_tracker.sequences.video import (
     VIDEO_SUFFIXES,
     frame_rate,
@@ -29,7 +29,7 @@ from cable_tracker.sequences.video import (
     opened_video,
     pass_over,
 )
-from cable_tracker.stamps import stamp_of_frame
+from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
@@ -276,7 +276,7 @@ class SequenceFileSource(Source):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._entries = read_labels(path, allow_outside=allow_outside)
-        self._rate = rate or DEFAULT_RATE
+        self._rate = rate or USUAL_RATE
         for label in self._entries:
             _check_kind(path, label)
         self._files = {

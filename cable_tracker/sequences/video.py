@@ -17,14 +17,13 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.stamps import stamp_of_frame
+from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
 
 _COUNTED_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
 """Containers that store their number of frames; for the others FFmpeg only guesses it."""
 
-_DEFAULT_RATE = 25.0
 _HIGHEST_RATE = 1000.0
 
 
@@ -69,9 +68,9 @@ def _need_bounded_size(path: Path, capture: cv2.VideoCapture) -> None:
 
 
 def frame_rate(capture: cv2.VideoCapture) -> float:
-    """Return the frames per second of a video, 25 where it does not say."""
+    """Return the frames per second of a video, the usual ones where it does not say."""
     rate = float(capture.get(cv2.CAP_PROP_FPS))
-    return rate if math.isfinite(rate) and 0.0 < rate <= _HIGHEST_RATE else _DEFAULT_RATE
+    return rate if math.isfinite(rate) and 0.0 < rate <= _HIGHEST_RATE else USUAL_RATE
 
 
 def _frame_count(path: Path, capture: cv2.VideoCapture) -> int | None:

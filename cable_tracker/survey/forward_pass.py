@@ -26,11 +26,11 @@ from cable_tracker.metric.recorded import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_folder import DEFAULT_RATE
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
@@ -95,7 +95,7 @@ class ForwardSettings:
 
     parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
     topic: str | None = None
-    rate: float = DEFAULT_RATE
+    rate: float = USUAL_RATE
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
     most_rate: float = MOST_RATE

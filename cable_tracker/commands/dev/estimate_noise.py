@@ -13,7 +13,6 @@ import typer
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.commands.options import (
-    USUAL_RATE,
     OutsideOption,
     RateOption,
     SkipOption,
@@ -26,6 +25,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.evaluation_sequences import check_labels
 from cable_tracker.evaluation.experiments.noise import increment_variances
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.stamps import USUAL_RATE
 
 SMALLEST_COUNT = 2
 """Steps from which a variance can be told."""

@@ -99,7 +99,7 @@ def frame_values(statistics: FrameStatistics, now: float) -> dict[str, str]:
         "frames refused": str(statistics.refused),
         "frames dropped": str(statistics.dropped),
         "frames lost on the way": str(statistics.lost),
-        "frames ignored while disabled": str(statistics.ignored),
+        "frames ignored while disabled or warming up": str(statistics.ignored),
         "frames frozen": str(statistics.frozen),
         "last bad frame": statistics.last_bad_frame,
         "last restart": statistics.last_event,
