@@ -152,7 +152,8 @@ class Predictor:
         parameters = self._parameters
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         # Without movement the kernel would be a point: the first frame after a given prior.
-        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
+        time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
+        sigmas = self._movement.diffusion_sigmas(time, motion)
         jumped = existence.survived * event_probability(BORDER_ERROR_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(

@@ -5,14 +5,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.prediction import (
     SMALLEST_CLUSTER_SHARE,
     Ancestors,
+    Predictor,
     draw_ancestors,
     gain_over,
     surviving_ancestors,
 )
+from cable_tracker.cable.model.initial_state import search_box
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.tracking.survival import SurvivalRates
@@ -97,3 +102,15 @@ def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
     assert gain_over(gain, 0.04) == pytest.approx(gain)
     assert gain_over(gain, 0.0) == pytest.approx(gain)
     assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)
+
+
+@pytest.mark.parametrize(("dt", "time"), [(0.005, 0.005), (0.04, 0.04), (1.0, 1.0), (0.0, 0.04)])
+def test_survivors_diffuse_by_the_time_between_frames_and_by_one_frame_after_a_prior(dt, time, rng):
+    parameters = TrackerParameters()
+    movement = CableMovement(parameters, SIZE[0])
+    box = search_box(parameters, SIZE[0])
+    belief = initial_belief(box.draw(50, rng), 0.9)
+    density = Predictor(parameters, movement, box, SIZE, rng).predict(belief, dt, None).density
+    sigmas = movement.diffusion_sigmas(time)
+    np.testing.assert_allclose(density.kernels.scales, sigmas[:4])
+    np.testing.assert_allclose(density.rate_sigmas, sigmas[4:])
