@@ -15,9 +15,10 @@ from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_ins
 SMALLEST_SHARE = 0.01
 """Added to a share and to the rest before their ratio is taken: no cell is sure."""
 
-RESOLVED_WIDTH = 3.0
-"""Width of the narrowest strip that a map tells from a wider one [cells]: matched by its own width,
-a thin strip would lose to one as wide as the map's blur."""
+RESOLVED_WIDTH, SHARPEST_WIDTH = 3.0, 1.5
+"""Width of the narrowest strip that a map always tells from a wider one [cells]: matched by its own
+width, a thin strip would lose to one as wide as the map's blur. And of the narrowest band that a
+map shows where it is not blurred."""
 
 SMALLEST_AREA = 0.5
 """Area that a strip is taken to have at least [cells]."""
@@ -91,10 +92,16 @@ class MapMatch(NamedTuple):
 def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
     """Return how well a strip (8,) matches a map that is not empty.
 
-    Strips narrower than `RESOLVED_WIDTH` match as if they were so wide: how wide such a cable is,
-    its borders tell.
+    A strip narrower than `RESOLVED_WIDTH` matches as one of that width or as one of its own, not
+    below `SHARPEST_WIDTH`, whichever overlaps more: how wide such a cable is, its borders tell.
     """
-    area, mass = _covered(state, cable_map)
+    resolved = RESOLVED_WIDTH * cable_map.cell
+    area, mass = _covered(state, max(state[WIDTH], resolved), cable_map)
+    if state[WIDTH] < resolved:
+        sharp_width = max(state[WIDTH], SHARPEST_WIDTH * cable_map.cell)
+        sharp_area, sharp_mass = _covered(state, sharp_width, cable_map)
+        if sharp_mass * (cable_map.mass + area) > mass * (cable_map.mass + sharp_area):
+            area, mass = sharp_area, sharp_mass
     area = max(area, SMALLEST_AREA)
     return MapMatch(
         _log_odds(2.0 * mass / (cable_map.mass + area)),
@@ -114,12 +121,11 @@ def strip_shares(state: FloatArray, cable_map: CableMap) -> Image:
 
 
 @compiled_fast_loop
-def _covered(state: FloatArray, cable_map: CableMap) -> tuple[float, float]:
+def _covered(state: FloatArray, width: float, cable_map: CableMap) -> tuple[float, float]:
     """Return the number of cells that a strip covers, and the sum of their probabilities.
 
-    A strip narrower than `RESOLVED_WIDTH` covers what one of that width would.
+    The width [px] takes the place of its own.
     """
-    width = max(state[WIDTH], RESOLVED_WIDTH * cable_map.cell)
     borders = _borders(state, width, cable_map)
     if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
         return _covered_along(

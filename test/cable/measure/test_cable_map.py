@@ -79,12 +79,24 @@ def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
     assert map_match(half, cable_map).overlap < map_match(whole, cable_map).overlap - 0.5
 
 
-def test_a_map_does_not_tell_thin_strips_from_each_other():
+def test_a_blurred_map_hardly_tells_thin_strips_from_each_other():
     thin, thinner = CableState(3.0, 0.2, 10.0).to_array(), CableState(3.0, 0.2, 5.0).to_array()
     blurred = map_of(cv2.GaussianBlur(strip_shares(thinner, EMPTY), (0, 0), 1.0))
-    assert map_match(thinner, blurred) == map_match(thin, blurred)
+    thin_match, thinner_match = map_match(thin, blurred), map_match(thinner, blurred)
+    assert thinner_match == pytest.approx(thin_match, abs=0.15)
     wide = CableState(3.0, 0.2, 25.0).to_array()
     assert map_match(wide, blurred).overlap < map_match(thinner, blurred).overlap - 0.3
+
+
+@pytest.mark.parametrize("width", [6.0, 7.0])
+@pytest.mark.parametrize("angle", [0.0, 0.6, 1.5])
+def test_a_thin_strip_matches_a_sharp_map_of_it_better_than_one_beside_it(width, angle):
+    thin = CableState(3.0, angle, width).to_array()
+    sharp = map_of(strip_shares(thin, EMPTY))
+    beside = CableState(3.0 + width, angle, width).to_array()
+    # Three quarters, which a strip of three cells about it does not reach.
+    assert map_match(thin, sharp).overlap > math.log(0.75 / 0.25)
+    assert map_match(beside, sharp).overlap < map_match(thin, sharp).overlap - 1.0
 
 
 def test_match_is_in_log_odds():
