@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import signal
+import subprocess
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -43,6 +46,11 @@ TRUTH = CableState(12.0, 0.12, 40.0)
 NEAR = "9.0,0.08,36.0,0.0"
 USUAL_FRAMES = 15
 """Few tests want a longer dive."""
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+
+EXAMPLE_PATIENCE = 60.0
+"""An example that a signal has not ended by then does not end [s]."""
 
 PATIENCE = 300.0
 """What should come at once gets this long on a busy machine [s]."""
@@ -293,6 +301,42 @@ def world(context: Any, namespace: str) -> Iterator[World]:
     world = World(context, namespace)
     yield world
     world.close()
+
+
+@pytest.fixture
+def load_example() -> Callable[[str], Any]:
+    """Load an example of docs/examples by the name of its file."""
+
+    def load(name: str) -> Any:
+        spec = importlib.util.spec_from_file_location(Path(name).stem, EXAMPLES / name)
+        assert spec is not None and spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    return load
+
+
+@pytest.fixture
+def complaints_after_signal(world: World, tmp_path: Path) -> Callable[..., str]:
+    """What an example that runs as a process writes to stderr until a signal has ended it."""
+
+    def run(name: str, number: signal.Signals, wait: Callable[[Any], None]) -> str:
+        words = tmp_path / "stderr"
+        command = [sys.executable, EXAMPLES / name, "--ros-args", "-r", f"__ns:={world.namespace}"]
+        with (
+            words.open("w") as file,
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=file, text=True) as process,
+        ):
+            try:
+                wait(process)
+                process.send_signal(number)
+                process.wait(EXAMPLE_PATIENCE)
+            finally:
+                process.kill()
+        return words.read_text()
+
+    return run
 
 
 def draw_strip(state: CableState = TRUTH, size: tuple[int, int] = (320, 240)) -> Image:

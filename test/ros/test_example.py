@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import signal
-import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +13,10 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "follow_cable.py"
 
-PATIENCE = 60.0
-"""What has not ended by then does not end [s]."""
-
 
 @pytest.fixture
-def example() -> Any:
-    spec = importlib.util.spec_from_file_location("follow_cable", EXAMPLE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def example(load_example: Callable[[str], Any]) -> Any:
+    return load_example("follow_cable.py")
 
 
 @pytest.fixture
@@ -56,20 +47,16 @@ def test_it_steers_to_where_the_cable_is_and_stops_without_one(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_without_a_traceback(
-    world: Any, tmp_path: Path, number: signal.Signals
+    world: Any, complaints_after_signal: Callable[..., str], number: signal.Signals
 ) -> None:
-    words = tmp_path / "stderr"
-    command = [sys.executable, EXAMPLE, "--ros-args", "-r", f"__ns:={world.namespace}"]
-    with words.open("w") as file, subprocess.Popen(command, stderr=file) as process:
-        try:
-            # Its watchdog speaks when it spins.
-            heard = world.listen(Twist, "cmd_vel")
-            world.spin(lambda: heard)
-            process.send_signal(number)
-            process.wait(PATIENCE)
-        finally:
-            process.kill()
-    assert "Traceback" not in words.read_text()
+    def wait_until_it_spins(_process: Any) -> None:
+        # Its watchdog speaks when it spins.
+        heard = world.listen(Twist, "cmd_vel")
+        world.spin(lambda: heard)
+
+    assert "Traceback" not in complaints_after_signal(
+        "follow_cable.py", number, wait_until_it_spins
+    )
 
 
 def test_it_is_short() -> None:

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-import importlib.util
 import signal
-import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "watch_tracker.py"
-
-PATIENCE = 60.0
-"""What has not ended by then does not end [s]."""
-
 
 @pytest.fixture
-def watcher(world: Any) -> Any:
-    spec = importlib.util.spec_from_file_location("watch_tracker", EXAMPLE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+def watcher(world: Any, load_example: Callable[[str], Any]) -> Any:
+    module = load_example("watch_tracker.py")
     return world.add(module.WatchTracker(context=world.context, namespace=world.namespace))
 
 
@@ -82,19 +70,11 @@ def test_it_says_that_no_cable_is_claimed(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_without_a_traceback(
-    world: Any, tmp_path: Path, number: signal.Signals
+    complaints_after_signal: Callable[..., str], number: signal.Signals
 ) -> None:
-    words = tmp_path / "stderr"
-    command = [sys.executable, EXAMPLE, "--ros-args", "-r", f"__ns:={world.namespace}"]
-    with (
-        words.open("w") as file,
-        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=file, text=True) as process,
-    ):
-        try:
-            assert process.stdout is not None
-            assert "waiting for" in process.stdout.readline()
-            process.send_signal(number)
-            process.wait(PATIENCE)
-        finally:
-            process.kill()
-    assert "Traceback" not in words.read_text()
+    def wait_until_it_spins(process: Any) -> None:
+        assert "waiting for" in process.stdout.readline()
+
+    assert "Traceback" not in complaints_after_signal(
+        "watch_tracker.py", number, wait_until_it_spins
+    )
