@@ -21,10 +21,7 @@ from cable_tracker.cable.model.limits import possible_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
-from cable_tracker.cable.parameters.parameters import (
-    REFERENCE_RATE,
-    TrackerParameters,
-)
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence, predict_existence
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
