@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.initial_state_text import format_initial_state
 from cable_tracker.commands.options import (
     AltitudeOption,
     BagOption,
@@ -47,12 +49,7 @@ from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.offline.advice import advice
 from cable_tracker.offline.result_folder import ResultFolder, WantedResults
-from cable_tracker.offline.track_recording import (
-    initial_state_for,
-    names_detector,
-    start_from,
-    track_recording,
-)
+from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_recording
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.trackers import make_tracker
@@ -110,7 +107,7 @@ def track(  # noqa: PLR0917
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
         start = chosen_start(init, values)
-        state = initial_state_for(recording, start, pair_limits(parameters))
+        given = given_state_for(recording, start, pair_limits(parameters))
         results = stack.enter_context(
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
@@ -121,14 +118,16 @@ def track(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            detector = start if names_detector(start) else ""
-            request = client.CableTrackingRequest(replayed, parameters, state, described, detector)
+            request = client.CableTrackingRequest(
+                replayed, parameters, _words_for_node(start, given), described
+            )
             damage = client.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
             )
         else:
             tracker = make_tracker(parameters)
-            start_from(tracker, state, is_guess=names_detector(start))
+            if given is not None:
+                tracker.initialise(given)
             metres = described.metres()
             with metres or nullcontext():
                 damage = track_recording(
@@ -141,6 +140,11 @@ def track(  # noqa: PLR0917
         console.print(line, soft_wrap=True)
     if damage is not None:
         raise damage
+
+
+def _words_for_node(start: str, given: GivenState | None) -> str:
+    """Return the tracker node's parameter that starts it in the same way: it knows no truth."""
+    return format_initial_state(given.state) if given and start == TRUTH else start
 
 
 def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:

@@ -39,10 +39,10 @@ from cable_tracker.visualisation.overlay import draw_overlay
 TRUTH = "truth"
 
 
-def initial_state_for(
+def given_state_for(
     source: Source, init: str, limits: PairLimits = DEFAULT_LIMITS
-) -> CableState | None:
-    """Return where to start: from `random`, `truth`, a detector's name, or `d,alpha,w,beta`.
+) -> GivenState | None:
+    """Return what is given by `truth`, a detector's name, or `d,alpha,w,beta`; None by `random`.
 
     Parameters
     ----------
@@ -57,19 +57,15 @@ def initial_state_for(
     RecordingError
         The recording cannot be read.
     """
-    if init != TRUTH and not names_detector(init):
-        return parse_initial_state(init)
+    if init != TRUTH and init not in DETECTORS:
+        state = parse_initial_state(init)
+        return GivenState.around(state) if state is not None else None
     first = next(source.frames(), None)
     if first is None:
         raise RecordingError(f"{source.path}: holds no frames; record it again")
     if init == TRUTH:
-        return _true_state(source, first)
-    return _detected_state(source, first, init, limits)
-
-
-def names_detector(init: str) -> bool:
-    """Tell whether words that say where to start leave that to a detector, which may be wrong."""
-    return init in DETECTORS
+        return GivenState.around(_true_state(source, first))
+    return GivenState.around(_detected_state(source, first, init, limits), is_guess=True)
 
 
 def _detected_state(source: Source, first: Frame, detector: str, limits: PairLimits) -> CableState:
@@ -153,12 +149,6 @@ def track_recording(
     except RecordingError as error:
         return error
     return None
-
-
-def start_from(tracker: CableTracker, state: CableState | None, *, is_guess: bool = False) -> None:
-    """Start a tracker from a state, a guess if a detector has found it; at random without one."""
-    if state is not None:
-        tracker.initialise(GivenState.around(state, is_guess=is_guess))
 
 
 def _track_frame(

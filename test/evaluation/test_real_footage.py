@@ -13,7 +13,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.failure_criteria import is_outside_borders
 from cable_tracker.evaluation.metrics.errors import state_errors
-from cable_tracker.offline.track_recording import initial_state_for, start_from
+from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker
@@ -31,7 +31,9 @@ def track(
     labels = FOOTAGE / truth if truth else None
     tracker = make_tracker(TrackerParameters())
     with open_source(FOOTAGE / name, truth=labels) as source:
-        start_from(tracker, initial_state_for(source, init))
+        given = given_state_for(source, init)
+        if given is not None:
+            tracker.initialise(given)
         return [
             (tracker.process(decode_grey(frame.image), frame.stamp), frame.truth)
             for frame in islice(source.frames(), count)

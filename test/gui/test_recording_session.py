@@ -19,8 +19,7 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.offline.results import ESTIMATES
 from cable_tracker.offline.track_recording import (
-    initial_state_for,
-    start_from,
+    given_state_for,
     track_recording,
 )
 from cable_tracker.sequences.estimates import read_estimates
@@ -116,10 +115,16 @@ def test_the_last_frame_is_found_where_the_recording_does_not_count_its_frames(w
     assert watched.session.frame_count == LAST + 1
 
 
+def start_from_truth(tracker, source):
+    given = given_state_for(source, "truth")
+    assert given is not None
+    tracker.initialise(given)
+
+
 def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
     with RecordingRequest(dive).open() as source:
         tracker = make_tracker(PARAMETERS)
-        start_from(tracker, initial_state_for(source, "truth"))
+        start_from_truth(tracker, source)
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             track_recording(source, tracker, results)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
@@ -134,7 +139,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
 ):
     with RecordingRequest(surveyed_dive).open() as source:
         tracker = make_tracker(PARAMETERS)
-        start_from(tracker, initial_state_for(source, "truth"))
+        start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             track_recording(source, tracker, results, metres=metres)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
@@ -13,8 +14,7 @@ from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
-    initial_state_for,
-    start_from,
+    given_state_for,
     track_recording,
 )
 from cable_tracker.sequences.estimates import read_estimates
@@ -41,9 +41,10 @@ TABLE_AND_BAG = WantedResults(video=False, pictures=False)
 def track(tmp_path):
     """Track a recording into a folder; return the folder and the damage."""
 
-    def run(recording, *, state=None, name="out", timing=False, count=None):
+    def run(recording, *, given=None, name="out", timing=False, count=None):
         tracker = CableTracker(TrackerParameters(particle_count=count or 200))
-        start_from(tracker, state)
+        if given is not None:
+            tracker.initialise(given)
         with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
             damage = track_recording(recording, tracker, results)
         return results.path, damage
@@ -62,7 +63,7 @@ def messages_of(folder) -> dict[str, list]:
 
 def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
     recording = make_recording()
-    folder, damage = track(recording, state=initial_state_for(recording, "truth"))
+    folder, damage = track(recording, given=given_state_for(recording, "truth"))
     assert damage is None
     rows = read_estimates(folder / ESTIMATES)
     assert [row.frame for row in rows] == list(range(12))
@@ -77,7 +78,7 @@ def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
 
 def test_bag_and_table_say_the_same(track, make_recording, dive):
     recording = make_recording()
-    folder, _ = track(recording, state=initial_state_for(recording, "truth"))
+    folder, _ = track(recording, given=given_state_for(recording, "truth"))
     messages = messages_of(folder)
     for index, row in enumerate(read_estimates(folder / ESTIMATES)):
         state = messages["/state"][index]
@@ -95,7 +96,7 @@ def test_bag_and_table_say_the_same(track, make_recording, dive):
 
 
 def test_where_no_cable_is_claimed_there_are_no_numbers(track, make_recording):
-    folder, _ = track(make_recording(), state=CableState(-20.0, 1.2, 5.0))
+    folder, _ = track(make_recording(), given=GivenState.around(CableState(-20.0, 1.2, 5.0)))
     rows = read_estimates(folder / ESTIMATES)
     assert rows[0].status == "INITIALISING"
     assert rows[0].state is None
@@ -134,7 +135,7 @@ def test_a_frame_that_cannot_be_decoded_is_refused_and_the_next_is_tracked(
     track, make_recording, dive, undecodable
 ):
     frames = [*dive[:4], undecodable(dive[4]), *dive[5:]]
-    folder, _ = track(make_recording(frames), state=dive[0].truth)
+    folder, _ = track(make_recording(frames), given=GivenState.around(dive[0].truth))
     statuses = [row.status for row in read_estimates(folder / ESTIMATES)]
     assert statuses == ["TRACKING"] * 4 + ["REFUSED"] + ["TRACKING"] * 7
     messages = messages_of(folder)
@@ -149,7 +150,7 @@ def test_a_frame_that_cannot_be_decoded_is_refused_and_the_next_is_tracked(
 
 def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recording, dive):
     frames = [*dive[:3], dive[2], *dive[3:]]
-    folder, _ = track(make_recording(frames), state=dive[0].truth)
+    folder, _ = track(make_recording(frames), given=GivenState.around(dive[0].truth))
     statuses = [row.status for row in read_estimates(folder / ESTIMATES)]
     assert statuses[3] == "REFUSED"
     assert statuses.count("TRACKING") == 12
@@ -164,16 +165,18 @@ def test_the_progress_is_told_after_every_frame(tmp_path, make_recording):
 
 def test_where_to_start(make_recording, dive):
     recording = make_recording()
-    assert initial_state_for(recording, "random") is None
-    assert initial_state_for(recording, "1,0.5,30,0") == CableState(1.0, 0.5, 30.0, 0.0)
+    assert given_state_for(recording, "random") is None
+    assert given_state_for(recording, "1,0.5,30,0").state == CableState(1.0, 0.5, 30.0, 0.0)
     truth = dive[0].truth
     expected = CableState(truth.distance, truth.angle, truth.width, truth.skew)
-    assert initial_state_for(recording, "truth") == expected
+    given = given_state_for(recording, "truth")
+    assert given.state == expected
+    assert given.is_certain
 
 
 def test_there_is_no_truth_to_start_from(make_recording, dive):
     unlabelled = [replace(dive[0], truth=None), *dive[1:]]
     with pytest.raises(ParameterError, match="no ground truth to start from"):
-        initial_state_for(make_recording(unlabelled), "truth")
+        given_state_for(make_recording(unlabelled), "truth")
     with pytest.raises(RecordingError, match="holds no frames"):
-        initial_state_for(make_recording([]), "truth")
+        given_state_for(make_recording([]), "truth")

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.pair_limits import pair_limits
@@ -21,9 +23,7 @@ from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
     TRUTH,
-    initial_state_for,
-    names_detector,
-    start_from,
+    given_state_for,
     track_recording,
 )
 from cable_tracker.ros.clients.track_recording import CableTrackingRequest, track_recording_over_ros
@@ -70,7 +70,7 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
     """Track a recording with the nodes or without."""
 
     def tracked(
-        path: Path, over_ros: bool, initial: CableState | None = None, detector: str = ""
+        path: Path, over_ros: bool, words: str = RANDOM, given: GivenState | None = None
     ) -> Outcome:
         folder = tmp_path / ("ros" if over_ros else "core")
         steps: list[None] = []
@@ -82,13 +82,12 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 steps.append(None)
 
             if over_ros:
-                request = CableTrackingRequest(
-                    {"source": str(path)}, PARAMETERS, initial, detector=detector
-                )
+                request = CableTrackingRequest({"source": str(path)}, PARAMETERS, words)
                 damage = track_recording_over_ros(source, request, results, advance)
             else:
                 tracker = make_tracker(PARAMETERS)
-                start_from(tracker, initial, is_guess=names_detector(detector))
+                if given is not None:
+                    tracker.initialise(given)
                 damage = track_recording(source, tracker, results, advance)
         return Outcome(results.rows, results.truths, folder / BAG, damage, len(steps))
 
@@ -128,8 +127,10 @@ def test_a_simulated_dive_gives_the_same_table_and_the_same_messages(
 ) -> None:
     path = make_dive(8)
     with open_source(path) as source:
-        first = initial_state_for(source, TRUTH)
-    ros, core = track(path, True, first), track(path, False, first)
+        given = given_state_for(source, TRUTH)
+    assert given is not None
+    words = format_initial_state(given.state)
+    ros, core = track(path, True, words), track(path, False, given=given)
     assert_same(ros, core, 8)
     assert any(row.state is not None for row in core.rows)
     for topic in ("/state", "/centreline", "/particles", "/markers", "/ground_truth", OVERLAY):
@@ -145,9 +146,9 @@ def test_from_a_detection_a_dive_gives_the_same_table(
 ) -> None:
     path = make_dive(6)
     with open_source(path) as source:
-        found = initial_state_for(source, "hough", pair_limits(PARAMETERS))
-    assert found is not None
-    ros, core = track(path, True, found, "hough"), track(path, False, found, "hough")
+        found = given_state_for(source, "hough", pair_limits(PARAMETERS))
+    assert found is not None and found.is_guess
+    ros, core = track(path, True, "hough"), track(path, False, given=found)
     assert_same(ros, core, 6)
 
 

@@ -19,7 +19,7 @@ from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import CABLE
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.track_recording import initial_state_for, names_detector, start_from
+from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable_particles import cloud_of
@@ -58,8 +58,7 @@ class CableFollower(Follower):
         parameters: TrackerParameters,
         metres: RecordedMetres | None = None,
     ) -> None:
-        self._start = initial_state_for(source, init, pair_limits(parameters))
-        self._is_guess = names_detector(init)
+        self._start = given_state_for(source, init, pair_limits(parameters))
         self._parameters = parameters
         self._tracker = make_tracker(parameters)
         self._metres = metres
@@ -71,7 +70,8 @@ class CableFollower(Follower):
 
     def begin(self) -> None:
         """Be ready for the first frame."""
-        start_from(self._tracker, self._start, is_guess=self._is_guess)
+        if self._start is not None:
+            self._tracker.initialise(self._start)
         if self._metres is not None:
             self._metres.jump(to_start=True)
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
-from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.messages import NO_METRES_KEY, read_row_metres
@@ -42,19 +40,16 @@ class CableTrackingRequest:
         Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TrackerParameters
         Parameters of the filter.
-    initial_state : CableState or None
-        Initial state; None: random initialisation.
+    initial_state : str
+        Where to start: `random`, a detector's name, or `d,alpha,w,beta`.
     vehicle : RecordedVehicle or None
         With its instruments; None: everything stays in pixels.
-    detector : str
-        Detector that has found the initial state, and finds it anew in the node; empty: none has.
     """
 
     source: dict[str, ParameterValue]
     parameters: TrackerParameters
-    initial_state: CableState | None
+    initial_state: str
     vehicle: RecordedVehicle | None = None
-    detector: str = ""
 
 
 def track_recording_over_ros(
@@ -105,11 +100,9 @@ def track_recording_over_ros(
 
 
 def _tracker_parameters(request: CableTrackingRequest) -> dict[str, ParameterValue]:
-    state = request.initial_state
-    start = RANDOM if state is None else request.detector or format_initial_state(state)
     return {
         **request.parameters.as_mapping(),
-        "initial_state": start,
+        "initial_state": request.initial_state,
         **_vehicle_parameters(request.vehicle),
     }
 

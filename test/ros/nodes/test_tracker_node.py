@@ -11,10 +11,10 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.offline.track_recording import start_from
 from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
@@ -84,7 +84,9 @@ def reference(
 ) -> CableState:
     """The estimate of the strip by the tracker without a node."""
     tracker = make_tracker(TrackerParameters())
-    start_from(tracker, parse_initial_state(near))
+    state = parse_initial_state(near)
+    assert state is not None
+    tracker.initialise(GivenState.around(state))
     for index in range(FRAMES):
         estimate = tracker.process(strip(), stamp_of_index(index))
     return estimate.state
