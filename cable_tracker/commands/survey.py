@@ -65,7 +65,7 @@ def survey(  # noqa: PLR0917
         float, typer.Option(help="Shorter buried stretches are not reported [m].")
     ] = 1.0,
     bend_radius: Annotated[
-        float, typer.Option(help="Bends with a smaller radius are events [m].")
+        float, typer.Option(help="Bends with a smaller radius are events [m]; 0: none.")
     ] = 10.0,
     most_aside: Annotated[
         float, typer.Option(help="The vehicle is too far beside the cable from here on [m].")

@@ -116,6 +116,11 @@ class MotionAiding:
         self._unaided = Unaided(why)
         return None
 
+    def forget_picture(self) -> None:
+        """Compare the next frame with none: those between have not been looked at."""
+        self._texture = SeaBedTexture()
+        self._seen = self._predicted = None
+
     def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         if self._before is not None and is_out_of_order(self._before.stamp, stamp):
             # The filter refuses it: the next frame follows the one before.

@@ -97,7 +97,9 @@ class CableSight:
             self._instruments.take_altitude(stamp, *_read_altitude(message))
         elif instrument is Instrument.IMU:
             least = math.radians(number(self._values, "imu_sigma"))
-            self._instruments.take_attitude(stamp, read_attitude(message, least))
+            attitude = read_attitude(message, least)
+            if attitude is not None:
+                self._instruments.take_attitude(stamp, attitude)
         elif instrument is Instrument.ODOMETRY:
             least_sigmas = (
                 number(self._values, "velocity_sigma"),
@@ -140,6 +142,7 @@ class CableSight:
         """
         if not self._values["motion_aid"]:
             self._unaided = SWITCHED_OFF
+            self._aiding.forget_picture()
             return None
         motion = self._aiding.motion(stamp, image)
         self._unaided = self._aiding.unaided

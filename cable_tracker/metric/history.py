@@ -28,10 +28,13 @@ class Reading:
     age : float
         How long before the time asked for the nearest earlier measurement was made [s]; 0 if a
         later one is known as well, for the value is interpolated then.
+    nearest : float
+        How far the nearest measurement is from the time asked for, earlier or later [s].
     """
 
     values: FloatArray
     age: float
+    nearest: float
 
 
 class History:
@@ -83,11 +86,14 @@ class History:
             return None
         before_stamp, before = self._stamps[after - 1], self._values[after - 1]
         if after == len(self._stamps) or stamp == before_stamp:
-            return Reading(before, (stamp - before_stamp) / NANOSECONDS)
+            age = (stamp - before_stamp) / NANOSECONDS
+            return Reading(before, age, age)
         share = (stamp - before_stamp) / (self._stamps[after] - before_stamp)
         # Between two infinite values the result is NaN, which callers check for.
         with np.errstate(invalid="ignore"):
-            return Reading(before + share * (self._values[after] - before), 0.0)
+            value = before + share * (self._values[after] - before)
+        nearest = min(stamp - before_stamp, self._stamps[after] - stamp)
+        return Reading(value, 0.0, nearest / NANOSECONDS)
 
     def around(self, stamp: int) -> list[FloatArray]:
         """Return what `at` interpolates between: one measurement or two, shape (k,) each."""

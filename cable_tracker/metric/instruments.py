@@ -102,7 +102,7 @@ class Instruments:
         if not len(self._attitudes):
             return Attitude(0.0, 0.0, self._settings.level_sigma)
         reading = self._attitudes.at(stamp)
-        if reading is None or reading.age > self._settings.timeout:
+        if reading is None or reading.nearest > self._settings.timeout:
             return Withheld(Reason.STALE_ATTITUDE, self._stale("imu", reading is None))
         attitude = Attitude(*(float(value) for value in reading.values))
         if not attitude.is_finite():
@@ -120,7 +120,7 @@ class Instruments:
                 Reason.NO_ALTITUDE, "none has come on altitude; or set the parameter fixed_altitude"
             )
         reading = self._altitudes.at(stamp)
-        if reading is None or reading.age > settings.timeout:
+        if reading is None or reading.nearest > settings.timeout:
             return Withheld(Reason.STALE_ALTITUDE, self._stale("altitude", reading is None))
         # An altitude that cannot be must not be bridged by its neighbours.
         for values in (*self._altitudes.around(stamp), reading.values):

@@ -72,15 +72,17 @@ def read_range(message: Message) -> tuple[float, tuple[float, float]]:
     return float(message.range), (low, high if low < high < math.inf else MOST_ALTITUDE)
 
 
-def read_attitude(message: Message, least_sigma: float) -> Attitude:
+def read_attitude(message: Message, least_sigma: float) -> Attitude | None:
     """Read roll and pitch of a sensor_msgs/Imu that is mounted like base_link.
 
-    Not a number if it says that it knows no orientation, or has no unit quaternion. `least_sigma`
-    [rad] stands for a covariance that is not given, or smaller.
+    None if it says that it does not measure them; not a number if it has no unit quaternion.
+    `least_sigma` [rad] stands for a covariance that is not given, or smaller.
     """
     quaternion = unit_quaternion(message.orientation)
     covariance = [float(value) for value in message.orientation_covariance]
-    if covariance[0] == -1.0 or quaternion is None:
+    if covariance[0] == -1.0:
+        return None
+    if quaternion is None:
         return Attitude(math.nan, math.nan, least_sigma)
     roll, pitch = roll_and_pitch(*quaternion)
     if not (math.isfinite(covariance[0]) and math.isfinite(covariance[4])):

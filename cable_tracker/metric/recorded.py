@@ -209,6 +209,13 @@ class RecordedVehicle:
         return RecordedMetres(self.vehicle, self.source, pauses) if self.wants_metres else None
 
 
+def own_vehicle_file(path: Path) -> Path:
+    """Return where the `vehicle.yaml` of a recording lies, if it has one."""
+    # A storage file may be named instead of its bag's folder.
+    is_in_bag = path.is_file() and (path.parent / METADATA).is_file()
+    return (path.parent if is_in_bag else path) / VEHICLE_FILE
+
+
 def recorded_vehicle(
     recording: Source, choice: InstrumentChoice | None = None, vehicle_file: Path | None = None
 ) -> RecordedVehicle:
@@ -231,10 +238,7 @@ def recorded_vehicle(
         The vehicle file is not acceptable.
     """
     file = VehicleFile()
-    path = recording.path
-    # A storage file that is named instead of its bag's folder.
-    is_in_bag = path.is_file() and (path.parent / METADATA).is_file()
-    own = (path.parent if is_in_bag else path) / VEHICLE_FILE
+    own = own_vehicle_file(recording.path)
     if vehicle_file is not None or own.is_file():
         file = read_vehicle_file(vehicle_file or own)
     if not isinstance(recording, BagSource):

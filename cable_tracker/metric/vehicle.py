@@ -192,7 +192,7 @@ def _from_frames(
     if camera is None:
         notes.append(
             f"/tf_static does not connect {camera_frame} with {base}; the camera counts as mounted"
-            " as vehicle.yaml says, or straight down"
+            " as vehicle.yaml says, or looks straight down at a cable, or ahead at a target"
         )
     else:
         values.update(camera_parameters(*camera))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
+from cable_tracker.metric.recorded import own_vehicle_file
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
@@ -44,8 +45,8 @@ class SurveyTask:
 
     def fingerprint(self) -> str:
         """Return a text that changes with the recording and the settings."""
-        vehicle = self.settings.forward.vehicle
-        described = "" if vehicle is None else fingerprint_of_files(vehicle)
+        vehicle = self.settings.forward.vehicle or own_vehicle_file(self.path)
+        described = fingerprint_of_files(vehicle) if vehicle.is_file() else ""
         return f"{fingerprint_of_files(self.path)} {self.settings!r} {described}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
@@ -166,8 +167,8 @@ def _write_all(
     own = [placed for dive in dives if not dive.on_earth for placed in dive.routes]
     in_time = tuple(event for dive in dives for event in dive.events)
     frame = LocalFrame(*datum) if datum is not None and on_earth else None
-    merged = merge(on_earth)
-    apart = [route for placed in own for route in merge([placed])]
+    merged = _longest_first(merge(on_earth))
+    apart = _longest_first([route for placed in own for route in merge([placed])])
     beside = output / "without_place"
     shutil.rmtree(beside, ignore_errors=True)
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
@@ -186,10 +187,19 @@ def _write_all(
     return (*merged, *apart)
 
 
+def _longest_first(routes: Iterable[MergedRoute]) -> list[MergedRoute]:
+    return sorted(routes, key=lambda route: -float(route.along[-1]))
+
+
 def _write_map(output: Path, survey: SurveyMap, rows: Sequence[RecordingRow]) -> None:
+    survey = replace(survey, folder=output)
     for name, write in WRITERS.items():
         with atomic_file(output / name) as part:
             write(part, survey)
+            is_written = part.exists()
+        if not is_written:
+            # A map of layers without any: what an earlier survey has left is not of this one.
+            (output / name).unlink(missing_ok=True)
     with atomic_file(output / REPORT) as part:
         write_report(part, survey, rows, "Cable survey")
 

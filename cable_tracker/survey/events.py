@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forward_pass import ForwardDive
@@ -88,9 +89,14 @@ class Limits:
     least_width_way : float
         Shortest way over which an unusual diameter is reported [m].
     bend_radius : float
-        Radius below which bends are reported [m].
+        Radius below which bends are reported [m]; 0: none.
     most_aside : float
         Distance beside the cable from which on the vehicle is too far from it [m].
+
+    Raises
+    ------
+    ParameterError
+        One is negative or not finite.
     """
 
     least_burial: float = 1.0
@@ -98,6 +104,11 @@ class Limits:
     least_width_way: float = 1.0
     bend_radius: float = 10.0
     most_aside: float = 1.2
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not 0.0 <= value < math.inf:
+                raise ParameterError(f"{name.replace('_', '-')} is {value:g}: give 0 or more")
 
 
 MERGED_BURIALS = 0.6
@@ -266,7 +277,7 @@ def _widths(maker: _Maker, limits: Limits) -> list[Event]:
 
 def _bends(maker: _Maker, limits: Limits) -> list[Event]:
     route = maker.route
-    sharp = np.abs(route.bends) - SURE * route.bend_sigmas > 1.0 / limits.bend_radius
+    sharp = (np.abs(route.bends) - SURE * route.bend_sigmas) * limits.bend_radius > 1.0
     events = []
     for first, last in true_runs(sharp):
         most = float(np.abs(route.bends[first:last]).max())

@@ -17,6 +17,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.motion import LONGEST_STEP
 from cable_tracker.metric.recorded import (
     Pauses,
     RecordedMetres,
@@ -91,6 +92,11 @@ class ForwardSettings:
         The user's `vehicle.yaml`.
     most_rate : float
         Pictures per second that are tracked at most where there is odometry [1/s]; 0: all.
+
+    Raises
+    ------
+    ParameterError
+        The rate is too high, or too low to follow a cable from one picture to the next.
     """
 
     parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
@@ -107,8 +113,13 @@ class ForwardSettings:
         )
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.most_rate <= FASTEST_RATE:
-            raise ParameterError(f"most-rate is {self.most_rate:g}: give 0 to {FASTEST_RATE:g} /s")
+        # Over longer pauses odometry bridges nothing, or each picture is a start anew.
+        slowest = 1.0 / min(LONGEST_STEP, self.parameters.maximum_gap)
+        if self.most_rate != 0.0 and not slowest < self.most_rate <= FASTEST_RATE:
+            raise ParameterError(
+                f"most-rate is {self.most_rate:g}: give more than {slowest:g} /s and at most"
+                f" {FASTEST_RATE:g} /s, or 0 for all pictures"
+            )
 
 
 @dataclass(slots=True, eq=False)

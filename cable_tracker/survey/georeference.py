@@ -82,8 +82,9 @@ def georeference(
     places = disk.filled(len(stamps), lambda rows: poses.at(stamps[rows]))
     known = np.isfinite(places).all(axis=1)
     stamps, values, places = stamps[known], values[known], places[known, :2]
-    order = np.argsort(stamps, kind="stable")
-    stamps, values, places = stamps[order], values[order], places[order]
+    # After a clock set back a time has no second place: the poses are those of its first pass.
+    is_new = stamps >= np.maximum.accumulate(stamps) if len(stamps) else known
+    stamps, values, places = stamps[is_new], values[is_new], places[is_new]
     if len(stamps) < FEWEST_FIXES:
         return None
     measured = frame.from_degrees(values[:, 0], values[:, 1])

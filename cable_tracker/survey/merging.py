@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import compress
 
 import numpy as np
 
@@ -74,7 +75,8 @@ class MergedRoute:
     visible : FloatArray
         Share of the dives' routes that see it, 0 to 1.
     diameters, asides : FloatArray
-        Means over the dives' routes [m]; NaN where none can say.
+        Means over the dives' routes of the cable's diameter, and of how far beside it the vehicle
+        was, on whichever side [m]; NaN where none can say.
     dives : FloatArray
         Number of dives that observed each point, shape (N,).
     events : tuple of Event
@@ -324,7 +326,7 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
         recordings=tuple(seen_by),
     )
     apart = (count > 1) & (excess > DISAGREEMENT)
-    disagreements = _disagreements(merged, apart, asides)
+    disagreements = _disagreements(merged, apart, asides, [each.recording for each in beside])
     events = [*_events_of(merged, group), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return replace(merged, events=tuple(events))
@@ -338,9 +340,11 @@ def _mean(columns: Sequence[FloatArray]) -> FloatArray:
     return mean
 
 
-def _disagreements(route: MergedRoute, apart: BoolArray, asides: FloatArray) -> list[Event]:
+def _disagreements(
+    route: MergedRoute, apart: BoolArray, asides: FloatArray, recordings: Sequence[str]
+) -> list[Event]:
+    """Return where dives (N) disagree, from how far each is aside of the axis, (N, M) [m]."""
     events = []
-    first_name, *others = route.recordings
     for first, last in true_runs(apart):
         start, end = float(route.along[first]), float(route.along[last - 1])
         if end - start < LEAST_DISAGREEMENT:
@@ -349,6 +353,8 @@ def _disagreements(route: MergedRoute, apart: BoolArray, asides: FloatArray) -> 
         most = float(np.nanmax(np.nanmax(part, axis=0) - np.nanmin(part, axis=0)))
         place = (float(route.places[first, 0]), float(route.places[first, 1]))
         detail = f"up to {most:.2f} m apart, more than their covariances allow"
+        was_there = np.isfinite(part).any(axis=1).tolist()
+        first_name, *others = dict.fromkeys(compress(recordings, was_there))
         kind = EventKind.DISAGREEMENT
         events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events

@@ -1,5 +1,6 @@
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 from instrument_messages import camera_info, imu, odometry, range_message
@@ -45,6 +46,31 @@ def test_calibration_altitude_and_attitude_make_metres(estimate):
     result = sight.measure(estimate)
     assert isinstance(result, CrossTrack)
     assert result.offset == pytest.approx(50.0 * 1.4 / 280.0, rel=0.01)
+
+
+def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate):
+    sight = calibrated()
+    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    without = sight.measure(estimate)
+    rates_alone = imu()
+    rates_alone.orientation_covariance[0] = -1.0
+    sight.take_message(Instrument.IMU, SECOND, rates_alone)
+    result = sight.measure(estimate)
+    assert isinstance(result, CrossTrack) and isinstance(without, CrossTrack)
+    assert result.offset == without.offset
+    np.testing.assert_array_equal(result.covariance, without.covariance)
+
+
+def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture():
+    rng = np.random.default_rng(0)
+    sight = calibrated(fixed_altitude=1.4)
+    pictures = [cv2.blur(rng.integers(0, 255, (240, 320), np.uint8), (5, 5)) for _ in range(2)]
+    sight.motion(SECOND, pictures[0])
+    sight.configure(default_values() | {"fixed_altitude": 1.4, "motion_aid": False})
+    sight.motion(SECOND + FRAME, pictures[1])
+    assert sight.texture_motion is None
+    sight.configure(default_values() | {"fixed_altitude": 1.4})
+    assert sight._aiding._texture.compare(pictures[1], np.eye(3)) is None
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):

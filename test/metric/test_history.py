@@ -17,13 +17,13 @@ def history():
 def test_between_two_measurements_it_interpolates(history):
     reading = history.at(10 * SECOND + SECOND // 4)
     np.testing.assert_allclose(reading.values, [1.5, -1.5])
-    assert reading.age == 0.0
+    assert (reading.age, reading.nearest) == (0.0, 0.25)
 
 
 def test_after_the_last_its_value_is_held_and_ages(history):
     reading = history.at(15 * SECOND)
     np.testing.assert_allclose(reading.values, [3.0, -3.0])
-    assert reading.age == pytest.approx(2.0)
+    assert reading.age == reading.nearest == pytest.approx(2.0)
 
 
 def test_before_the_first_nothing_is_known(history):

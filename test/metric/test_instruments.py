@@ -87,6 +87,12 @@ def test_an_altitude_of_another_time_is_stale(instruments, estimate, second):
     assert reason(instruments.cross_track(estimate)) is Reason.STALE_ALTITUDE
 
 
+def test_altitudes_long_before_and_after_are_not_interpolated(instruments, estimate):
+    instruments.take_altitude(5 * SECOND, 1.4, LIMITS)
+    instruments.take_altitude(15 * SECOND, 1.5, LIMITS)
+    assert reason(instruments.cross_track(estimate)) is Reason.STALE_ALTITUDE
+
+
 def test_an_imu_that_fell_silent_is_told(instruments, estimate):
     instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
     instruments.take_attitude(8 * SECOND, Attitude(0.1, 0.0, 0.01))

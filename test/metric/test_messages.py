@@ -68,23 +68,29 @@ def imu(roll: float, **fields: Any) -> Imu:
 
 def test_roll_comes_with_its_doubt() -> None:
     attitude = read_attitude(imu(0.2, orientation_covariance=[0.04, *[0.0] * 8]), 0.01)
+    assert attitude is not None
     assert (attitude.roll, attitude.pitch) == pytest.approx((0.2, 0.0))
     assert attitude.sigma == pytest.approx(0.2)
-    assert read_attitude(imu(0.2), 0.01).sigma == 0.01
+    unsaid = read_attitude(imu(0.2), 0.01)
+    assert unsaid is not None and unsaid.sigma == 0.01
 
 
 @pytest.mark.parametrize(
     "message",
     [
-        imu(0.2, orientation_covariance=[-1.0, *[0.0] * 8]),
         Imu(orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)),
         Imu(orientation=Quaternion(x=math.nan, w=1.0)),
         imu(0.2, orientation_covariance=[math.nan, *[0.0] * 8]),
     ],
-    ids=["not estimated", "no quaternion", "no number", "no covariance"],
+    ids=["no quaternion", "no number", "no covariance"],
 )
-def test_an_imu_without_orientation_has_no_attitude(message: Imu) -> None:
-    assert not read_attitude(message, 0.01).is_finite()
+def test_an_unusable_orientation_is_no_attitude(message: Imu) -> None:
+    attitude = read_attitude(message, 0.01)
+    assert attitude is not None and not attitude.is_finite()
+
+
+def test_an_imu_that_does_not_measure_its_orientation_says_nothing() -> None:
+    assert read_attitude(imu(0.2, orientation_covariance=[-1.0, *[0.0] * 8]), 0.01) is None
 
 
 def test_offset_and_heading_stand_where_a_pose_has_them() -> None:

@@ -1,3 +1,4 @@
+import csv
 import shutil
 
 import pytest
@@ -5,10 +6,12 @@ import pytest
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
-from cable_tracker.survey.campaign import run_survey
+from cable_tracker.survey.campaign import SurveyTask, run_survey
 from cable_tracker.survey.events import Limits
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.surveyed_dive import read_surveyed
 
@@ -38,6 +41,45 @@ def test_a_dive_becomes_a_route_and_a_broken_one_a_row(surveyed):
     assert route.along[-1] == pytest.approx(3.0, abs=1.5)
     for name in ("route.gpkg", "route.geojson", "events.csv", "frames.parquet", "report.html"):
         assert (output / name).stat().st_size > 0
+
+
+def test_routes_are_numbered_from_the_longest(bag, tmp_path):
+    longer = tmp_path / "longer"
+    write_survey_bag(longer, Simulated(length=6.0, rate=5.0, image_size=(160, 120), current=0.0))
+    without_fixes = SurveySettings(
+        ForwardSettings(choice=InstrumentChoice({Instrument.FIX: NO_TOPIC})), pictures=False
+    )
+    result = run_survey([bag, longer], tmp_path / "map", without_fixes, ALONE)
+    lengths = [route.along[-1] for route in result.routes]
+    assert len(lengths) == 2
+    assert lengths[0] > lengths[1]
+
+
+def test_a_survey_without_routes_leaves_no_map_of_an_earlier_one(bag, tmp_path):
+    output = tmp_path / "map"
+    run_survey([bag], output, SurveySettings(), ALONE)
+    assert (output / "route.gpkg").exists()
+    unmeasured = ForwardSettings(choice=InstrumentChoice({Instrument.ALTITUDE: NO_TOPIC}))
+    assert run_survey([bag], output, SurveySettings(unmeasured), ALONE).routes == ()
+    assert not (output / "route.gpkg").exists()
+
+
+def test_a_picture_that_was_not_kept_is_not_named(bag, tmp_path):
+    for pictures in (True, False):
+        output = tmp_path / str(pictures)
+        run_survey([bag], output, SurveySettings(pictures=pictures), ALONE)
+        rows = csv.DictReader((output / "events.csv").read_text().splitlines())
+        assert {bool(row["picture"]) for row in rows} == {pictures}
+
+
+def test_a_changed_vehicle_file_is_seen_beside_a_storage_file_too(bag, tmp_path):
+    copy = shutil.copytree(bag, tmp_path / "dive")
+    for path in (copy, next(copy.glob("*.mcap"))):
+        task = SurveyTask(path, SurveySettings(), "dive")
+        before = task.fingerprint()
+        with (copy / "vehicle.yaml").open("a") as file:
+            file.write("# another\n")
+        assert task.fingerprint() != before
 
 
 def test_a_dive_with_a_broken_vehicle_file_ends_no_other(bag, tmp_path):

@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -5,7 +6,8 @@ import numpy as np
 import pytest
 from survey_dives import Plan, make_dive, poses_of
 
-from cable_tracker.survey.events import EventKind
+from cable_tracker.errors import ParameterError
+from cable_tracker.survey.events import EventKind, Limits
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
@@ -86,6 +88,20 @@ def test_a_line_across_that_is_seen_often_is_a_crossing():
 def test_a_sharp_bend_is_told_with_its_radius():
     dive = make_dive(Plan(bend=0.25, noise=0.005))
     assert any("radius" in event.detail for event in events(dive, EventKind.BEND))
+
+
+def test_with_a_radius_of_zero_nothing_is_a_bend():
+    dive = make_dive(Plan(bend=0.25, noise=0.005))
+    settings = SurveySettings(limits=Limits(bend_radius=0.0))
+    surveyed, _ = analyse(dive, settings)
+    kinds = {event.kind for placed in surveyed.routes for event in placed.events}
+    assert EventKind.BEND not in kinds
+
+
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
+def test_limits_that_are_no_lengths_are_refused(value):
+    with pytest.raises(ParameterError, match="bend-radius"):
+        Limits(bend_radius=value)
 
 
 def test_an_odometry_that_jumps_is_an_event():

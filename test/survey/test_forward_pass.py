@@ -60,7 +60,7 @@ def test_after_a_silence_and_a_clock_that_jumps_back_the_count_begins_anew(run):
     assert run([0.0, 0.04, 9.0, 9.04, 1.0, 1.04, 1.2]) == [0.0, 9.0, 1.0, 1.2]
 
 
-@pytest.mark.parametrize("rate", [-1.0, float("nan"), 1e9])
+@pytest.mark.parametrize("rate", [-1.0, float("nan"), 1e9, 0.2, 0.5])
 def test_a_rate_that_cannot_be_is_refused(rate):
     with pytest.raises(ParameterError, match="most-rate"):
         ForwardSettings(most_rate=rate)

@@ -11,12 +11,12 @@ SECOND = 1_000_000_000
 FRAME = LocalFrame(54.0, 7.9)
 
 
-def fixes_of(places: np.ndarray, sigma: float, rng) -> Samples:
+def fixes_of(places: np.ndarray, sigma: float, rng, stamps: list[int] | None = None) -> Samples:
     fixes = Samples(4)
     for k in range(0, len(places), 10):
         noisy = places[k : k + 1, :2] + sigma * rng.standard_normal((1, 2))
         latitude, longitude = FRAME.to_degrees(noisy)[0]
-        stamp = SECOND + k * SECOND // 10
+        stamp = SECOND + k * SECOND // 10 if stamps is None else stamps[k]
         fixes.add(stamp, [latitude, longitude, sigma**2, sigma**2])
     return fixes
 
@@ -45,11 +45,21 @@ def test_odometry_that_drifts_is_held_by_the_fixes():
 
 def test_fixes_far_off_do_not_count():
     true = way(2000)
-    fixes = fixes_of(true, 0.3, np.random.default_rng(3))
-    latitude, longitude = FRAME.to_degrees(np.array([[400.0, 400.0]]))[0]
-    fixes.add(SECOND + 50 * SECOND + 5, [latitude, longitude, 0.09, 0.09])
+    shown = true.copy()
+    shown[500] = [400.0, 400.0, 0.0]
+    fixes = fixes_of(shown, 0.3, np.random.default_rng(3))
     earth = georeference(joined_poses(odometry(true)), fixes, FRAME)
     assert earth.left_out == 1
+
+
+def test_fixes_of_times_that_come_again_move_nothing():
+    # All clocks are set back by 60 s halfway.
+    true = way(4000)
+    stamps = [SECOND + (k if k < 2000 else k - 600) * SECOND // 10 for k in range(4000)]
+    fixes = fixes_of(true, 0.3, np.random.default_rng(5), stamps)
+    earth = georeference(joined_poses(odometry(true, stamps)), fixes, FRAME)
+    found, _ = earth.apply(true[:2000, :2], np.array(stamps[:2000]))
+    assert np.hypot(*(found - true[:2000, :2]).T).max() < 0.3
 
 
 def test_too_few_fixes_lay_nothing_on_the_earth():

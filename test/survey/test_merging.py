@@ -63,6 +63,23 @@ def test_a_dive_that_disagrees_with_itself_is_named_once():
     assert event.recordings == "a"
 
 
+def test_only_dives_that_were_there_disagree():
+    first, second = placed(Plan(), "a", 0.5, 0.02), placed(Plan(seed=2), "b", -0.5, 0.02)
+    points = int(np.searchsorted(second.route.along, second.route.along[-1] - 12.0))
+    there = {
+        each.name: value[:points]
+        for each in fields(second.route)
+        if np.shape(value := getattr(second.route, each.name))[:1] == second.route.along.shape
+    }
+    shorter = replace(second, route=replace(second.route, **there), events=())
+    third = placed(Plan(length=80.0), "c", 0.5, 0.02)
+    (merged,) = merge([first, shorter, third])
+    disagree = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]
+    beyond = [each for each in disagree if each.along > first.route.along[-1]]
+    assert disagree and not beyond
+    assert {each.recordings for each in disagree} == {"c, a, b"}
+
+
 def test_dives_that_disagree_are_an_event_and_less_sure():
     (merged,) = merge([placed(Plan(), "a", 0.5, 0.02), placed(Plan(seed=2), "b", -0.5, 0.02)])
     (event,) = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]

@@ -57,6 +57,8 @@ class SurveyMap:
         Events of recordings without metres.
     root : str
         From the folder of its files to that of the survey: "" or "../".
+    folder : Path or None
+        Folder of its files, beside which pictures of events lie; None: there are none.
     """
 
     routes: tuple[MergedRoute, ...]
@@ -64,6 +66,7 @@ class SurveyMap:
     names: tuple[str, ...]
     events_in_time: tuple[Event, ...] = ()
     root: str = ""
+    folder: Path | None = None
 
     def coordinates(self, places: FloatArray) -> FloatArray:
         """Return what stands in a file for places (N, 2) [m]: longitude, latitude, or x, y."""
@@ -77,14 +80,12 @@ class SurveyMap:
         return LOCAL if self.frame is None else EARTH
 
 
-def picture_name(event: Event, root: str) -> str:
-    """Return where the picture of an event lies, from the folder of the map; empty without one.
-
-    `root`: from there to the folder of the survey, "" or "../".
-    """
-    if event.frame < 0:
+def picture_name(survey: SurveyMap, event: Event) -> str:
+    """Return where the picture of an event lies, from the folder of the map; empty without one."""
+    if survey.folder is None or event.frame < 0:
         return ""
-    return f"{root}recordings/{event.recording}/pictures/{event.frame}.jpg"
+    name = f"{survey.root}recordings/{event.recording}/pictures/{event.frame}.jpg"
+    return name if (survey.folder / name).is_file() else ""
 
 
 def band(route: MergedRoute) -> FloatArray:
@@ -139,7 +140,7 @@ def _event_row(survey: SurveyMap, name: str, event: Event) -> list[object]:
         name, event.kind.value, metres(event.along), metres(event.end),
         metres(event.end - event.along), latitude, longitude, *map(metres, event.place),
         format_stamp(event.stamp) if event.stamp else "", event.recordings,
-        event.frame if event.frame >= 0 else None, picture_name(event, survey.root), event.detail,
+        event.frame if event.frame >= 0 else None, picture_name(survey, event), event.detail,
     ]  # fmt: skip
 
 

@@ -173,7 +173,7 @@ def _event_data(survey: SurveyMap, pictures: _Pictures) -> list[dict[str, Any]]:
             "y": round(event.place[1], 3),
             "detail": event.detail,
             "recording": event.recordings,
-            "picture": pictures.number(picture_name(event, survey.root)),
+            "picture": pictures.number(picture_name(survey, event)),
         }
         for number, route in enumerate(survey.routes)
         for event in route.events
