@@ -143,7 +143,7 @@ def loop(  # noqa: PLR0917
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     arguments = _shared_arguments(request, detector, params)
-    campaign = LoopCampaign(methods, chosen, arguments, [] if params is None else [params])
+    campaign = LoopCampaign(methods, chosen, arguments, _files_of(params))
     path = output if output is not None else Path("loop_runs")
     _run_several(campaign, path, cluster, force=force, resume=resume)
 
@@ -152,6 +152,14 @@ def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dic
     """Return the parameters that the user gives the tracker."""
     values = read_parameter_file(params) if params is not None else {}
     return values | {"seed": seed} | ({"detector": detector} if detector is not None else {})
+
+
+def _files_of(params: Path | None) -> list[Path]:
+    """Return a parameter file and the response table that it names."""
+    if params is None:
+        return []
+    table = read_parameter_file(params).get("response_table")
+    return [params, *([Path(str(table))] if table else [])]
 
 
 def _shared_arguments(
@@ -204,7 +212,9 @@ def _run_several(
         assert settings.store is not None
         if resume and path.is_dir():
             for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
-                shutil.copytree(run, settings.store / run.name, dirs_exist_ok=True)
+                # A run of a newer campaign, which was ended, is kept instead.
+                if not (settings.store / run.name).exists():
+                    shutil.copytree(run, settings.store / run.name)
         with progress_bar("runs", len(campaign.cases())) as progress:
             outcomes = run_loops(
                 campaign, settings.store, lambda: advance(progress), cluster=cluster, resume=resume

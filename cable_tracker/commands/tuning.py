@@ -26,10 +26,21 @@ from cable_tracker.tracking.parameter_files import (
     parse_parameters,
     read_parameter_file,
 )
-from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec
+from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec, parameter_table
 
 OF_TARGETS = {"initial_target", "target_count", "target_size"}
 VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)} - OF_TARGETS
+TEXTS = {
+    spec.name
+    for spec in (
+        *parameter_table(TrackerParameters),
+        *parameter_table(TargetParameters),
+        *TRACKER_NODE_PARAMETERS,
+        *TARGET_NODE_PARAMETERS,
+    )
+    if spec.kind is str and not spec.choices
+}
+"""Parameters whose value is any text, as that of a path."""
 UNREAD = (
     (
         OF_TARGETS,
@@ -68,6 +79,9 @@ def parse_value(word: str) -> tuple[str, object]:
     if not (name and equals):
         raise ParameterError(f"-p {word}: give a name and a value, such as particle_count=1000")
     text = value.strip() or "''"
+    if name in TEXTS and text[0] not in "'\"":
+        # A path may hold what means something in YAML.
+        return name, text
     return name, parse_parameters(f"{name}: {text}", f"-p {word}").get(name)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import run_all
@@ -92,9 +91,8 @@ class _Task:
             seeds=(self.seed,),
             with_sheets=self.with_sheet,
         )
-        tables = [Path(str(each.parameters.response_table)) for each in own.filters]
-        files = [path for path in (*files_of(self.sequence), *tables) if path.exists()]
-        return f"{own!r} {fingerprint_of_files(*files)}"
+        tables = [file for each in own.filters for file in each.parameters.files]
+        return f"{own!r} {fingerprint_of_files(*files_of(self.sequence), *tables)}"
 
     def run(self, advance: Callable[[], None]) -> list[RunResult]:
         campaign = self.campaign

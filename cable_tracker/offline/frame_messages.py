@@ -15,9 +15,9 @@ class FrameMessages:
 
     def __init__(self, bag: MessageSink, frame: Frame) -> None:
         self._bag = bag
-        self._stamp = frame.stamp
+        self._stamp, self._bag_time = frame.stamp, frame.bag_time
         self._factory = RosbagsMessages()
         self._header = make_header(self._factory, frame.stamp, frame.frame_id)
 
     def _write(self, topic: NodeTopic, message: Message) -> None:
-        self._bag.write(topic.global_name, topic.type_name, message, self._stamp)
+        self._bag.write(topic.global_name, topic.type_name, message, self._bag_time)

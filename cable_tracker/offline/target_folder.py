@@ -6,18 +6,15 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
-
 from cable_tracker.arrays import Image
+from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
 from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.overlay import resized
 from cable_tracker.visualisation.video import VideoWriter
-
-SMALLEST_PICTURE = 480
-"""Narrower frames are enlarged to this width in the pictures [px]."""
 
 
 class TargetFolder(Results):
@@ -51,10 +48,7 @@ class TargetFolder(Results):
         self.rows.append(row if self._timing else replace(row, ms=None))
         if picture is None:
             return
-        width = picture.shape[1]
-        if width < SMALLEST_PICTURE:
-            zoom = SMALLEST_PICTURE / width
-            picture = cv2.resize(picture, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR)
+        picture, _ = resized(picture, SMALLEST_PICTURE, LARGEST_PICTURE)
         self._video.add(picture, frame.stamp)
         self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
 

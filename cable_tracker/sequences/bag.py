@@ -300,11 +300,13 @@ class BagSource(Source):
 
     def _read_video(self, start: int) -> Generator[Frame | UnreadableFrame]:
         """Decode from the beginning; what comes before the first key frame is no frame."""
-        count, has_begun = 0, False
+        count, has_begun, first = 0, False, 0
         try:
             for picture in self._pictures():
-                has_begun = has_begun or picture.picture is not None
-                if not has_begun:
+                if not has_begun and picture.picture is not None:
+                    has_begun, first = True, picture.packet.stamp
+                # Also what is coded after it and shown before it, from frames that are not there.
+                if not has_begun or (picture.picture is None and picture.packet.stamp < first):
                     continue
                 if count >= start:
                     yield self._video_frame(count, picture)
@@ -348,4 +350,6 @@ class BagSource(Source):
             return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001
-            return UnreadableFrame(index, message.time, f"damaged message: {one_line(error)}")
+            stamp = 0 if self._is_ros1 else stamp_of_picture(message)
+            reason = f"damaged message: {one_line(error)}"
+            return UnreadableFrame(index, stamp or message.time, reason)

@@ -151,6 +151,7 @@ class RosbagsStorage:
             shared = Reader2(self._path)
             shared.open()
             self._check_files(shared)
+            self._check_unpacked(shared)
             self._leave_messages_packed(shared)
             self._shared, self._close_shared = shared, finalize(self, shared.close)
         yield self._shared
@@ -185,6 +186,19 @@ class RosbagsStorage:
             vars(storage)["files"] = []
             reader.close()
             raise RecordingError("metadata.yaml has files that are no list")
+
+    @staticmethod
+    def _check_unpacked(reader: Reader2) -> None:
+        """Check databases that rosbags has unpacked as those that lie in the folder."""
+        if reader.compression_mode != "file":
+            return
+        try:
+            for storage in getattr(reader.storage, "storages", ()):
+                if storage.path.suffix == ".db3":
+                    check_database(storage.path)
+        except BaseException:
+            reader.close()
+            raise
 
     @staticmethod
     def _leave_messages_packed(reader: Reader2) -> None:

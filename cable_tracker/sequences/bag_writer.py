@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -13,7 +14,7 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
-from cable_tracker.errors import OutputError, write_failure
+from cable_tracker.errors import OutputError, one_line, write_failure
 from cable_tracker.sequences.bag_storage import METADATA
 from cable_tracker.sequences.typestores import typestore
 
@@ -124,14 +125,24 @@ class BagWriter:
         stamp : int
             Receive time [ns].
         """
-        self.write_serialised(topic, msgtype, typestore().serialize_cdr(message, msgtype), stamp)
+        try:
+            data = typestore().serialize_cdr(message, msgtype)
+        except struct.error as error:
+            raise OutputError(
+                f"{self._path}: a message of {topic} has a number or a time that its type cannot"
+                f" hold ({one_line(error)}); set the clock of the recording right"
+            ) from error
+        self.write_serialised(topic, msgtype, data, stamp)
 
     def write_serialised(
         self, topic: str, msgtype: str, data: bytes | memoryview, stamp: int
     ) -> None:
         """Write a message that is serialised already, in CDR; the rest as in `write`."""
         if not 0 <= stamp < _LATEST_STAMP:
-            raise OutputError(f"{self._path}: {stamp} ns is no time that a bag can hold")
+            raise OutputError(
+                f"{self._path}: {stamp} ns is no time that a bag can hold; set the clock of the"
+                " recording right"
+            )
         with self._translated_errors():
             self._writer.write(self._connection(topic, msgtype), stamp, data)
 

@@ -55,7 +55,7 @@ def write_truth(bag: MessageSink, frame: Frame) -> None:
     header = make_header(factory, frame.stamp, frame.frame_id)
     topic = node_topics.GROUND_TRUTH
     truth = make_state(factory, header, frame.truth)
-    bag.write(topic.global_name, topic.type_name, truth, frame.stamp)
+    bag.write(topic.global_name, topic.type_name, truth, frame.bag_time)
 
 
 def write_frame(bag: BagWriter, frame: Frame) -> None:
@@ -68,7 +68,7 @@ def write_frame(bag: BagWriter, frame: Frame) -> None:
     else:
         topic = node_topics.COMPRESSED_IMAGE
         image = make_compressed_image(factory, frame.image, header)
-    bag.write(topic.global_name, topic.type_name, image, frame.stamp)
+    bag.write(topic.global_name, topic.type_name, image, frame.bag_time)
 
 
 @dataclass(frozen=True, slots=True)

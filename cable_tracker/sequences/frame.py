@@ -76,3 +76,8 @@ class Frame:
     frame_id: str = "camera"
     truth: CableState | None = None
     received: int | None = None
+
+    @property
+    def bag_time(self) -> int:
+        """When it was written into its bag [ns], or its stamp: readers of bags sort by it."""
+        return self.stamp if self.received is None else self.received

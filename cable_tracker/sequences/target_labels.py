@@ -83,11 +83,10 @@ def read_boxes(path: Path) -> dict[str, Box | None]:
         raise read_failure(path, error) from error
     boxes: dict[str, Box | None] = {}
     for number, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words or words[0].startswith("#"):
+        if not line.strip() or line.lstrip().startswith("#"):
             continue
         try:
-            name, box = _parse(words)
+            name, box = _parse(line.strip())
         except ValueError as error:
             raise RecordingError(
                 f"{path}: line {number} is malformed ({one_line(error)}); expected: {FORM}"
@@ -100,17 +99,19 @@ def read_boxes(path: Path) -> dict[str, Box | None]:
     return boxes
 
 
-def _parse(words: list[str]) -> tuple[str, Box | None]:
-    if words[-1] == OUT_OF_VIEW and len(words) in {2, 3}:
-        return words[0], None
-    if len(words) not in {5, 6}:
-        raise ValueError(f"{len(words)} words")
-    left, top, right, bottom = (float(word) for word in words[-4:])
+def _parse(line: str) -> tuple[str, Box | None]:
+    name, *last = line.rsplit(None, 1)
+    if last == [OUT_OF_VIEW]:
+        return name, None
+    name, *sides = line.rsplit(None, 4)
+    if len(sides) != 4:
+        raise ValueError(f"{1 + len(sides)} words")
+    left, top, right, bottom = map(float, sides)
     if not all(math.isfinite(side) for side in (left, top, right, bottom)):
         raise ValueError("a number is not finite")
     if right <= left or bottom <= top:
         raise ValueError("the box has no area")
-    return words[0], (left, top, right, bottom)
+    return name, (left, top, right, bottom)
 
 
 def format_boxes(boxes: Iterable[tuple[str, Box | None]]) -> str:
@@ -145,7 +146,13 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
         if truth == source.path:
             return BoxTruth(by_stamp=_read_bag(source.storage, truth))
         with closing(open_bag(truth)) as storage:
-            return BoxTruth(by_stamp=_read_bag(storage, truth))
+            boxes = _read_bag(storage, truth)
+        if not source.has_frame_at(boxes):
+            raise RecordingError(
+                f"{truth}: not one of its {len(boxes)} boxes has the time of a frame of"
+                f" {source.path}; give the boxes that belong to this recording"
+            )
+        return BoxTruth(by_stamp=boxes)
     if not truth.is_file() or truth == source.path:
         raise RecordingError(
             f"{source.path}: has no boxes to judge by; give them with --truth FILE, lines of the"
@@ -186,8 +193,10 @@ def _numbered(
     found: dict[int, Box | None] = {}
     for name, box in boxes.items():
         number = numbers.get(name)
-        if number is None and name.isascii() and name.isdecimal():
-            number = int(name)
+        # A file may say after the frame which target it is.
+        word = name.split()[0]
+        if number is None and word.isascii() and word.isdecimal():
+            number = int(word)
         count = source.frame_count
         if number is None or (count is not None and number >= count):
             raise RecordingError(
@@ -275,7 +284,7 @@ def write_target_bag(
             header = make_header(factory, frame.stamp, frame.frame_id)
             corners = np.empty((0, 2)) if box is None else box_corners(box)
             polygon = make_polygon(factory, header, corners)
-            bag.write(topic.global_name, topic.type_name, polygon, frame.stamp)
+            bag.write(topic.global_name, topic.type_name, polygon, frame.bag_time)
             count += 1
     return count
 

@@ -7,8 +7,10 @@ from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
+from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError, read_failure
@@ -99,6 +101,19 @@ def pass_over(capture: cv2.VideoCapture, count: int) -> int:
     return count
 
 
+def _frames_not_shown(path: Path) -> int:
+    """Return how many frames a file holds only so that others can be decoded.
+
+    The header counts them. A file that was cut without coding it anew says with an edit list where
+    the first frame that is shown begins.
+    """
+    try:
+        with av.open(str(path)) as container:
+            return sum(packet.is_discard for packet in container.demux(video=0))
+    except FFmpegError:
+        return 0
+
+
 class VideoSource(Source):
     """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
 
@@ -121,7 +136,8 @@ class VideoSource(Source):
             while (picture := next_picture(capture)) is not None:
                 yield self._frame(count, picture)
                 count += 1
-        if count < (self.frame_count or 1):
+        promised = self.frame_count or 1
+        if count < promised and count < promised - _frames_not_shown(self.path):
             raise damage(self.path, count, f"the file promises {self.frame_count or 'some'}")
 
     def _frame(self, index: int, picture: Image) -> Frame | UnreadableFrame:

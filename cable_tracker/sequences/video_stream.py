@@ -161,16 +161,24 @@ class StreamDecoder:
             yield DecodedPicture(packet, None, f"damaged packet ({error.strerror})")
 
     def end(self) -> Iterator[DecodedPicture]:
-        """Yield what is left; packets without a picture come last."""
+        """Yield what is left; packets without a picture come last, in the order of their times."""
         if self._context is not None:
             try:
                 yield from self._pictures(self._context.decode(None))
             except FFmpegError:
                 self._is_sound = False
-        for packet in self._waiting.values():
-            yield DecodedPicture(packet, None, "the decoder gave no picture for it")
-        self._waiting.clear()
+        yield from self._passed_over(self._number)
         self._context = None
+
+    def _passed_over(self, number: int) -> Iterator[DecodedPicture]:
+        """Yield packets before one, by the order of coding, that will not give a picture any more.
+
+        All that is coded before a key frame is shown before it.
+        """
+        numbers = [each for each in self._waiting if each < number]
+        for each in sorted(numbers, key=lambda each: self._waiting[each].stamp):
+            packet = self._waiting.pop(each)
+            yield DecodedPicture(packet, None, "the decoder gave no picture for it")
 
     def _pictures(self, frames: list[av.VideoFrame]) -> Iterator[DecodedPicture]:
         for frame in frames:
@@ -179,6 +187,7 @@ class StreamDecoder:
             if packet is None:
                 continue
             if frame.key_frame:
+                yield from self._passed_over(number)
                 self._is_sound = True
                 self._faults = [fault for fault in self._faults if fault > number]
             if frame.is_corrupt:

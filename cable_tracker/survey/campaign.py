@@ -45,9 +45,10 @@ class SurveyTask:
 
     def fingerprint(self) -> str:
         """Return a text that changes with the recording and the settings."""
-        vehicle = self.settings.forward.vehicle or own_vehicle_file(self.path)
-        described = fingerprint_of_files(vehicle) if vehicle.is_file() else ""
-        return f"{fingerprint_of_files(self.path)} {self.settings!r} {described}"
+        forward = self.settings.forward
+        vehicle = forward.vehicle or own_vehicle_file(self.path)
+        files = (self.path, vehicle, *forward.parameters.files)
+        return f"{fingerprint_of_files(*files)} {self.settings!r}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Survey it."""

@@ -353,8 +353,8 @@ def _disagreements(
         most = float(np.nanmax(np.nanmax(part, axis=0) - np.nanmin(part, axis=0)))
         place = (float(route.places[first, 0]), float(route.places[first, 1]))
         detail = f"up to {most:.2f} m apart, more than their covariances allow"
-        was_there = np.isfinite(part).any(axis=1).tolist()
-        first_name, *others = dict.fromkeys(compress(recordings, was_there))
+        seen = np.count_nonzero(np.isfinite(part), axis=1)
+        first_name, *others = dict.fromkeys(compress(recordings, seen))
         kind = EventKind.DISAGREEMENT
         events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events

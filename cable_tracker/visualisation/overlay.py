@@ -40,6 +40,9 @@ from cable_tracker.visualisation.palette import (
 LARGEST_CLOUD = 100
 """Largest number of particles that are drawn: those of highest weight."""
 
+LONGEST_SIDE = 8192
+"""Longest side of an enlarged picture [px]: videos hold twice as much at most."""
+
 BAND_POINTS = 41
 
 SHIFT = 4
@@ -133,7 +136,7 @@ def draw_overlay(
     canvas = _as_bgr(image)
     if cloud is not None and (cloud.ndim != 2 or cloud.shape[1] != STATE_SIZE + 1):
         raise FrameError(f"cloud: shape is {cloud.shape}; give (N, 9), the state and its weight")
-    canvas, scale = _resized(canvas, minimum_width, maximum_width)
+    canvas, scale = resized(canvas, minimum_width, maximum_width)
     pen = _Pen.for_image(canvas)
     if cloud is not None:
         _draw_cloud(canvas, cloud, scale, pen)
@@ -148,10 +151,14 @@ def draw_overlay(
     return canvas
 
 
-def _resized(canvas: Image, minimum: int | None, maximum: int | None) -> tuple[Image, float]:
-    """Return an image whose width lies between two limits, and by how much it was enlarged."""
+def resized(canvas: Image, minimum: int | None, maximum: int | None) -> tuple[Image, float]:
+    """Return an image whose width lies between two limits, and by how much it was enlarged.
+
+    One that is very tall is narrower: no side is longer than `LONGEST_SIDE`.
+    """
     height, width = canvas.shape[:2]
     wanted = min(max(width, minimum or width), maximum or max(width, minimum or width))
+    wanted = max(1, min(wanted, LONGEST_SIDE, LONGEST_SIDE * width // height))
     if wanted == width:
         return canvas, 1.0
     scale = wanted / width

@@ -74,3 +74,8 @@ def test_where_a_target_is_said_to_begin_for_a_node_is_noted(capsys):
     values = {"initial_target": "1,2,30,40", "target_size": 0.4}
     assert chosen_target(None, values, None) == chosen_target(None, {}, None)
     assert "initial_target, target_size: only nodes" in capsys.readouterr().err.replace("\n", " ")
+
+
+@pytest.mark.parametrize("path", ["/a #b/t.json", "/data/dive: two/t.json", "'/a #b/t.json'"])
+def test_a_path_is_taken_as_it_is(path):
+    assert parse_value(f"response_table={path}") == ("response_table", path.strip("'"))

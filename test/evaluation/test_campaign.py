@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign, _Task, run_campaign
 from cable_tracker.evaluation.evaluation_sequences import RecordingSequence, ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
@@ -73,6 +73,15 @@ def test_filters_of_ones_own_are_run_after_the_methods(stripe):
     assert [result.method for result in (named, small, again)] == ["thesis", "small", "same"]
     assert np.array_equal(named.trace.estimates, again.trace.estimates)
     assert not np.array_equal(named.trace.estimates, small.trace.estimates)
+
+
+def test_what_else_lies_in_the_folder_does_not_make_another_run(stripe, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    own = ConfiguredFilter("mine", preset("thesis"))
+    task = _Task(Campaign((), (stripe,), (0,), filters=(own,)), stripe, 0)
+    before = task.fingerprint()
+    (tmp_path / "notes.txt").write_text("another file")
+    assert task.fingerprint() == before
 
 
 def test_an_error_in_a_worker_reaches_the_caller(tmp_path):

@@ -223,6 +223,8 @@ def test_a_message_that_is_rubbish_is_a_bad_frame(tmp_path, maker, picture, firs
         with pytest.raises(FrameError):
             decode_grey(frames[1].image)
         assert len(frames) == 3
+        # Its header is whole, and says when it was taken.
+        assert frames[1].stamp == first_stamp
     else:
         frames, message = read_until_damage(tmp_path / "b")
         assert len(frames) == 1

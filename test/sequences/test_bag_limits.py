@@ -220,6 +220,17 @@ def test_a_database_that_holds_more_than_data_is_refused(tmp_path, statements, w
         open_source(path)
 
 
+def test_a_database_is_checked_that_rosbags_unpacks(make_bag, tmp_path):
+    path = make_bag(storage="sqlite3", compression="file")
+    (packed,) = path.glob("*.db3.zstd")
+    plain = tmp_path / "plain.db3"
+    plain.write_bytes(zstandard.ZstdDecompressor().decompressobj().decompress(packed.read_bytes()))
+    database(plain, "ALTER TABLE messages ADD COLUMN more AS (zeroblob(100000000))")
+    packed.write_bytes(zstandard.compress(plain.read_bytes()))
+    with pytest.raises(RecordingError, match="computes columns"):
+        open_source(path)
+
+
 def test_a_database_of_plain_tables_is_read(tmp_path):
     read(database(tmp_path / "dive.db3", RECORDER))
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,16 @@ def test_frames_and_truths_are_read_back(tmp_path, make_frame, state):
     assert [frame.truth for frame in again] == [frame.truth for frame in frames]
     assert [bytes(f.image.data) for f in again] == [bytes(f.image.data) for f in frames]
     assert {frame.frame_id for frame in again} == {"camera"}
+
+
+def test_frames_stay_in_their_order_where_the_clock_was_set_back(tmp_path, make_frame):
+    stamps = [10, 11, 12, 3, 4, 5]
+    frames = [
+        replace(make_frame(k), stamp=stamp * 10**9, received=(100 + k) * 10**9)
+        for k, stamp in enumerate(stamps)
+    ]
+    write_bag(tmp_path / "bag", frames)
+    assert [frame.stamp // 10**9 for frame in read(tmp_path / "bag")] == stamps
 
 
 def test_the_frames_before_the_damage_are_kept(tmp_path, make_frame):

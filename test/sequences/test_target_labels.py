@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -130,3 +131,24 @@ def test_the_boxes_of_a_recording_are_read_from_the_bag_that_is_open(tmp_path):
         (tmp_path / "dive" / "dive.mcap").unlink()
         assert list(own_boxes(source).by_stamp.values()) == BOXES
         assert list(find_boxes(source).by_stamp.values()) == BOXES
+
+
+def test_pictures_may_have_blanks_in_their_names(tmp_path):
+    for name in ("frame 0.png", "2 0.png", "plain.png"):
+        cv2.imwrite(str(tmp_path / name), np.zeros((48, 64), np.uint8))
+    text = "frame 0.png 1 1 9 9\n2 0.png 2 2 9 9\nplain.png none\n"
+    (tmp_path / "boxes.txt").write_text(text)
+    found = found_in(tmp_path)
+    assert sorted(box for is_known, box in found if is_known and box) == [
+        (1.0, 1.0, 9.0, 9.0),
+        (2.0, 2.0, 9.0, 9.0),
+    ]
+    assert found.count((True, None)) == 1
+
+
+def test_boxes_of_another_recording_are_refused(tmp_path):
+    write_target_bag(tmp_path / "own", labelled())
+    late = ((replace(frame, stamp=frame.stamp + 10**12), box) for frame, box in labelled())
+    write_target_bag(tmp_path / "other", late)
+    with pytest.raises(RecordingError, match="not one of its"):
+        found_in(tmp_path / "own", tmp_path / "other")

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+import av
 import numpy as np
 import pytest
 
@@ -133,3 +134,20 @@ def test_a_frame_of_too_many_pixels_is_a_bad_frame(monkeypatch, make_video):
     frame = next(VideoSource(path, skip_bad_frames=True).frames())
     with pytest.raises(FrameError):
         decode_grey(frame.image)
+
+
+def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
+    path = tmp_path / "cut.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        packets = []
+        for index in range(30):
+            picture = np.full((48, 64, 3), 8 * index, np.uint8)
+            packets += stream.encode(av.VideoFrame.from_ndarray(picture, format="bgr24"))
+        packets += stream.encode(None)
+        before = round(10 / 25 / packets[0].time_base)
+        for packet in packets:
+            packet.pts, packet.dts = packet.pts - before, packet.dts - before
+            container.mux(packet)
+    assert len(list(VideoSource(path).frames())) == 20

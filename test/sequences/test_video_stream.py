@@ -263,3 +263,31 @@ def test_what_a_decoder_conceals_is_no_picture_and_the_rest_is_as_it_was(
     kept = {(stamp - FIRST) // STEP for stamp in found}
     # Only what lies between the hurt packet and the key frame after it is gone.
     assert {*range(2 * KEY_EVERY - 2), *range(3 * KEY_EVERY, 5 * KEY_EVERY)} <= kept
+
+
+H265 = {
+    "x265-params": "log-level=none:keyint=8:min-keyint=8:scenecut=0:repeat-headers=1:bframes=3"
+    ":pools=1:frame-threads=1"
+}
+
+
+def slow(index: int) -> np.ndarray:
+    return np.full((48, 64, 3), 40 + 5 * index, np.uint8)
+
+
+def test_a_stream_that_begins_in_the_middle_holds_nothing_from_before(tmp_path):
+    coded = packets("libx265", 32, slow, **H265)
+    frames = shown(bag_of(tmp_path / "bag", coded[5:], coding="h265"))
+    assert frames and all(found is not None for _, found in frames)
+    assert [stamp for stamp, _ in frames] == sorted(stamp for stamp, _ in frames)
+
+
+def test_packets_without_a_picture_come_before_the_next_key_frame(tmp_path):
+    coded = packets("libx265", 40, slow, **H265)
+    del coded[10]
+    stamps = [
+        stamp for stamp, _ in shown(bag_of(tmp_path / "bag", coded, "h265"), skip_bad_frames=True)
+    ]
+    beyond = FIRST + 24 * STEP
+    late = stamps[stamps.index(beyond) :]
+    assert late == sorted(late) and late[-1] == FIRST + 39 * STEP

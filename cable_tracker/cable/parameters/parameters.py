@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 from cable_tracker.errors import ParameterError
@@ -406,6 +407,11 @@ class TrackerParameters(ParameterSet):
     maximum_gap: float = number(
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
     )
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files that parameters name: what comes out depends on their content."""
+        return (Path(self.response_table),) if self.response_table else ()
 
     @property
     def uses_map(self) -> bool:

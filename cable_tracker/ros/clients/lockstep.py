@@ -175,10 +175,10 @@ def _tracker_parameters(source: Source) -> dict[str, ParameterValue]:
 def write_messages(bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> None:
     """Write what was published about a frame, and the diagnostics that came meanwhile."""
     for topic, data in recorded.messages.items():
-        bag.write_serialised(topic.global_name, topic.type_name, data, frame.stamp)
+        bag.write_serialised(topic.global_name, topic.type_name, data, frame.bag_time)
     for data in recorded.diagnostics:
         topic = node_topics.DIAGNOSTICS
-        bag.write_serialised(topic.global_name, topic.type_name, data, frame.stamp)
+        bag.write_serialised(topic.global_name, topic.type_name, data, frame.bag_time)
 
 
 class _Run:
