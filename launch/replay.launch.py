@@ -32,6 +32,8 @@ PASSED_ON = (
     "image",
     "image_transport",
     "image_reliability",
+    "instrument_reliability",
+    "instrument_wait",
     "use_sim_time",
     "log_level",
 )
@@ -80,6 +82,20 @@ def arguments() -> list[DeclareLaunchArgument]:
                 LaunchConfiguration("lockstep"), if_value="reliable", else_value="best_effort"
             ),
             description="best_effort or reliable; in lockstep no frame may be lost",
+        ),
+        DeclareLaunchArgument(
+            "instrument_reliability",
+            default_value=IfElseSubstitution(
+                LaunchConfiguration("lockstep"), if_value="reliable", else_value="best_effort"
+            ),
+            description="best_effort or reliable; in lockstep no message may be lost",
+        ),
+        DeclareLaunchArgument(
+            "instrument_wait",
+            default_value=IfElseSubstitution(
+                LaunchConfiguration("lockstep"), if_value="1.0", else_value="0.0"
+            ),
+            description="Longest time that a frame waits for the instruments [s]",
         ),
         DeclareLaunchArgument(
             "use_sim_time",

@@ -49,6 +49,17 @@ def arguments() -> list[DeclareLaunchArgument]:
             description="Take the newest frame, or every frame of a reliable camera",
             choices=["best_effort", "reliable"],
         ),
+        DeclareLaunchArgument(
+            "instrument_reliability",
+            default_value="best_effort",
+            description="Take the newest messages of the instruments, or all of reliable ones",
+            choices=["best_effort", "reliable"],
+        ),
+        DeclareLaunchArgument(
+            "instrument_wait",
+            default_value="0.0",
+            description="Longest time that a frame waits for the instruments [s]",
+        ),
         *(
             DeclareLaunchArgument(name, default_value=name, description=f"Topic of {name}")
             for name in INSTRUMENTS
@@ -64,7 +75,8 @@ def arguments() -> list[DeclareLaunchArgument]:
 
 def tracker() -> Node:
     """Return the tracker, with its parameters and topics."""
-    words = ("preset", "image_transport", "image_reliability")
+    words = ("preset", "image_transport", "image_reliability", "instrument_reliability")
+    wait = ParameterValue(LaunchConfiguration("instrument_wait"), value_type=float)
     return Node(
         package="cable_tracker",
         executable="tracker",
@@ -72,6 +84,7 @@ def tracker() -> Node:
         parameters=[
             {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in words},
             {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)},
+            {"instrument_wait": wait},
             LaunchConfiguration("params_file"),
             LaunchConfiguration("vehicle_file"),
         ],

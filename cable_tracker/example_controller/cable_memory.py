@@ -115,6 +115,10 @@ class _Sighting:
     vehicle: tuple[float, float]
 
 
+LEAST_WAY = 0.01
+"""Shortest way from one sighting that is remembered to the next but one [m]."""
+
+
 class CableMemory:
     """The sightings of the last metres."""
 
@@ -125,6 +129,9 @@ class CableMemory:
         """Remember where the cable is now."""
         seen = line_at(cable, pose)
         place = (pose.x, pose.y)
+        if len(self._sightings) > 1 and math.dist(self._sightings[-2].vehicle, place) < LEAST_WAY:
+            # A vehicle that hovers keeps the newest sighting alone.
+            self._sightings.pop()
         self._sightings.append(_Sighting(seen.x, seen.y, seen.direction, place))
         while math.dist(self._sightings[0].vehicle, place) > REMEMBERED:
             self._sightings.popleft()

@@ -19,6 +19,7 @@ from cable_tracker.example_controller.line_of_sight import (
     GuidanceSettings,
     LineOfSight,
 )
+from cable_tracker.example_controller.step_clock import StepClock
 
 NEAR, NEAR_TURNED = 0.2, math.radians(20.0)
 """Largest distance and angle of the cable from where it is expected [m, rad]."""
@@ -113,7 +114,7 @@ class Controller:
         self._guidance = LineOfSight(settings.guidance)
         self._memory = CableMemory()
         self._mode = Mode.WAITING
-        self._time: float | None = None
+        self._clock = StepClock()
         self._last_seen = -math.inf
         self._in_a_row = 0
         self._command = STOP
@@ -132,30 +133,29 @@ class Controller:
         Parameters
         ----------
         time : float
-            Time of the measurements [s]; later than that of the step before.
+            Time of the measurements [s]; a clock that is set back stands still for one step.
         cable : Cable or None
             Line of the cable; None if the tracker does not say.
         pose : Pose or None
             From odometry; None without. Then a lost cable is not searched for.
         """
-        seconds = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
-        self._time = time
+        seconds = self._clock.advance(time)
         if cable is not None and self._is_credible(cable, pose):
             self._in_a_row += 1
             is_back = self._in_a_row >= self._settings.search.confirmations
             if is_back or self._mode is Mode.FOLLOWING:
-                return self._follow(time, seconds, cable, pose)
+                return self._follow(seconds, cable, pose)
         else:
             self._in_a_row = 0
-        self._command = self._without(time, seconds, pose)
+        self._command = self._without(seconds, pose)
         return self._command
 
-    def _follow(self, time: float, seconds: float, cable: Cable, pose: Pose | None) -> Command:
+    def _follow(self, seconds: float, cable: Cable, pose: Pose | None) -> Command:
         if self._mode is not Mode.FOLLOWING:
             # What was found may be something else: it must not mix with what was seen before.
             self._memory = CableMemory()
         self._mode = Mode.FOLLOWING
-        self._last_seen = time
+        self._last_seen = self._clock.now
         if pose is not None:
             self._memory.add(cable, pose)
             self._sighting = line_at(cable, pose)
@@ -176,12 +176,12 @@ class Controller:
         # What was followed since may have been something else, for all its length.
         return _lies_along(cable, former, pose)
 
-    def _without(self, time: float, seconds: float, pose: Pose | None) -> Command:
+    def _without(self, seconds: float, pose: Pose | None) -> Command:
         """Return the command while the cable is not seen."""
         search = self._settings.search
         if self._mode in {Mode.WAITING, Mode.GIVEN_UP}:
             return STOP
-        waited = time - self._last_seen
+        waited = self._clock.now - self._last_seen
         if waited <= search.patience:
             return self._command
         if self._mode is Mode.FOLLOWING:

@@ -11,6 +11,8 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+from cable_tracker.example_controller.step_clock import StepClock
+
 
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
@@ -124,7 +126,7 @@ class TargetController:
         self._integral = 0.0
         self._last: TargetPlace | None = None
         self._seen = 0.0
-        self._time: float | None = None
+        self._clock = StepClock()
 
     @property
     def mode(self) -> FollowMode:
@@ -137,30 +139,29 @@ class TargetController:
         Parameters
         ----------
         time : float
-            Time of the frame [s].
+            Time of the frame [s]; a clock that is set back stands still for one step.
         place : TargetPlace or None
             Position of the target; None while it is lost.
         """
-        dt = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
-        self._time = time
+        dt = self._clock.advance(time)
         if place is not None:
-            self._last, self._seen = place, time
+            self._last, self._seen = place, self._clock.now
             self._mode = FollowMode.FOLLOWING
             return self._follow(place, dt)
         if self._last is None:
             self._mode = FollowMode.WAITING
             return FollowCommand()
-        lost = time - self._seen
+        lost = self._clock.now - self._seen
+        if lost > self._settings.give_up:
+            self._mode = FollowMode.GIVEN_UP
+            return FollowCommand()
         if lost <= self._settings.memory_time:
             self._mode = FollowMode.REMEMBERING
             # The turn for the last bearing fades away: by then the vehicle has made it.
             turn = self._turn(self._last.bearing) * math.exp(-lost)
             return FollowCommand(self._limited(self._integral), 0.0, turn)
-        if lost <= self._settings.give_up:
-            self._mode = FollowMode.SEARCHING
-            return self._search(lost - self._settings.memory_time, self._last.bearing)
-        self._mode = FollowMode.GIVEN_UP
-        return FollowCommand()
+        self._mode = FollowMode.SEARCHING
+        return self._search(lost - self._settings.memory_time, self._last.bearing)
 
     def _follow(self, place: TargetPlace, dt: float) -> FollowCommand:
         settings = self._settings

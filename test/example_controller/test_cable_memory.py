@@ -115,3 +115,10 @@ def test_a_bend_goes_on_where_the_cable_is_not_seen(side):
     later = on_a_circle((5.0 + 4.0) / radius, radius)
     assert abs(line.seen_from(later).offset) < 0.05
     assert abs(line.seen_from(later).heading) < 0.03
+
+
+def test_a_vehicle_that_hovers_remembers_little():
+    line = RememberedLine(0.0, 0.0, 0.0)
+    memory = memory_of(line, [*walk(0.0, FEWEST), *[Pose(0.05 * FEWEST, 0.0, 0.0)] * 1000])
+    assert len(memory._sightings) <= FEWEST + 2
+    assert memory.line() is not None

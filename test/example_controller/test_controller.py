@@ -221,3 +221,15 @@ def test_sweeps_keep_within_their_limit(progress):
     settings = ControllerSettings().search
     assert abs(settings.sweep(progress)) <= settings.most_sweep
     assert settings.sweep(min(progress, settings.straight)) == 0.0
+
+
+def test_a_clock_that_is_set_back_does_not_let_the_vehicle_go_on_blindly():
+    trial = Trial()
+    for _ in range(30):
+        trial.sees(AHEAD)
+    trial.time -= 600.0
+    trial.has_odometry = False
+    for _ in range(30):
+        command = trial.sees(None)
+    assert trial.mode is Mode.STOPPED
+    assert command == STOP

@@ -81,3 +81,19 @@ def test_without_an_angle_it_does_not_look_around():
     follower.step(0.0, TargetPlace(3.0, 1.0, 0.0))
     assert follower.step(5.0, None).turn == 0.0
     assert follower.mode is FollowMode.SEARCHING
+
+
+@pytest.mark.parametrize("back", [10.0, 990.0])
+def test_a_clock_that_is_set_back_does_not_turn_the_vehicle_faster(back):
+    follower = TargetController(FollowSettings())
+    follower.step(1000.0, TargetPlace(2.5, 1.0, 0.0))
+    turns = [abs(follower.step(1000.0 - back + number * DT, None).turn) for number in range(2000)]
+    assert max(turns) <= FollowSettings().most_turn
+    assert follower.mode is FollowMode.GIVEN_UP
+
+
+def test_a_memory_longer_than_the_patience_does_not_lengthen_it():
+    follower = TargetController(FollowSettings(memory_time=120.0, give_up=60.0))
+    follower.step(0.0, TargetPlace(2.5, 1.0, 0.0))
+    follower.step(61.0, None)
+    assert follower.mode is FollowMode.GIVEN_UP

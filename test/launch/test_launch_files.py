@@ -200,6 +200,8 @@ class TestReplay:
         nodes = start("replay.launch.py", lockstep=lockstep)
         values = nodes["tracker"].values()
         assert values["image_reliability"] == (reliability or "best_effort")
+        assert values["instrument_reliability"] == (reliability or "best_effort")
+        assert values["instrument_wait"] == (1.0 if reliability else 0.0)
 
     def test_simulated_time_has_a_clock(self, start: Play) -> None:
         nodes = start("replay.launch.py", use_sim_time="true")

@@ -219,13 +219,15 @@ class TestFrozenCamera:
         assert float(values_of(diagnostics, node)["same picture for [s]"]) >= 1.0
 
     def test_it_resumes_with_the_first_other_picture(
-        self, world: Any, near: str, image_message: Make, feed: Make
+        self, world: Any, near: str, image_message: Make, feed: Make, diagnostics: Make
     ) -> None:
-        node = world.tracker(initial_state=near, frozen_timeout=1.0)
+        node = world.tracker(initial_state=near, frozen_timeout=1.0, diagnostics_period=3600.0)
         self.frozen(node, image_message, regular(40))
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "FROZEN INPUT")
         feed(node, regular(1, START + 40 * FRAME))
         assert node.status == "TRACKING"
         assert node.statistics.last_event == ""
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "TRACKING")
 
     def test_another_picture_that_is_refused_does_not_stand_still(
         self, world: Any, near: str, image_message: Make, feed: Make

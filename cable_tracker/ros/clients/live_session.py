@@ -14,11 +14,13 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped
 from rclpy.context import Context
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
+from rclpy.validate_full_topic_name import validate_full_topic_name
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
@@ -98,6 +100,7 @@ class LiveSession(SnapshotFeed):
         self._factory = RclpyMessages()
         self._frames = self.frames(self._take)
         check_profile()
+        _check_namespace(namespace, self.name)
         self._context = started_context()
         try:
             self._node = made_node(_make_window_node, self._context)
@@ -304,3 +307,20 @@ def _covariance(prior: GivenState, image_width: int) -> FloatArray:
     sigma = np.where(np.isnan(prior.sigma), usual_sigma(image_width), prior.sigma)
     covariance: FloatArray = np.diag(np.minimum(sigma**2, UNKNOWN_VARIANCE))
     return covariance
+
+
+def _check_namespace(namespace: str, node: str) -> None:
+    """Refuse a namespace in which no node can be.
+
+    Raises
+    ------
+    RosError
+        It is none.
+    """
+    try:
+        validate_full_topic_name(node)
+    except NameValidationException as error:
+        raise RosError(
+            f"{namespace!r} is no namespace of ROS: give letters, digits, _ and / alone, and no"
+            " digit after a /"
+        ) from error

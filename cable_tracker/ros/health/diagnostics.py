@@ -50,6 +50,8 @@ class FrameStatistics:
     dropped, lost : int
         Frames that the camera sent and the node never saw; those of them that the middleware lost
         on the way. The others gave way to newer ones.
+    refused_in_a_row : int
+        Frames refused since the last usable one.
     last_bad_frame : str
         Reason why the last refused frame was refused.
     last_event : str
@@ -62,6 +64,7 @@ class FrameStatistics:
     frozen: int = 0
     dropped: int = 0
     lost: int = 0
+    refused_in_a_row: int = 0
     last_bad_frame: str = ""
     last_event: str = ""
     arrivals: deque[float] = field(default_factory=deque)

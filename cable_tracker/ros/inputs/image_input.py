@@ -213,7 +213,8 @@ class ImageInput:
         publishers = self._publishers()
         types = sorted({str(publisher.topic_type) for publisher in publishers})
         kinds = f" of type {', '.join(types)}" if types else ""
-        refused = self._statistics.last_bad_frame
+        statistics = self._statistics
+        refused = statistics.last_bad_frame if statistics.refused_in_a_row else ""
         reason = f"; the last was refused: {refused}" if refused else ""
         return (
             f"no usable image on {self.topic} for {seconds:g} s;"

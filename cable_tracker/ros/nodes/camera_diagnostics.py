@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable, Mapping
 from typing import cast
@@ -58,7 +59,7 @@ class CameraDiagnostics:
         self._mismatches = mismatches
         self._factory = RclpyMessages()
         self.period = 1.0
-        self._next = 0.0
+        self._last = -math.inf
         self._publisher = node.create_publisher(
             DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
         )
@@ -69,12 +70,12 @@ class CameraDiagnostics:
 
     def is_due(self, now: float) -> bool:
         """Tell whether the next message is due, on the monotonic clock [s]."""
-        return now >= self._next
+        return now >= self._last + self.period
 
     def publish(self, status: str, figures: dict[str, str], results: Iterable[Publisher]) -> None:
         """Publish a status of `LEVELS`, the node's own figures, those of its input and readers."""
         now = time.monotonic()
-        self._next = now + self.period
+        self._last = now
         self._mismatches.look()
         values = frame_values(self._statistics, now) | figures
         values["picture"] = remark_on(self._watch.picture)

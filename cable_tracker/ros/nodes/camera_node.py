@@ -114,7 +114,7 @@ class CameraNode(ProcessNode):
         self._statistics = FrameStatistics()
         self._watch = InputWatch(time.monotonic())
         self._enabled = True
-        self._status = TrackingStatus.INITIALISING.value
+        self._status = self._published_status = TrackingStatus.INITIALISING.value
         self._frame_id = ""
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
@@ -315,6 +315,8 @@ class CameraNode(ProcessNode):
         self._note_usable()
         self._note_event(outcome.event)
         self._change_status(outcome.status)
+        if self.status != self._published_status:
+            self.publish_diagnostics()
 
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header
@@ -337,6 +339,7 @@ class CameraNode(ProcessNode):
             self.publish_diagnostics()
 
     def _note_usable(self) -> None:
+        self._statistics.refused_in_a_row = 0
         if self._watch.note_usable(time.monotonic()):
             self.publish_diagnostics()
 
@@ -347,6 +350,7 @@ class CameraNode(ProcessNode):
 
     def _note_refusal(self, reason: str) -> None:
         self._statistics.refused += 1
+        self._statistics.refused_in_a_row += 1
         self._statistics.last_bad_frame = reason
         self.get_logger().warning(f"frame refused: {reason}", throttle_duration_sec=1.0)
 
@@ -407,5 +411,6 @@ class CameraNode(ProcessNode):
 
     def publish_diagnostics(self) -> None:
         """Publish status and figures on /diagnostics."""
+        self._published_status = self.status
         publishers = self._watched_publishers.profiles
         self._diagnostics.publish(self.status, self._figures(), publishers)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from typing import Any
 
@@ -16,6 +17,7 @@ from cable_tracker.example_controller.controller import (
     SearchSettings,
 )
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
+from cable_tracker.metric.motion import LONGEST_HOLD
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.announced_topics import cable_topics
@@ -82,10 +84,11 @@ class ControllerNode(GuidanceNode):
         )
 
     def on_odometry(self, message: Message) -> None:
-        """Remember where the vehicle was."""
+        """Remember where the vehicle was, unless odometry does not know."""
         pose = message.pose.pose
         place = Pose(float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation))
-        keep(self._poses, stamp_of(message.header), place)
+        if all(map(math.isfinite, (place.x, place.y, place.yaw))):
+            keep(self._poses, stamp_of(message.header), place)
 
     def on_cross_track(self, message: Message) -> None:
         """Remember where the cable was."""
@@ -99,10 +102,18 @@ class ControllerNode(GuidanceNode):
     def _announces_place(self, report: Message) -> bool:
         return node_topics.CROSS_TRACK in cable_topics(report)
 
+    def _pose_at(self, stamp: int) -> Pose | None:
+        """Return where the vehicle was at a time [ns], or just before or after; None: not known."""
+        if stamp in self._poses:
+            return self._poses[stamp]
+        newest = next(reversed(self._poses), None)
+        if newest is None or abs(stamp - newest) > LONGEST_HOLD * NANOSECONDS:
+            return None
+        return self._poses[newest]
+
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
         cable = self._cables.get(stamp) if is_claimed else None
-        pose = self._poses.get(stamp) or next(reversed(self._poses.values()), None)
-        command = self._controller.step(stamp / NANOSECONDS, cable, pose)
+        command = self._controller.step(stamp / NANOSECONDS, cable, self._pose_at(stamp))
         message = Twist()
         message.linear.x = command.surge
         message.angular.z = command.turn

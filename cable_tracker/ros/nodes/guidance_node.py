@@ -10,6 +10,7 @@ from typing import Any, ClassVar, TypeVar, cast
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
+from rclpy.duration import Duration
 from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
@@ -27,6 +28,12 @@ Kept = TypeVar("Kept")
 
 KEPT = 100
 """Messages of each kind that are kept until their `state` comes."""
+
+NO_STATE = "NO STATE"
+"""What diagnostics say while no `state` comes."""
+
+STOP_PATIENCE = 1.0
+"""Longest time for the last command to arrive when the node ends [s]."""
 
 POLL = 0.005
 """Longest sleep while a `state` waits for what belongs to it [s]."""
@@ -73,7 +80,8 @@ class GuidanceNode(ProcessNode):
         self._told: Enum | None = None
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
-        self._stopped = False
+        self._is_silent = False
+        self._last_command = Twist()
         self._commands = self.create_publisher(Twist, node_topics.COMMAND.name, qos.RESULTS)
         self._diagnostics = self.create_publisher(
             DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
@@ -144,17 +152,30 @@ class GuidanceNode(ProcessNode):
             return
         self._states.pop(0)
         command = self._command(stamp, is_claimed)
-        self._stopped = False
+        self._is_silent = False
         # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._report_mode_change(stamp)
+        self._last_command = command
         self._commands.publish(command)
 
     def _stop_if_silent(self) -> None:
         silent = time.monotonic() - self._last_state > self._number("state_timeout")
-        if silent and not self._stopped:
-            self._stopped = True
-            self.get_logger().warning("no `state` comes from the tracker: the vehicle stops")
-            self._commands.publish(Twist())
+        if not silent or self._is_silent:
+            return
+        self._is_silent, self._told = True, None
+        is_moving = self._stop()
+        self.get_logger().warning(
+            "no `state` comes from the tracker" + (": the vehicle stops" if is_moving else "")
+        )
+        self._report(int(self.get_clock().now().nanoseconds), NO_STATE, Level.WARN)
+
+    def _stop(self) -> bool:
+        """Let the vehicle stop if a command lets it move; tell whether one did."""
+        if self._last_command == Twist():
+            return False
+        self._last_command = Twist()
+        self._commands.publish(self._last_command)
+        return True
 
     def _report_mode_change(self, stamp: int) -> None:
         """Report a change of mode in the log and in diagnostics."""
@@ -162,17 +183,29 @@ class GuidanceNode(ProcessNode):
             return
         self._told = self.mode
         self.get_logger().info(self.mode.value)
+        level = Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN
+        self._report(stamp, self.mode.value, level)
+
+    def _report(self, stamp: int, mode: str, level: Level) -> None:
+        """Publish a diagnostics message of a time [ns]."""
         factory, name = RclpyMessages(), str(self.get_fully_qualified_name())
         message = make_status_array(
             factory,
             make_header(factory, stamp, ""),
             f"{name}: guidance",
-            self.mode.value,
+            mode,
             {},
-            level=Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN,
+            level=level,
             hardware_id=name,
         )
         self._diagnostics.publish(message)
+
+    def destroy_node(self) -> None:
+        """Let the vehicle stop, and destroy the node: nothing would stop it afterwards."""
+        if not self._values["lockstep"] and self._stop():
+            # The publisher must not be gone before its last message is.
+            self._commands.wait_for_all_acked(Duration(seconds=STOP_PATIENCE))
+        super().destroy_node()
 
 
 def keep(kept: OrderedDict[int, Kept], stamp: int, value: Kept) -> None:

@@ -35,6 +35,12 @@ from cable_tracker.stamps import NANOSECONDS
 PATIENCE = 3.0
 """Longest time for discovery [s]; only then a missing subscriber is worth a warning."""
 
+LONGEST_PAUSE = 3600.0
+"""A clock that goes farther ahead from one frame to the next was set [s of the recording]."""
+
+WORTH_TELLING = 10.0
+"""Pauses of the recording that are longer are told of [s]."""
+
 WARNING_PAUSE = 5.0
 """Time between two words on what is waited for [s]."""
 
@@ -150,13 +156,23 @@ class ReplayNode(ProcessNode):
         self._start = self._nanoseconds("start")
         self._found_start = False
         self._last_stamp: int | None = None
-        self._due = time.monotonic()
+        self._wait_from_now()
         self._awaited: int | None = None
+        self._awaited_index = 0
         self._answer_deadline = 0.0
         self._damage: RecordingError | None = None
         self._last: LastMessages | None = None
         self._awaits_restart = False
         self._next = self._read_next()
+
+    def _wait_from_now(self, pause: float = 0.0) -> None:
+        """Let the next frame be due a time of the recording [s] from now."""
+        self._since, self._pause = time.monotonic(), pause
+
+    @property
+    def _due(self) -> float:
+        """When the next frame is due, on the monotonic clock [s]; a change of `rate` counts."""
+        return self._since + self._pause / float(cast(float, self._values["rate"]))
 
     def _read_next(self) -> Frame | None:
         try:
@@ -183,7 +199,8 @@ class ReplayNode(ProcessNode):
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
-        if self._paused or not self._connected or self._awaited is not None:
+        waits = self._awaited is not None or self._awaits_restart
+        if self._paused or waits or not self._connected:
             return WAKE_UP
         if self._last is not None:
             return LOOK_AGAIN
@@ -278,7 +295,7 @@ class ReplayNode(ProcessNode):
         is_ready = is_heard and in_step and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits
-        self._due = time.monotonic()
+        self._wait_from_now()
         if self._connected and not is_heard:
             self.get_logger().warning(
                 f"no node subscribes to {self._image.topic_name}: the first frames reach none"
@@ -299,7 +316,7 @@ class ReplayNode(ProcessNode):
         if self._instruments is not None:
             self._instruments.send_until(frame)
         if self._flag("lockstep"):
-            self._awaited = frame.stamp
+            self._awaited, self._awaited_index = frame.stamp, frame.index
             self._answer_deadline = time.monotonic() + self._answer_timeout
         self._image.publish(message)
         self._sent += 1
@@ -311,10 +328,16 @@ class ReplayNode(ProcessNode):
         if self._next is None or self._last_stamp is None:
             return
         pause = (self._next.stamp - self._last_stamp) / NANOSECONDS
-        # A clock that jumps back in the recording is passed on, not waited for; and time lost to a
+        # A clock that is set, back or far ahead, is passed on, not waited for; and time lost to a
         # slow disk is not made up for by a burst of frames.
-        self._due += max(pause, 0.0) / float(cast(float, self._values["rate"]))
-        self._due = max(self._due, time.monotonic() - WAKE_UP)
+        self._since = max(self._due, time.monotonic() - WAKE_UP)
+        self._pause = pause if 0.0 <= pause <= LONGEST_PAUSE else 0.0
+        if pause > WORTH_TELLING:
+            self.get_logger().warning(
+                f"from frame {self._next.index - 1} to the next the recording's clock goes"
+                f" {pause:.0f} s ahead: "
+                + ("it is passed on" if pause > LONGEST_PAUSE else "a higher rate waits less")
+            )
 
     def on_state(self, message: Message) -> None:
         """Take note of the tracker's answer (lockstep)."""
@@ -329,7 +352,7 @@ class ReplayNode(ProcessNode):
         if time.monotonic() < self._answer_deadline:
             return
         raise RosError(
-            f"no `state` came for frame {self._sent - 1} within"
+            f"no `state` came for frame {self._awaited_index} within"
             f" {self._start_values['answer_timeout']:g} s; is the tracker running, is its"
             " image_transport that of this recording, and its image_reliability `reliable`?"
         )
@@ -362,7 +385,7 @@ class ReplayNode(ProcessNode):
     def on_pause(self, request: Message, response: Message) -> Message:
         """Pause (true) or go on (false)."""
         self._paused = bool(request.data)
-        self._due = time.monotonic()
+        self._wait_from_now()
         response.success = True
         response.message = "paused" if self._paused else "playing"
         return response
@@ -375,7 +398,7 @@ class ReplayNode(ProcessNode):
             return response
         self._steps += 1
         response.success = True
-        response.message = f"frame {self._next.index}"
+        response.message = f"frame {self._next.index + self._steps - 1}"
         return response
 
     def on_restart(self, request: Message, response: Message) -> Message:

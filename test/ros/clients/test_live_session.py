@@ -233,3 +233,9 @@ def test_what_a_dead_node_said_last_is_no_news(world, session, found, camera):
     # It is still on the graph, and neither spun nor heard: as after a SIGKILL.
     world.executor.remove_node(found)
     world.spin(lambda: "says nothing" in session.trouble)
+
+
+@pytest.mark.parametrize("namespace", ["auv-1", "1auv", "a b", "/auv//x"])
+def test_what_is_no_namespace_is_refused(ros_environment, namespace):
+    with pytest.raises(RosError, match="is no namespace of ROS"):
+        LiveSession(namespace)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image
 
 
@@ -41,3 +42,12 @@ def test_two_cameras_on_one_topic_are_named(
     names = f"{world.namespace}/port, {world.namespace}/starboard"
     world.spin(lambda: diagnostics(node)[-1][1]["several cameras"] == names)
     assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
+
+
+def test_a_shorter_period_counts_at_once(world: Any, diagnostics: Callable[..., list[Any]]) -> None:
+    node = world.tracker(diagnostics_period=3600.0)
+    node.publish_diagnostics()
+    world.spin(lambda: diagnostics(node))
+    count = len(diagnostics(node))
+    assert node.set_parameters([Parameter("diagnostics_period", value=0.1)])[0].successful
+    world.spin(lambda: len(diagnostics(node)) > count + 1)

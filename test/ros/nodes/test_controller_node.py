@@ -178,3 +178,41 @@ def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
     tracker.is_heard()
     tracker.tells(0.0)
     world.spin(lambda: [words for words, _ in diagnostics(node)] == ["WAITING", "FOLLOWING"])
+
+
+def test_a_tracker_that_falls_silent_is_told_in_diagnostics(world, tracker, diagnostics):
+    node = world.controller(settle_time=60.0, state_timeout=0.3)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=CONFIRMATIONS + 1)
+    world.spin(lambda: [words for words, _ in diagnostics(node)][-1:] == ["NO STATE"])
+    count = len(diagnostics(node))
+    tracker.tells(0.0, frames=1)
+    world.spin(lambda: [words for words, _ in diagnostics(node)][count:][:1] == ["FOLLOWING"])
+
+
+def test_before_the_first_state_nothing_is_commanded(world, tracker, diagnostics):
+    node = world.controller(settle_time=60.0, state_timeout=0.1)
+    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
+    assert not tracker.commands
+
+
+def test_a_controller_that_ends_stops_the_vehicle(world, tracker):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.0)
+    assert tracker.commands[-1].linear.x > 0.0
+    world.nodes.remove(node)
+    node.destroy_node()
+    world.spin(lambda: tracker.commands[-1].linear.x == 0.0)
+
+
+def test_odometry_that_does_not_know_or_is_old_does_not_count(world):
+    node = world.controller(**PATIENT)
+    message = Odometry(header=Header(stamp=Time(sec=1)))
+    message.pose.pose.position.x = math.nan
+    node.on_odometry(message)
+    assert node._pose_at(1_000_000_000) is None
+    message.pose.pose.position.x = 2.0
+    node.on_odometry(message)
+    assert node._pose_at(1_100_000_000).x == 2.0
+    assert node._pose_at(1_500_000_000) is None

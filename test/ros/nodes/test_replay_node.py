@@ -268,6 +268,34 @@ class TestTiming:
         play_to_the_end(world, node, heard)
         assert stamps_of(heard) == [milliseconds * MILLISECOND for milliseconds in times]
 
+    def test_a_clock_that_was_set_far_ahead_is_not_waited_for(
+        self, world: Any, tmp_path: Path, dive_frames: Callable[..., Iterator[Frame]]
+    ) -> None:
+        seconds = [1, 2, 1_700_000_000, 1_700_000_001]
+        frames = [
+            Frame(frame.index, second * 10**9, frame.image)
+            for frame, second in zip(dive_frames(4), seconds, strict=True)
+        ]
+        write_bag(tmp_path / "set", frames)
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(tmp_path / "set"), rate=100)
+        play_to_the_end(world, node, heard)
+        assert len(heard) == 4
+
+    def test_a_change_of_rate_counts_in_the_middle_of_a_pause(
+        self, world: Any, tmp_path: Path, dive_frames: Callable[..., Iterator[Frame]]
+    ) -> None:
+        frames = [
+            Frame(frame.index, (1 + 60 * frame.index) * 10**9, frame.image)
+            for frame in dive_frames(2)
+        ]
+        write_bag(tmp_path / "slow", frames)
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(tmp_path / "slow"), rate=0.01)
+        world.spin(lambda: len(heard) == 1)
+        assert node.set_parameters([Parameter("rate", value=100.0)])[0].successful
+        world.spin(lambda: len(heard) == 2)
+
     def test_the_clock_shows_the_time_of_the_frames(self, world: Any, make_dive: Dive) -> None:
         heard, clock = world.listen(Image, "image"), world.listen(Clock, "/clock")
         node = world.replay(source=str(make_dive(4)), rate=100, publish_clock=True)
