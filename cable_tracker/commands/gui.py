@@ -115,7 +115,7 @@ def gui(  # noqa: PLR0917
     choose: Callable[..., ParameterSet] = chosen_target if target else chosen_parameters
     parameters = choose(preset_name, values, seed)
     # A parameter file says where a recording starts, not where a live node does.
-    said = values if source is not None else {}
+    said = values if ros is None else {}
     start = init or WAIT if target else chosen_start(init, said)
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),

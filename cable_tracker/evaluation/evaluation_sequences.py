@@ -113,7 +113,7 @@ class SimulatedSequence(ABC):
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Simulate the dive of a seed."""
         for item in islice(self._dive(seed), self.limit):
-            yield _judged(item.frame, item.visibility)
+            yield _judged(item.frame, decode_grey(item.frame.image), item.visibility)
 
     @abstractmethod
     def _whole_count(self) -> int:
@@ -180,7 +180,7 @@ class StripSequence:
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Draw the strip of a seed."""
         for item in simulate_strip(seed, self.length):
-            yield _judged(item.frame, item.visibility)
+            yield _judged(item.frame, decode_grey(item.frame.image), item.visibility)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,21 +215,23 @@ class RecordingSequence(LabelledRecording):
         Raises
         ------
         RecordingError
-            It is damaged, or has no frames.
+            It is damaged, or has no frames. Frames that cannot be decoded are left out if they
+            were asked to be skipped.
         """
         unlabelled = 0.0 if self.unlabelled_is_empty else UNKNOWN_VISIBILITY
         count = 0
         with self.open() as source:
             for frame in source.frames():
                 count += 1
-                yield _judged(frame, unlabelled if frame.truth is None else 1.0)
+                image = self.decoded(frame, decode_grey)
+                if image is not None:
+                    yield _judged(frame, image, unlabelled if frame.truth is None else 1.0)
         if not count:
             raise RecordingError(f"{self.path}: holds no frames; record it again")
 
 
-def _judged(frame: Frame, visibility: float) -> EvaluationFrame:
-    image = eight_bits(decode_grey(frame.image))
-    return EvaluationFrame(frame.index, frame.stamp, image, frame.truth, visibility)
+def _judged(frame: Frame, grey: Image, visibility: float) -> EvaluationFrame:
+    return EvaluationFrame(frame.index, frame.stamp, eight_bits(grey), frame.truth, visibility)
 
 
 def check_labels(source: Source, chosen: ChosenRecording) -> None:

@@ -147,8 +147,9 @@ def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> Non
     known = np.isfinite(trace.truths[:, 1])
     # Labels of every second frame are joined; a cable that was away is not.
     joined = known | trace.hidden
-    angles = trace.truths[:, 1]
-    wrapped = np.flatnonzero(np.abs(np.diff(angles)) > HALF_TURN_JUMP) + 1
+    drawn = np.flatnonzero(joined)
+    turned = np.abs(np.diff(trace.truths[drawn, 1])) > HALF_TURN_JUMP
+    wrapped = drawn[1:][turned]
     truth[wrapped] = estimate[wrapped] = np.nan
     claims = trace.claimed
     green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.source import ChosenRecording
 
 
@@ -24,6 +28,26 @@ class LabelledRecording(ChosenRecording):
     def name(self) -> str:
         """The name of the file or folder."""
         return self.path.resolve().name
+
+    def decoded(
+        self, frame: Frame, decode: Callable[[RawImage | CompressedImage], Image]
+    ) -> Image | None:
+        """Return the pixels of a frame; None for a bad one where such frames are left out.
+
+        Raises
+        ------
+        RecordingError
+            It cannot be decoded, and the user did not ask to go on.
+        """
+        try:
+            return decode(frame.image)
+        except FrameError as error:
+            if self.skip_bad_frames:
+                return None
+            raise RecordingError(
+                f"{self.path}: frame {frame.index} cannot be decoded ({error});"
+                " --skip-bad-frames leaves such frames out"
+            ) from error
 
     def files(self) -> list[Path]:
         """Return what it is read from: a file or a folder, and the labels."""

@@ -82,6 +82,7 @@ class RecordingSession(SnapshotFeed):
         self._speed = 1.0
         self._due = 0.0
         self._target: int | None = None
+        self._heading: int | None = None
         self._lock = threading.Lock()
         self._thread = TaskThread(
             "recording", begin=self._begin, next_time=self._next_time, work=self._work
@@ -131,8 +132,7 @@ class RecordingSession(SnapshotFeed):
         """Let frames follow each other; from the start again if it stands at the end."""
         count = self._frames.count
         with self._lock:
-            place = self._target if self._target is not None else self._tracked.position
-            if count is not None and place >= count - 1:
+            if count is not None and self._place() >= count - 1:
                 self._target = 0
             self._due = 0.0
             self._is_playing = True
@@ -147,8 +147,7 @@ class RecordingSession(SnapshotFeed):
         """Pause, and go some frames forwards, or backwards if negative."""
         with self._lock:
             self._is_playing = False
-            start = self._target if self._target is not None else self._tracked.position
-            self._target = self._within(start + count)
+            self._target = self._within(self._place() + count)
         self._thread.wake()
 
     def seek(self, frame: int) -> None:
@@ -203,6 +202,13 @@ class RecordingSession(SnapshotFeed):
         count = self._frames.count
         return max(0, frame if count is None else min(frame, count - 1))
 
+    def _place(self) -> int:
+        """Return the frame that it goes to, or else is at: on the way there it goes by others."""
+        for frame in (self._target, self._heading):
+            if frame is not None:
+                return frame
+        return self._tracked.position
+
     # In the session's thread
 
     def _begin(self) -> None:
@@ -219,10 +225,13 @@ class RecordingSession(SnapshotFeed):
     def _work(self) -> None:
         with self._lock:
             target, self._target = self._target, None
-        if target is not None:
-            self._go_to(target)
-        else:
+            self._heading = target
+        if target is None:
             self._play_on()
+            return
+        self._go_to(target)
+        with self._lock:
+            self._heading = None
 
     def _play_on(self) -> None:
         if self._has_next():
@@ -259,6 +268,10 @@ class RecordingSession(SnapshotFeed):
             if self._tracked.go_to(target, self._is_interrupted):
                 self._trouble = ""
         except RecordingError as error:
+            last = (self._frames.count or 0) - 1
+            if 0 <= last < target:
+                # The way to the last frame has shown that the recording breaks off before it.
+                self._tracked.go_to(last, self._is_interrupted)
             self._stop(error)
 
     def _is_interrupted(self, is_target: bool) -> bool:

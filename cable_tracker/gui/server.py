@@ -55,7 +55,10 @@ class Listening:
 
     def ssh_line(self) -> str:
         """Return the command that makes the page appear on the machine one sits at."""
-        return f"ssh -L {self.port}:127.0.0.1:{self.port} {socket.gethostname()}"
+        is_local = self.host in EVERYWHERE or self.host == "localhost"
+        host = "127.0.0.1" if is_local else self.host
+        there = f"[{host}]" if ":" in host else host
+        return f"ssh -L {self.port}:{there}:{self.port} {socket.gethostname()}"
 
 
 def listen_on(host: str, port: int) -> Listening:

@@ -65,8 +65,12 @@ class _Series:
     ----------
     times : FloatArray
         Times since the first stamp, shape (T,) [s].
-    estimates, sigmas, truths : FloatArray
+    estimates, sigmas : FloatArray
         d, alpha, w, beta, shape (T, 4) [px, rad].
+    true_times : FloatArray
+        Times of the truths, shape (S,) [s]; NaN within a long stretch without labels.
+    truths : FloatArray
+        d, alpha, w, beta of the truth, shape (S, 4) [px, rad].
     presence : FloatArray
         Probability that a cable is in view, shape (T,).
     statuses : tuple of str
@@ -76,6 +80,7 @@ class _Series:
     times: FloatArray
     estimates: FloatArray
     sigmas: FloatArray
+    true_times: FloatArray
     truths: FloatArray
     presence: FloatArray
     statuses: tuple[str, ...]
@@ -104,7 +109,7 @@ def plot_estimates(
     """
     if not rows:
         raise OutputError(f"{path}: there are no frames to plot; check the recording")
-    figure = _draw(_series(rows[:: -(-len(rows) // LARGEST_COUNT)], truths))
+    figure = _draw(_series(rows, truths))
     write_figure(path, figure)
 
 
@@ -125,17 +130,31 @@ def write_figure(path: Path, figure: Figure) -> None:
 def _series(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> _Series:
     first = rows[0].stamp
     times = np.array([(row.stamp - first) / NANOSECONDS for row in rows])
-    estimates, sigmas, true = (np.full((len(rows), 4), np.nan) for _ in range(3))
+    true_times, true = _bridged(times, _truths_of(rows, truths))
+    # Each by itself: a label of one frame in many is not left out because its frame is.
+    thinned = -(-len(true) // LARGEST_COUNT) if len(true) else 1
+    true_times, true = true_times[::thinned], true[::thinned]
+    shown = slice(None, None, -(-len(rows) // LARGEST_COUNT))
+    rows, times = rows[shown], times[shown]
+    estimates, sigmas = (np.full((len(rows), 4), np.nan) for _ in range(2))
     for index, row in enumerate(rows):
         if row.state is not None:
             estimates[index] = row.state.to_array()[:4]
             if row.sigma is not None:
                 sigmas[index] = row.sigma
+    presence = np.array([np.nan if row.presence is None else row.presence for row in rows])
+    statuses = tuple(row.status for row in rows)
+    return _Series(times, estimates, sigmas, true_times, true, presence, statuses)
+
+
+def _truths_of(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> FloatArray:
+    """Return d, alpha, w, beta of the truth of each row, shape (T, 4); NaN without a label."""
+    found = np.full((len(rows), 4), np.nan)
+    for index, row in enumerate(rows):
         truth = truths.get(row.frame)
         if truth is not None:
-            true[index] = _in_chart(truth, row.state)
-    presence = np.array([np.nan if row.presence is None else row.presence for row in rows])
-    return _Series(times, estimates, sigmas, true, presence, tuple(row.status for row in rows))
+            found[index] = _in_chart(truth, row.state)
+    return found
 
 
 def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
@@ -179,9 +198,10 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     )
     axis.plot(times, estimate, color=colour, linewidth=1.4)
     _mark_single_points(axis, times, estimate, colour)
-    true_times, truth = _broken(*_bridged(series.times, series.truths), column)
+    true_times, truth = _broken(series.true_times, series.truths, column)
     truth = truth * panel.factor
     axis.plot(true_times, truth, color=dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
+    _mark_single_points(axis, true_times, truth, dark(TRUTH))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
     axis.set_ylabel(panel.label)
     _decorate(axis)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 
@@ -46,8 +48,9 @@ def draw_target(
         corners = np.floor(estimate.outline).astype(np.int32)
         cv2.polylines(canvas, [corners], True, to_bgr(AMBER), thick, cv2.LINE_AA)
     if claimed and estimate.box is not None:
-        left, top, right, bottom = (round(side) for side in estimate.box)
-        cv2.rectangle(canvas, (left, top), (right, bottom), colour, thick)
+        left, top, right, bottom = estimate.box
+        last = (math.ceil(right) - 1, math.ceil(bottom) - 1)
+        cv2.rectangle(canvas, (math.floor(left), math.floor(top)), last, colour, thick)
     _write_legend(canvas, estimate, scale, colour, line)
     return canvas
 

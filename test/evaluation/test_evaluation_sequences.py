@@ -171,3 +171,11 @@ def test_labels_of_another_folder_are_passed_over(pictures):
     truth.write_text("".join([*lines, f"1 0.1 30 0 # {pictures.name}/missing.png\n"]))
     with pytest.raises(RecordingError, match=r"line 3 labels .*holds no such picture"):
         RecordingSequence(pictures, truth=truth).frame_count()
+
+
+def test_a_bad_frame_is_left_out_on_request_and_else_named(pictures, label_file):
+    sorted(pictures.glob("*.png"))[2].write_bytes(b"no picture")
+    going_on = RecordingSequence(label_file, skip_bad_frames=True)
+    assert [frame.index for frame in going_on.frames(0)] == [0, 1, 3, 4]
+    with pytest.raises(RecordingError, match="frame 2"):
+        list(RecordingSequence(label_file).frames(0))

@@ -1,5 +1,7 @@
 import math
+import os
 import threading
+import time
 
 import cv2
 import numpy as np
@@ -413,3 +415,29 @@ def test_a_closed_session_takes_no_commands(watch):
     watched.session.close()
     with pytest.raises(GuiError, match="closed"):
         watched.session.reset()
+
+
+def test_steps_count_from_where_they_lead_while_it_is_on_its_way(watch):
+    watched = watch()
+    watched.go_to(LAST)
+    for _ in range(4):
+        # Each step back tracks some frames anew; the next one comes in the middle of that.
+        watched.session.step(-1)
+        time.sleep(0.005)
+    watched.at(LAST - 4)
+    assert watched.latest.frame == LAST - 4
+
+
+def test_the_end_of_a_damaged_recording_is_its_last_frame(watch, tmp_path):
+    path = tmp_path / "cut.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 25, (160, 120))
+    for level in range(40):
+        writer.write(np.full((120, 160, 3), 5 * level, np.uint8))
+    writer.release()
+    os.truncate(path, path.stat().st_size // 2)
+    watched = watch(path, init="random")
+    watched.at(0)
+    watched.session.seek(39)
+    last = watched.wait(lambda now: now.frame > 5 and now.status != WARMING_UP)
+    assert last.frame == watched.session.frame_count - 1
+    assert "damaged" in watched.session.trouble

@@ -44,5 +44,14 @@ def test_the_address_to_open_holds_the_token():
     assert url.endswith("?token=secret")
 
 
+@pytest.mark.parametrize(
+    ("host", "there"),
+    [("::1", "[::1]"), ("127.0.0.2", "127.0.0.2"), ("localhost", "127.0.0.1"),
+     ("0.0.0.0", "127.0.0.1")],
+)  # fmt: skip
+def test_the_ssh_line_leads_to_where_it_listens(host, there):
+    assert f"-L 8123:{there}:8123" in Listening(host, 8123).ssh_line()
+
+
 def test_the_ssh_line_forwards_the_port():
     assert "-L 8123:127.0.0.1:8123" in Listening("127.0.0.1", 8123).ssh_line()

@@ -161,3 +161,20 @@ def test_labels_on_every_second_frame_make_one_line_and_long_gaps_break_it():
     states[30:40:2] = 2.0
     _, bridged = plots._bridged(times, states)
     assert np.isfinite(bridged[:, 0]).tolist() == [True] * 5 + [False] + [True] * 5
+
+
+def test_a_label_without_neighbours_is_a_dot_like_an_estimate():
+    states = _swaying(200)
+    rows = _rows([None] * 200)
+    sparse = {frame: states[frame] for frame in range(0, 200, 50)}
+    axis = _axes(rows, sparse)[0]
+    assert any(line.get_marker() not in ("None", "", None) for line in axis.lines)
+
+
+def test_labels_of_frames_that_are_thinned_out_are_drawn(monkeypatch):
+    monkeypatch.setattr(plots, "LARGEST_COUNT", 50)
+    states = _swaying(101)
+    odd = {frame: states[frame] for frame in range(1, 101, 2)}
+    series = plots._series(_rows(states), odd)
+    assert len(series.times) <= 51
+    assert np.isfinite(series.truths[:, 0]).sum() == 50

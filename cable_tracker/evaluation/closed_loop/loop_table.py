@@ -242,7 +242,7 @@ def read_summary(path: Path) -> LoopSummary:
             row = next(csv.DictReader(file))
         kinds = get_type_hints(LoopSummary)
         return LoopSummary(**{name: _value(row[name], kind) for name, kind in kinds.items()})
-    except (OSError, StopIteration, KeyError, ValueError) as error:
+    except (OSError, StopIteration, KeyError, TypeError, ValueError, csv.Error) as error:
         raise RecordingError(
             f"{path}: this is no summary of a closed loop; run `cable-tracker loop` again"
         ) from error

@@ -106,8 +106,6 @@ class RecordedTarget(LabelledRecording):
         ------
         RecordingError
             It is damaged, or shows the target in none of its frames.
-        FrameError
-            A frame cannot be decoded.
         """
         shown = 0
         with self._unlabelled().open() as source:
@@ -116,8 +114,9 @@ class RecordedTarget(LabelledRecording):
                 box = truth.box(frame)
                 shown += box is not None
                 is_judged = truth.knows(frame) or self.unlabelled_is_empty
-                image = decode_bgr(frame.image)
-                yield TargetEvaluationFrame(image, frame.stamp, box, is_judged=is_judged)
+                image = self.decoded(frame, decode_bgr)
+                if image is not None:
+                    yield TargetEvaluationFrame(image, frame.stamp, box, is_judged=is_judged)
         if not shown:
             raise RecordingError(
                 f"{self.path}: no frame has a box; label at least the one to start from"

@@ -118,7 +118,9 @@ def state_from_page(values: Iterable[object]) -> CableState:
         raise ParameterError("a label needs four finite numbers d, alpha, w, beta; draw it again")
     distance, _, width, skew = numbers
     if not SMALLEST_WIDTH <= width <= LARGEST_LENGTH:
-        raise ParameterError(f"w must be from {SMALLEST_WIDTH:g} px up, not {width:g}")
+        raise ParameterError(
+            f"w must be from {SMALLEST_WIDTH:g} to {LARGEST_LENGTH:g} px, not {width:g}"
+        )
     if abs(skew) > LARGEST_SKEW:
         limit, given = math.degrees(LARGEST_SKEW), math.degrees(skew)
         raise ParameterError(f"beta must be within ±{limit:g} deg, not {given:g}")

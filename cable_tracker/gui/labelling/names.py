@@ -95,12 +95,14 @@ class NumberedNames(FrameNames):
         return _seen_from(folder, self._recording) or _plain(self._recording).name, frame
 
     def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:
-        """Count labels of a single file of another name as of this one, which was then renamed."""
-        own = _plain(self._recording).name
-        names = {Path(label.filename).name for label in labels}
-        if labels and own not in names and len({label.filename for label in labels}) == 1:
-            own = next(iter(names))
-        return [label.frame if Path(label.filename).name == own else None for label in labels]
+        """Count labels of a single file that is gone as of this one, which was then renamed."""
+        recording = _plain(self._recording)
+        own = [label for label in labels if Path(label.filename).name == recording.name]
+        others = {label.filename for label in labels}
+        if len(others) == 1 and not own and not (file.parent / others.pop()).exists():
+            own = list(labels)
+        near = set(map(id, labels_near(own, file, recording.parent)))
+        return [label.frame if id(label) in near else None for label in labels]
 
 
 class PictureNames(FrameNames):

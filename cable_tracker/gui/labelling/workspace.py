@@ -17,7 +17,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import OutputError, ParameterError, RecordingError, one_line
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
-from cable_tracker.gui.labelling.label_file import FileContent, LabelFile
+from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
@@ -273,6 +273,10 @@ class Workspace:
         if path.resolve() == self.path.resolve():
             self._write_to(self._file, overwrite)
             return
+        if not overwrite and autosave_path(path).exists():
+            raise OverwriteError(
+                f"there are unsaved labels of {path.name} from before; they would be lost"
+            )
         file = LabelFile(path, self._names, allow_outside=self._allow_outside)
         self._write_to(file, overwrite)
         old.unlink(missing_ok=True)

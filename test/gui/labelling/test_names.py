@@ -77,3 +77,16 @@ def test_labels_of_another_folder_are_of_no_picture_here(tmp_path):
     state = CableState(1.0, 0.0, 20.0)
     labels = [Label(state, name) for name in ("day1/0.png", "day2/0.png", "day1/1.png")]
     assert names.frames(labels, tmp_path / "truth.txt") == [0, None, 1]
+
+
+def test_labels_of_a_recording_of_that_name_in_another_folder_are_not_its_own(video, tmp_path):
+    names = names_of(open_source(video))
+    labels = [label(f"{tmp_path.name}/dive.avi", 3), label("day2/dive.avi", 4)]
+    assert names.frames(labels, tmp_path.parent / "labels.txt") == [3, None]
+
+
+def test_labels_of_another_recording_that_is_there_are_not_its_own(video, tmp_path):
+    video.with_name("other.avi").write_bytes(b"another dive")
+    names = names_of(open_source(video))
+    with pytest.raises(RecordingError, match="holds labels, but none for"):
+        names.frames([label("other.avi", 3)], tmp_path / "labels.txt")

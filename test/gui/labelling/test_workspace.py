@@ -221,6 +221,21 @@ def test_saving_as_does_not_overwrite_another_file(workspace, tmp_path):
     assert workspace.path == other
 
 
+def test_saving_as_asks_before_unsaved_labels_of_that_file_are_lost(start, workspace, tmp_path):
+    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
+    workspace.save_as(first)
+    edit(workspace)
+    workspace.autosave()
+    second.write_text("1 0.1 40 0 # dive/003.png\n")
+    workspace.open(second)
+    edit(workspace, 1)
+    with pytest.raises(OverwriteError, match="unsaved labels of first"):
+        workspace.save_as(first)
+    assert autosave_path(first).exists()
+    workspace.save_as(first, overwrite=True)
+    assert not autosave_path(first).exists()
+
+
 def test_saving_as_never_replaces_a_picture(workspace, folder):
     edit(workspace)
     with pytest.raises(OutputError, match="is no label file"):
