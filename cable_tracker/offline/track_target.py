@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.target_facts import target_facts
 from cable_tracker.offline.target_folder import TargetFolder
@@ -31,7 +31,10 @@ def parse_start(init: str) -> TargetStart | None:
     """
     if init == DETECT:
         return None
-    return parse_box(init)
+    try:
+        return parse_box(init)
+    except ParameterError as error:
+        raise ParameterError(f"{error}; give {DETECT} or a box") from error
 
 
 def track_target(

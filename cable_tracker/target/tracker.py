@@ -30,6 +30,10 @@ from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, Succession, succession
 
+LONG_GONE = 3.0
+"""Multiple of the memory's time for which what a detector proposed is lost before it proposes
+again: by then the target is looked for in the whole picture."""
+
 NO_OTHERS = np.empty((0, STATE_SIZE))
 
 
@@ -207,14 +211,14 @@ class TargetTracker:
 
     @property
     def is_searching(self) -> bool:
-        """Whether there is no target, or only one that a detector wrongly proposed."""
+        """Whether there is no target, or only one of a detector that was wrong or is long gone."""
         if self._filter.particles is None:
             return True
-        return (
-            self._is_proposed
-            and self._status.status is TrackingStatus.INITIALISING
-            and (self._presence < self._parameters.presence_to_lose)
-        )
+        if not self._is_proposed:
+            return False
+        if self._status.status is TrackingStatus.INITIALISING:
+            return self._presence < self._parameters.presence_to_lose
+        return self._status.is_search_due(LONG_GONE * self._parameters.memory_time)
 
     def _search(self, seen: WorkingFrame, event: str, others: FloatArray) -> TargetEstimate:
         """Take the likeliest candidate of the detector that stands out, if there is one."""

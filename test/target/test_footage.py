@@ -33,7 +33,7 @@ def follow(approach, seed):
     for number, (picture, box) in enumerate(approach, start=1):
         estimate = tracker.process(picture, number * STEP)
         claim = estimate.box if estimate.status.value == "TRACKING" else None
-        claims.append(EvaluatedClaim(box, claim, None, 0.0))
+        claims.append(EvaluatedClaim(box, claim, None, 0.0, len(claims)))
     return claims
 
 

@@ -11,6 +11,7 @@ from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker, corners_of
+from cable_tracker.tracking.status import TrackingStatus
 
 STEP = 40_000_000
 
@@ -339,3 +340,25 @@ def test_the_contour_is_that_of_the_largest_area_and_not_of_the_most_corners():
     corners = corners_of(Outline(mask, (100, 20, 180, 80), 1.0), zoom=2.0)
     assert corners.min(axis=0) == pytest.approx([2 * 110.5, 2 * 25.5])
     assert corners.max(axis=0) == pytest.approx([2 * 149.5, 2 * 64.5])
+
+
+def test_what_a_detector_proposed_is_not_looked_for_for_ever():
+    rng = np.random.default_rng(0)
+    bottom = np.clip(rng.normal((120, 100, 50), 6, (240, 320, 3)), 0, 255).astype(np.uint8)
+
+    def picture(centre, colour):
+        shown = bottom.copy()
+        if centre is not None:
+            cv2.ellipse(shown, centre, (22, 16), 0, 0, 360, colour, -1)
+        return shown
+
+    tracker = TargetTracker(TargetParameters(seed=1, detector="contours", memory_time=0.4))
+    statuses = []
+    for number in range(120):
+        shown = picture((100 + number, 120), (40, 40, 190)) if number < 25 else picture(None, ())
+        if number >= 40:
+            shown = picture((220, 80), (20, 200, 220))
+        statuses.append(tracker.process(shown, (number + 1) * 40_000_000).status)
+    assert statuses[24] is TrackingStatus.TRACKING
+    assert statuses[39] is TrackingStatus.LOST
+    assert statuses[-1] is TrackingStatus.TRACKING

@@ -49,19 +49,20 @@ class OwnTracker:
 
     def __init__(self, parameters: TargetParameters) -> None:
         self._tracker = TargetTracker(parameters)
+        self._event = ""
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
         """Take what is in the box for the target; frames are (H, W) or (H, W, 3)."""
         self._tracker.initialise(TargetStart.from_box(*box))
-        return self.update(image, stamp)
+        claim = self.update(image, stamp)
+        if not self._tracker.has_begun:
+            raise FrameError(self._event)
+        return claim
 
     def update(self, image: Image, stamp: int) -> Box | None:
         """Return the box in the next frame; None unless the status is TRACKING."""
-        try:
-            estimate = self._tracker.process(image, stamp)
-        except FrameError:
-            # A frame that is refused is one without a claim.
-            return None
+        estimate = self._tracker.process(image, stamp)
+        self._event = estimate.event
         return estimate.box if estimate.status is TrackingStatus.TRACKING else None
 
 
@@ -95,12 +96,15 @@ class RunFigures:
         Name.
     values : tuple of float
         In the order of `FIGURES`.
+    refusal : str
+        Why the method did not take the first frame that it refused; empty: it refused none.
     """
 
     scenario: str
     seed: int
     method: str
     values: tuple[float, ...]
+    refusal: str = ""
 
 
 class TargetMethodRun:
@@ -115,31 +119,43 @@ class TargetMethodRun:
     ----------
     claims : list of EvaluatedClaim
         Claims in the frames that count.
+    refusal : str
+        See `RunFigures`.
     """
 
     def __init__(self, method: str, tracker: BoxTracker) -> None:
         self._is_grey = method.startswith(f"{GREY} ")
         self._tracker = tracker
         self._has_begun = False
+        self._number = -1
         self.claims: list[EvaluatedClaim] = []
+        self.refusal = ""
 
     def see(self, frame: TargetEvaluationFrame) -> None:
         """Take one frame; those before the first that shows the target are passed over."""
+        self._number += 1
         if not self._has_begun and frame.truth is None:
             return
         image = frame.image
         if self._is_grey:
             image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         begin = time.process_time()
-        if self._has_begun:
-            claim = self._tracker.update(image, frame.stamp)
-        else:
-            assert frame.truth is not None
-            claim = self._tracker.start(image, frame.truth, frame.stamp)
-            self._has_begun = True
+        try:
+            claim = self._claim(image, frame)
+        except FrameError as error:
+            # A frame that is refused is one without a claim.
+            claim = None
+            self.refusal = self.refusal or f"frame {self._number}: {error}"
         ms = (time.process_time() - begin) * 1e3
         if frame.is_judged:
-            self.claims.append(EvaluatedClaim(frame.truth, claim, frame.twin, ms))
+            self.claims.append(EvaluatedClaim(frame.truth, claim, frame.twin, ms, self._number))
+
+    def _claim(self, image: Image, frame: TargetEvaluationFrame) -> Box | None:
+        if self._has_begun:
+            return self._tracker.update(image, frame.stamp)
+        assert frame.truth is not None
+        self._has_begun = True
+        return self._tracker.start(image, frame.truth, frame.stamp)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +197,9 @@ class TargetTask:
                 follower.see(frame)
             advance()
         return [
-            RunFigures(self.sequence.name, self.seed, name, figures_of(follower.claims))
+            RunFigures(
+                self.sequence.name, self.seed, name, figures_of(follower.claims), follower.refusal
+            )
             for name, follower in followers.items()
             if follower.claims
         ]
@@ -238,7 +256,20 @@ def markdown_table(results: Sequence[RunFigures], methods: Sequence[str], note: 
     for method in methods:
         shares = [_percent(mean_figures(results, method, name)[0]) for name in scenarios]
         lines.append(f"| {method} | {' | '.join(shares)} |")
-    return "\n".join(lines) + "\n"
+    refusals = _words_on_refusals(results)
+    return "\n".join(lines + (["", *refusals] if refusals else [])) + "\n"
+
+
+def _words_on_refusals(results: Sequence[RunFigures]) -> list[str]:
+    """Return a line for each method and scenario in which frames were refused."""
+    refused: dict[tuple[str, str], list[str]] = {}
+    for each in results:
+        if each.refusal:
+            refused.setdefault((each.method, each.scenario), []).append(each.refusal)
+    return [
+        f"* `{method}` refused frames in {len(reasons)} runs of {scenario}, first {reasons[0]}."
+        for (method, scenario), reasons in refused.items()
+    ]
 
 
 def _percent(value: float) -> str:

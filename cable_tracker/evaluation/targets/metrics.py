@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.target.model.estimate import Box
@@ -33,12 +34,15 @@ class EvaluatedClaim:
         True box of a second target of the same appearance [px].
     ms : float
         Processor time [ms].
+    number : int
+        Number of the frame in the run: between two, others may not count.
     """
 
     truth: Box | None
     claim: Box | None
     twin: Box | None
     ms: float
+    number: int
 
 
 def overlap(one: Box | None, two: Box | None) -> float:
@@ -90,7 +94,9 @@ def returns_found(claims: Sequence[EvaluatedClaim]) -> list[bool]:
     found = []
     for index in range(1, len(claims)):
         if claims[index].truth is not None and claims[index - 1].truth is None:
-            soon = claims[index : index + RETURN_FRAMES + 1]
+            last = claims[index].number + RETURN_FRAMES
+            in_view = takewhile(lambda c: c.truth is not None, claims[index:])
+            soon = [c for c in in_view if c.number <= last]
             found.append(any(overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in soon))
     return found
 

@@ -11,6 +11,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.target.model.estimate import Box
 
 
@@ -26,10 +28,24 @@ class BoxTracker(Protocol):
         ...
 
 
-def _whole(box: Box) -> tuple[int, int, int, int]:
-    """Return left, top, width and height in whole pixels."""
-    left, top = round(box[0]), round(box[1])
-    return left, top, max(round(box[2]) - left, 2), max(round(box[3]) - top, 2)
+LEAST_SIDE = 4
+"""Shortest side of a box that a peer is given [px]: of less, some of them take minutes."""
+
+
+def _whole(box: Box, image: Image) -> tuple[int, int, int, int]:
+    """Return left, top, width and height in whole pixels of what is inside the picture.
+
+    Raises
+    ------
+    FrameError
+        That is too little.
+    """
+    height, width = image.shape[:2]
+    left, right = (min(max(round(side), 0), width) for side in box[::2])
+    top, bottom = (min(max(round(side), 0), height) for side in box[1::2])
+    if min(right - left, bottom - top) < LEAST_SIDE:
+        raise FrameError(f"less than {LEAST_SIDE} px of the box are inside the picture")
+    return left, top, right - left, bottom - top
 
 
 class OpenCvTracker:
@@ -41,13 +57,19 @@ class OpenCvTracker:
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
         """Take what is in the box for the target; frames are (H, W) or (H, W, 3)."""
-        self._tracker = self._make()
-        self._tracker.init(_in_colour(image), _whole(box))
+        self._tracker = None
+        tracker, inside = self._make(), _whole(box, image)
+        with refusals_as(FrameError, "the tracker of OpenCV refuses it"):
+            tracker.init(_in_colour(image), inside)
+        self._tracker = tracker
         return box
 
     def update(self, image: Image, stamp: int) -> Box | None:
         """Return the box in the next frame; None where the tracker says that it has none."""
-        found, (left, top, width, height) = self._tracker.update(_in_colour(image))
+        if self._tracker is None:
+            return None
+        with refusals_as(FrameError, "the tracker of OpenCV refuses it"):
+            found, (left, top, width, height) = self._tracker.update(_in_colour(image))
         if not found:
             return None
         return float(left), float(top), float(left + width), float(top + height)
@@ -65,7 +87,7 @@ class CamShiftTracker:
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
         """Learn the hues of the inner ellipse of the box."""
-        self._window = left, top, width, height = _whole(box)
+        self._window = left, top, width, height = _whole(box, image)
         mask = np.zeros(image.shape[:2], np.uint8)
         centre, axes = (left + width // 2, top + height // 2), (width * 2 // 5, height * 2 // 5)
         cv2.ellipse(mask, centre, axes, 0, 0, 360, 255, -1)
@@ -76,6 +98,8 @@ class CamShiftTracker:
 
     def update(self, image: Image, stamp: int) -> Box | None:
         """Return the box in the next frame."""
+        if not self._histogram.size:
+            return None
         channel, limit = self._channel(image)
         projection = cv2.calcBackProject([channel], [0], self._histogram, [0, limit], 1)
         criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 1)

@@ -96,7 +96,7 @@ def simulate_target(
     seed : int
         The same arguments give the same frames, bit for bit.
     frame_count : int
-        Number of frames; the way is the same, in more or fewer steps of time.
+        Number of frames; with it the time that the run takes changes, and the way.
     rate : float
         Frames per second.
     size : (int, int)

@@ -94,7 +94,7 @@ class TargetStart:
                 f"the marked target {left:g},{top:g},{right:g},{bottom:g} lies outside the picture"
                 f" of {width}x{height} px; mark one inside"
             )
-        if right - left >= width or bottom - top >= height:
+        if right - left >= width and bottom - top >= height:
             raise FrameError(
                 f"the marked target {left:g},{top:g},{right:g},{bottom:g} is as large as the"
                 f" picture of {width}x{height} px; mark only the target"

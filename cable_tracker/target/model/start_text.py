@@ -38,7 +38,10 @@ def parse_start_text(text: str) -> StartText:
     word = text.strip()
     if word in {WAIT, DETECT}:
         return StartText(word == DETECT, ())
-    return StartText(False, tuple(parse_box(part) for part in word.split(";")))
+    try:
+        return StartText(False, tuple(parse_box(part) for part in word.split(";")))
+    except ParameterError as error:
+        raise ParameterError(f"{error}; give {WAIT}, {DETECT}, or boxes divided by ';'") from error
 
 
 def parse_box(text: str) -> TargetStart:
@@ -55,8 +58,7 @@ def parse_box(text: str) -> TargetStart:
         numbers = []
     if len(numbers) != 4:
         raise ParameterError(
-            f"{text.strip()!r} is neither {WAIT} nor {DETECT} nor a box x0,y0,x1,y1 in px from the"
-            " top left corner"
+            f"{text.strip()!r} is no box x0,y0,x1,y1 in px from the top left corner"
         )
     try:
         return TargetStart.from_box(*numbers)

@@ -211,7 +211,7 @@ class TargetParameters(ParameterSet):
         " the whole image.",
     )
     presence_to_track: float = number(
-        0.95, "", 0.0, 1.0, "Presence above which a target is claimed."
+        0.95, "", 0.0, 0.998, "Presence above which a target is claimed."
     )
     presence_to_lose: float = number(
         0.5, "", 0.0, 1.0, "Presence below which a target is given up."

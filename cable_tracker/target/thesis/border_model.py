@@ -9,8 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 
-RATE = 3.0
-"""l of (35): the thesis gives no value."""
+RATE = 20.0
+"""l of (35); the thesis gives no value. In the middle of the picture P_b is l exp(-l): with 3 it
+would be 0.15, and a target there would be taken for one at the border within a few frames."""
 
 LOST_FRAMES = 3
 """Consecutive frames without a contour worth evolving after which the target is outside."""

@@ -16,7 +16,11 @@ from cable_tracker.evaluation.targets.comparison import (
     mean_figures,
 )
 from cable_tracker.evaluation.targets.peers import PEERS
-from cable_tracker.evaluation.targets.target_sequences import RecordedTarget, SimulatedTarget
+from cable_tracker.evaluation.targets.target_sequences import (
+    RecordedTarget,
+    SimulatedTarget,
+    TargetEvaluationFrame,
+)
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.target_labels import write_target_bag
@@ -116,3 +120,23 @@ def test_a_run_is_another_one_when_the_boxes_were_edited(tmp_path):
     assert task.fingerprint() == before
     boxes.write_text("1 1 5 50 # a.png\n")
     assert task.fingerprint() != before
+
+
+@pytest.mark.parametrize("name", ["MIL", "CamShift", "default"])
+@pytest.mark.parametrize(
+    "box", [(310.0, 36.0, 324.0, 84.0), (150.0, 50.0, 152.0, 60.0), (400.0, 36.0, 424.0, 84.0)]
+)
+def test_a_box_that_a_method_cannot_take_ends_no_evaluation(name, box):
+    picture = np.random.default_rng(0).integers(0, 255, (240, 320, 3), np.uint8)
+    run = TargetMethodRun(name, make_method(name, 0))
+    for number in range(2):
+        run.see(TargetEvaluationFrame(picture, 1_000_000_000 + number * 40_000_000, box))
+    assert len(run.claims) == 2
+    if box[0] != 310.0:
+        assert run.refusal.startswith("frame 0: ")
+
+
+def test_frames_that_were_refused_are_told_below_the_table():
+    figures = RunFigures("buoy", 0, "thesis", (0.0,) * 7, "frame 0: it does not stand out")
+    table = markdown_table([figures], ["thesis"], "note")
+    assert "`thesis` refused frames in 1 runs of buoy, first frame 0: it does not" in table

@@ -16,7 +16,10 @@ HERE, BESIDE, FAR = (0, 0, 10, 10), (0, 4, 10, 14), (50, 50, 60, 60)
 
 
 def judged(*pairs, twin=None):
-    return [EvaluatedClaim(truth, claim, twin, 1.0) for truth, claim in pairs]
+    return [
+        EvaluatedClaim(truth, claim, twin, 1.0, number)
+        for number, (truth, claim) in enumerate(pairs)
+    ]
 
 
 def test_overlap_is_intersection_over_union():
@@ -47,3 +50,17 @@ def test_a_return_is_found_within_fifteen_frames_or_not():
 def test_the_own_target_is_the_one_that_the_box_overlaps_more():
     assert keeps_its_own(judged((HERE, BESIDE), twin=FAR)) == 1.0
     assert keeps_its_own(judged((HERE, FAR), twin=FAR)) == 0.0
+
+
+def test_a_return_is_found_in_time_by_frames_and_before_the_next_absence():
+    box = (10.0, 10.0, 50.0, 50.0)
+
+    def claim(number, truth, found):
+        return EvaluatedClaim(truth, found, None, 1.0, number)
+
+    sparse = [claim(0, None, None), claim(10, box, None), claim(20, box, None), claim(30, box, box)]
+    assert returns_found(sparse) == [False]
+    twice = [
+        claim(0, None, None), claim(1, box, None), claim(2, None, None), claim(3, box, box),
+    ]  # fmt: skip
+    assert returns_found(twice) == [False, True]
