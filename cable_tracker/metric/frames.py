@@ -56,6 +56,12 @@ class Mounting:
         """From the camera optical frame to base_link, shape (3, 3), not to be changed."""
         return _rotation_of_camera(self.roll, self.pitch, self.yaw)
 
+    @property
+    def body_rotation(self) -> FloatArray:
+        """From the camera's own ahead, left, up to base_link, shape (3, 3)."""
+        body: FloatArray = self.rotation @ OPTICAL_IN_BODY.T
+        return body
+
 
 @dataclass(frozen=True, slots=True)
 class Attitude:

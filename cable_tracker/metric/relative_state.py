@@ -9,7 +9,7 @@ contour errs by the same few per cent in frame after frame.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -123,6 +123,9 @@ class RelativeState:
         See there.
     unseen : float
         Time since a measurement was last taken [s].
+    axes : FloatArray
+        From the axes of bearing and elevation (ahead, left, up) to those of base_link, shape
+        (3, 3).
     """
 
     mean: FloatArray
@@ -130,6 +133,7 @@ class RelativeState:
     target_size: float
     noise: RelativeNoise
     unseen: float = 0.0
+    axes: FloatArray = field(default_factory=lambda: np.eye(3))
 
     @property
     def range(self) -> float:
@@ -142,8 +146,9 @@ class RelativeState:
         return self.range * math.sqrt(float(self.covariance[2, 2]))
 
     def position(self) -> FloatArray:
-        """Return where the target is: ahead, to the left, up, shape (3,) [m]."""
-        return _cartesian(self.mean[:3])
+        """Return where the target is in the axes of base_link, shape (3,) [m]."""
+        place: FloatArray = self.axes @ _cartesian(self.mean[:3])
+        return place
 
     def position_covariance(self) -> FloatArray:
         """Return its covariance, shape (3, 3) [m²]."""
@@ -151,8 +156,10 @@ class RelativeState:
         cb, sb, ce, se = (
             math.cos(bearing), math.sin(bearing), math.cos(elevation), math.sin(elevation),
         )  # fmt: skip
-        jacobian = self.range * np.array(
-            [[-ce * sb, -se * cb, ce * cb], [ce * cb, -se * sb, ce * sb], [0.0, ce, se]]
+        jacobian = (
+            self.range
+            * self.axes
+            @ np.array([[-ce * sb, -se * cb, ce * cb], [ce * cb, -se * sb, ce * sb], [0.0, ce, se]])
         )
         covariance: FloatArray = jacobian @ self.covariance[:3, :3] @ jacobian.T
         return covariance
@@ -186,9 +193,9 @@ class RelativeState:
         Parameters
         ----------
         rotation : FloatArray
-            From the later axes to the earlier ones, shape (3, 3).
+            From its own axes later to those earlier, shape (3, 3).
         translation : FloatArray
-            Displacement of the camera, in its earlier axes, shape (3,) [m].
+            Displacement of the camera, in its own earlier axes, shape (3,) [m].
         """
 
         def carried(pose: FloatArray) -> FloatArray:

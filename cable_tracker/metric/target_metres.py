@@ -7,14 +7,14 @@ size it shows; the vehicle's way between frames makes one of how its bearing cha
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
-from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
 from cable_tracker.metric.motion import TWIST, NoMotion, Odometry, PoseChange
 from cable_tracker.metric.relative_state import (
     RelativeState,
@@ -67,7 +67,7 @@ class TargetMetres:
     ray : FloatArray or Withheld
         Unit vector to its centre in the camera optical frame, shape (3,), or the reason for none.
     relative : RelativeState or Withheld
-        Belief about its place from the camera, in the axes of base_link, or the reason for none.
+        Belief about its place from the camera, or the reason for none.
     """
 
     ray: FloatArray | Withheld
@@ -156,11 +156,12 @@ def solid_angle_of_pixel(camera: CameraModel, point: FloatArray) -> float:
     return solid_angle if math.isfinite(solid_angle) else 0.0
 
 
-def sighting_of(
-    estimate: TargetEstimate, camera: CameraModel, ray: FloatArray, mounting: Mounting
-) -> TargetSighting:
-    """Return what a frame says of bearing, elevation and size, in the axes of base_link."""
-    ahead, left, up = mounting.rotation @ ray
+def sighting_of(estimate: TargetEstimate, camera: CameraModel, ray: FloatArray) -> TargetSighting:
+    """Return what a frame says of size, bearing and elevation from where the camera looks.
+
+    About the axes of base_link what lies straight below would have no bearing.
+    """
+    ahead, left, up = OPTICAL_IN_BODY @ ray
     angular_size = math.sqrt(estimate.area * solid_angle_of_pixel(camera, estimate.state[:2]))
     return TargetSighting(
         math.atan2(left, ahead), math.atan2(up, math.hypot(ahead, left)), angular_size,
@@ -183,8 +184,9 @@ class TargetRange:
         self._stamp = 0
 
     def configure(self, settings: TargetSettings) -> None:
-        """Take other settings; another size begins anew."""
-        if settings.target_size != self._settings.target_size:
+        """Take other settings; another size or mounting begins anew."""
+        before = self._settings
+        if (settings.target_size, settings.mounting) != (before.target_size, before.mounting):
             self._state = None
         self._settings = settings
 
@@ -218,7 +220,7 @@ class TargetRange:
         ray = line_of_sight(estimate, camera)
         if isinstance(ray, Withheld):
             return TargetMetres(ray, ray)
-        self._see(sighting_of(estimate, camera, ray, self._settings.mounting))
+        self._see(sighting_of(estimate, camera, ray))
         return TargetMetres(ray, self._told())
 
     def _age(self, stamp: int, moved: tuple[PoseChange, bool] | NoMotion) -> None:
@@ -232,9 +234,9 @@ class TargetRange:
         state = self._state
         if not isinstance(moved, NoMotion) and self._settings.uses_motion:
             change, knows_way = moved
-            arm = self._settings.mounting.position
+            arm, axes = self._settings.mounting.position, state.axes
             way = change.translation + change.rotation @ arm - arm if knows_way else np.zeros(3)
-            state = state.seen_from(change.rotation, way)
+            state = state.seen_from(axes.T @ change.rotation @ axes, axes.T @ way)
         self._state = state.predicted(seconds)
 
     def _see(self, seen: TargetSighting) -> None:
@@ -242,7 +244,8 @@ class TargetRange:
             self._state = self._state.updated(seen)
         elif seen.is_whole and seen.angular_size > 0.0:
             size = self._settings.target_size
-            self._state = begin_relative_state(seen, size) if size else begin_without_size(seen)
+            begun = begin_relative_state(seen, size) if size else begin_without_size(seen)
+            self._state = replace(begun, axes=self._settings.mounting.body_rotation)
 
     def _told(self) -> RelativeState | Withheld:
         state = self._state

@@ -201,3 +201,25 @@ class TestTheSolidAngleOfAPixel:
             (640, 480), "plumb_bob", (200.0, 200.0), (319.5, 239.5), (-1.2, 0.0, 0.0, 0.0)
         )
         assert solid_angle_of_pixel(camera_for(folding, (640, 480)), np.array([310.0, 0.0])) == 0.0
+
+
+@pytest.mark.parametrize("pitch", [0.0, 90.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_camera_that_looks_down_ranges_by_parallax_as_well_as_one_that_looks_ahead(pitch, seed):
+    mounting = Mounting(pitch=math.radians(pitch))
+    meter = TargetRange(TargetSettings(mounting))
+    rng = np.random.default_rng(seed)
+    errors = []
+    for number in range(150):
+        # The camera passes 5 cm beside a target 3 m away, across its line of sight.
+        place = np.array([3.0, 0.05, 2.0 - 0.03 * number])
+        noise = np.append(0.0, rng.normal(0.0, math.radians(0.3), 2))
+        seen = estimate_of(place + 3.0 * noise, number, noise=0.03 * rng.standard_normal())
+        step = mounting.body_rotation @ np.array([0.0, 0.0, 0.03])
+        result = meter.take(seen, camera(), way(*step))
+        if isinstance(result.relative, RelativeState):
+            true = mounting.body_rotation @ place
+            errors.append(np.linalg.norm(result.relative.position() - true))
+    assert len(errors) > 100
+    assert np.median(errors) < 0.1
+    assert max(errors) < 0.5
