@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -175,15 +176,8 @@ def evaluate(  # noqa: PLR0917
 def _labelled(
     kind: type[Recording], chosen: ChosenRecording, unlabelled_is_empty: bool
 ) -> Recording:
-    return kind(
-        chosen.path,
-        chosen.topic,
-        chosen.rate,
-        chosen.truth,
-        chosen.skip_bad_frames,
-        chosen.allow_outside,
-        unlabelled_is_empty=unlabelled_is_empty,
-    )
+    values = {each.name: getattr(chosen, each.name) for each in fields(chosen)}
+    return kind(**values, unlabelled_is_empty=unlabelled_is_empty)
 
 
 def _cable_campaign(

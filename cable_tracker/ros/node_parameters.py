@@ -117,10 +117,10 @@ def is_given_at_start(node: Node, name: str) -> bool:
 def watch(
     node: Node,
     specs: Mapping[str, ParameterSpec],
-    validate: Callable[[Mapping[str, object]], object],
     apply: Callable[[Mapping[str, object]], None],
+    validate: Callable[[Mapping[str, object]], object] = lambda values: None,
 ) -> None:
-    """React to changes at runtime.
+    """React to changes at runtime; a value that its row of the table refuses changes nothing.
 
     Parameters
     ----------
@@ -128,11 +128,11 @@ def watch(
         The node, all of whose parameters are declared.
     specs : mapping
         The parameters that are watched.
+    apply : callable
+        Called with the changed values by name once they are accepted.
     validate : callable
         Called with the changed values by name before anything is changed; raises `ParameterError`
         to refuse all of them.
-    apply : callable
-        Called with the changed values by name once they are accepted.
     """
 
     def watched(parameters: Sequence[Parameter]) -> dict[str, object]:
@@ -148,6 +148,8 @@ def watch(
     def check(parameters: list[Parameter]) -> SetParametersResult:
         values = watched(parameters)
         try:
+            for name, value in values.items():
+                specs[name].coerce(value)
             validate(values)
         except ParameterError as error:
             reason = _with_advice(str(error), len(values))

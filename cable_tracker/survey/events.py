@@ -264,40 +264,43 @@ def _widths(maker: _Maker, limits: Limits) -> list[Event]:
     )
     with np.errstate(invalid="ignore"):
         odd = known & (np.abs(diameters - usual) > limits.width_share * usual)
-    events = []
-    for first, last in true_runs(odd):
-        if (last - first) * SPACING < limits.least_width_way:
-            continue
-        value, normal = float(np.median(diameters[first:last])), float(usual[first])
-        detail = f"diameter {value:.3f} m, usually {normal:.3f} m"
-        start, end = float(route.along[first]), float(route.along[last - 1])
-        events.append(maker.at(EventKind.WIDTH, start, detail, end))
-    return events
+
+    def words(stretch: slice) -> str:
+        value, normal = float(np.median(diameters[stretch])), float(usual[stretch.start])
+        return f"diameter {value:.3f} m, usually {normal:.3f} m"
+
+    return _stretches(maker, EventKind.WIDTH, odd, limits.least_width_way, words)
 
 
 def _bends(maker: _Maker, limits: Limits) -> list[Event]:
     route = maker.route
     sharp = (np.abs(route.bends) - SURE * route.bend_sigmas) * limits.bend_radius > 1.0
-    events = []
-    for first, last in true_runs(sharp):
-        most = float(np.abs(route.bends[first:last]).max())
-        detail = f"radius down to {1.0 / most:.1f} m"
-        start, end = float(route.along[first]), float(route.along[last - 1])
-        events.append(maker.at(EventKind.BEND, start, detail, end))
-    return events
+
+    def words(stretch: slice) -> str:
+        return f"radius down to {1.0 / float(np.abs(route.bends[stretch]).max()):.1f} m"
+
+    return _stretches(maker, EventKind.BEND, sharp, 0.0, words)
 
 
 def _asides(maker: _Maker, limits: Limits) -> list[Event]:
-    route = maker.route
-    events = []
-    for first, last in true_runs(np.abs(route.asides) > limits.most_aside):
-        if (last - first) * SPACING < LEAST_ASIDE_WAY:
-            continue
-        most = float(np.abs(route.asides[first:last]).max())
-        detail = f"up to {most:.1f} m beside the cable"
-        start, end = float(route.along[first]), float(route.along[last - 1])
-        events.append(maker.at(EventKind.ASIDE, start, detail, end))
-    return events
+    asides = np.abs(maker.route.asides)
+
+    def words(stretch: slice) -> str:
+        return f"up to {float(asides[stretch].max()):.1f} m beside the cable"
+
+    return _stretches(maker, EventKind.ASIDE, asides > limits.most_aside, LEAST_ASIDE_WAY, words)
+
+
+def _stretches(
+    maker: _Maker, kind: EventKind, mask: BoolArray, least: float, words: Callable[[slice], str]
+) -> list[Event]:
+    """Return an event for each run of a mask over the route's points, from a length on [m]."""
+    along = maker.route.along
+    return [
+        maker.at(kind, float(along[first]), words(slice(first, last)), float(along[last - 1]))
+        for first, last in true_runs(mask)
+        if (last - first) * SPACING >= least
+    ]
 
 
 def _crossings(maker: _Maker) -> list[Event]:

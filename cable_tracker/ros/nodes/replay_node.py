@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -111,12 +111,7 @@ class ReplayNode(ProcessNode):
             node_parameters.declare_all(self, REPLAY_RUNTIME_PARAMETERS)
         )
         specs = {spec.name: spec for spec in REPLAY_RUNTIME_PARAMETERS}
-
-        def validate(values: Mapping[str, object]) -> None:
-            for name, value in values.items():
-                specs[name].coerce(value)
-
-        node_parameters.watch(self, specs, validate, self._values.update)
+        node_parameters.watch(self, specs, self._values.update)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _instrument_replay(self) -> InstrumentReplay | None:

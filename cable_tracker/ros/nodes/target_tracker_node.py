@@ -87,7 +87,7 @@ class TargetTrackerNode(CameraNode):
         self._metric: TargetInputs = TargetInputs(self, count)
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
-        node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
+        node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _read_start(self, text: str) -> StartText:
@@ -108,20 +108,14 @@ class TargetTrackerNode(CameraNode):
         return parameters.with_detector() if self._begins.detects else parameters
 
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
-        own = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS}
-        for name in values.keys() & own.keys():
-            own[name].coerce(values[name])
         if "initial_target" in values:
             self._read_start(str(values["initial_target"]))
-        self._filter_parameters.replaced(
-            {name: values[name] for name in values.keys() - own.keys()}
-        )
+        self._filter_parameters.replaced(_of_filter(values))
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
-        changed = {name: values[name] for name in values.keys() & FILTER_SPECS.keys()}
         if "initial_target" in values:
             self._begins = self._read_start(str(values["initial_target"]))
-        self._filter_parameters = self._filter_parameters.replaced(changed)
+        self._filter_parameters = self._filter_parameters.replaced(_of_filter(values))
         effective = self._with_detector()
         if effective != self._group.parameters:
             self._group.configure(effective)
@@ -264,3 +258,7 @@ def _values_of(estimate: TargetEstimate | None) -> dict[str, str]:
         "presence [%]": f"{100 * estimate.presence:.0f}" if estimate else "",
         "score": f"{estimate.score:.2f}" if estimate else "",
     }
+
+
+def _of_filter(values: Mapping[str, object]) -> dict[str, object]:
+    return {name: value for name, value in values.items() if name in FILTER_SPECS}

@@ -86,7 +86,7 @@ class TrackerNode(CameraNode):
         self._warn_of_remarks(())
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
-        node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
+        node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
@@ -94,18 +94,15 @@ class TrackerNode(CameraNode):
         return make_tracker(parameters)
 
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
-        own = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS}
-        for name in values.keys() & own.keys():
-            own[name].coerce(values[name])
         if "initial_state" in values:
             InitialSearch(str(values["initial_state"]))
         present = self._tracker.parameters
-        changed = present.replaced({name: values[name] for name in values.keys() - own.keys()})
+        changed = present.replaced(_of_filter(values))
         if changed.response_table != present.response_table:
             load_table(changed.response_table)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
-        filter_values = {name: values[name] for name in values.keys() & PARAMETERS_BY_NAME.keys()}
+        filter_values = _of_filter(values)
         if filter_values:
             before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
@@ -205,3 +202,7 @@ class TrackerNode(CameraNode):
 
     def _figures(self) -> dict[str, str]:
         return estimate_values(self._estimate) | self._metric.diagnostics()
+
+
+def _of_filter(values: Mapping[str, object]) -> dict[str, object]:
+    return {name: value for name, value in values.items() if name in PARAMETERS_BY_NAME}
