@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from rclpy.node import Node
 
 from cable_tracker.metric.settings import default_values, number
 from cable_tracker.ros import qos
-from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences.instruments import TOPICS, Instrument
@@ -64,7 +62,6 @@ class InstrumentInputs(Generic[AnySight]):
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
         self._newest: dict[Instrument, int] = {}
-        self._heard: Counter[str] = Counter()
         self._sent = InstrumentsSent([TOPICS[each] for each in self._instruments])
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
@@ -74,26 +71,29 @@ class InstrumentInputs(Generic[AnySight]):
             self._node.create_subscription(
                 message_class(TOPICS[instrument].type_name),
                 TOPICS[instrument].name,
-                followed_by(self._taking(instrument), on_news),
+                self._taking(instrument, on_news),
                 profile,
             )
         self._sent.subscribe(self._node, reliability, on_news)
 
-    def _taking(self, instrument: Instrument) -> Callable[[Message], None]:
-        return lambda message: self.take_message(instrument, message)
+    def _taking(
+        self, instrument: Instrument, on_news: Callable[[], None]
+    ) -> Callable[[Message, Mapping[str, Any]], None]:
+        def taken(message: Message, info: Mapping[str, Any]) -> None:
+            self.take_message(instrument, message, info.get("publication_sequence_number"))
+            on_news()
 
-    def take_message(self, instrument: Instrument, message: Message) -> None:
-        """Take a message of an instrument."""
+        return taken
+
+    def take_message(
+        self, instrument: Instrument, message: Message, number: int | None = None
+    ) -> None:
+        """Take a message of an instrument, which is the sender's `number`th, if that is known."""
         stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
-        self._heard[instrument.value] += 1
+        self._sent.hear(instrument.value, number)
         if instrument is not Instrument.CAMERA_INFO:
             self._newest[instrument] = stamp
         self._sight.take_message(instrument, stamp, message)
-
-    @property
-    def heard(self) -> Mapping[str, int]:
-        """How many messages of each topic have come."""
-        return self._heard
 
     @property
     def wait(self) -> float:
@@ -113,10 +113,10 @@ class InstrumentInputs(Generic[AnySight]):
         how much it has sent before the frame of that time, all of it must have come.
         """
         if self._sent.tells_of(stamp):
-            return self._sent.has_come(self._heard)
+            return self._sent.has_come()
         awaited = self._required | self._newest.keys()
         return (
-            self._heard[Instrument.CAMERA_INFO.value] > 0
+            self._sent.has_heard(Instrument.CAMERA_INFO.value)
             and bool(awaited)
             and all(self._newest.get(each, -1) >= stamp for each in awaited)
         )

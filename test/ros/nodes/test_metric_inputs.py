@@ -41,10 +41,10 @@ class Vehicle:
 
     def sends(self, topic: str, message: Any) -> None:
         message.header = self._image(index=self._index).header
-        heard = self._node._metric.heard
-        before = heard[topic]
+        heard = self._node._metric._sent._heard
+        before = heard.get(topic, 0)
         self._publishers[topic].publish(message)
-        self._world.spin(lambda: heard[topic] > before)
+        self._world.spin(lambda: heard.get(topic, 0) > before)
 
     def is_calibrated(self, **fields: Any) -> None:
         given = {"width": 320, "height": 240, "distortion_model": "plumb_bob", "k": K}
