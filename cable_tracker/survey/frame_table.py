@@ -60,6 +60,9 @@ TRACKING, REFUSED = STATUSES.index("TRACKING"), STATUSES.index("REFUSED")
 NOT_AGAIN, HIDDEN, SEEN = range(3)
 """Result of re-detection: none was made, the cable is hidden, the cable is seen."""
 
+AGAIN = ("", "hidden", "seen")
+"""What stands for these in a table."""
+
 Rows = npt.NDArray[Any]
 
 FrameRow = np.void

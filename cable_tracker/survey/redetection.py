@@ -167,6 +167,7 @@ def _put_cable(
     row["offset"] = aside - look * math.tan(heading)
     row["sigma_offset"] = math.sqrt(variance + (look * HEADING_SIGMA) ** 2)
     row["sigma_heading"] = HEADING_SIGMA
+    row["reason"] = 0
 
 
 def place_in_image(

@@ -12,6 +12,7 @@ from survey_dives import Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.events import Event, EventKind
+from cable_tracker.survey.frame_table import HIDDEN, SEEN
 from cable_tracker.survey.merging import merge
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.outputs.maps import (
@@ -194,3 +195,11 @@ def test_a_geopackage_that_cannot_be_written_is_an_error_of_the_system(tmp_path)
     writer = _LayerWriter(tmp_path / "no folder" / "route.gpkg", EARTH)
     with pytest.raises(OSError):
         writer("route", "Point", [shapely.Point(0.0, 0.0)], {"name": ["a"]})
+
+
+def test_rows_that_were_looked_at_again_say_so(tmp_path):
+    dive = make_dive(Plan(length=4.0))
+    dive.table.rows["again"][[2, 5]] = HIDDEN, SEEN
+    write_frames(tmp_path / "frames.parquet", "dive", dive, None)
+    column = pq.read_table(tmp_path / "frames.parquet")["again"].to_pylist()
+    assert (column[0], column[2], column[5]) == ("", "hidden", "seen")

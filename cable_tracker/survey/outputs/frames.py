@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import STATUSES
+from cable_tracker.survey.frame_table import AGAIN, STATUSES
 from cable_tracker.survey.navigation import poses_of_rows
 from cable_tracker.survey.route import Course
 
@@ -67,6 +67,7 @@ def _table(
     columns["no_metres"] = pa.DictionaryArray.from_arrays(
         rows["reason"].astype(np.int32), dive.table.reasons
     )
+    columns["again"] = pa.DictionaryArray.from_arrays(rows["again"].astype(np.int32), list(AGAIN))
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
     if course is not None and way is not None:
         places = way[part]
