@@ -202,7 +202,7 @@ class GuidanceNode(ProcessNode):
 
     def destroy_node(self) -> None:
         """Let the vehicle stop, and destroy the node: nothing would stop it afterwards."""
-        if not self._values["lockstep"] and self._stop():
+        if self.context.ok() and not self._values["lockstep"] and self._stop():
             # The publisher must not be gone before its last message is.
             self._commands.wait_for_all_acked(Duration(seconds=STOP_PATIENCE))
         super().destroy_node()

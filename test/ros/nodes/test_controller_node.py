@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import pytest
+import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
@@ -12,6 +13,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from cable_tracker.example_controller.controller import Mode, SearchSettings
+from cable_tracker.ros.nodes.controller_node import ControllerNode
+from cable_tracker.ros.process.ros_context import started_context
 
 CONFIRMATIONS = SearchSettings().confirmations
 PATIENT = {"settle_time": 60.0, "state_timeout": 60.0}
@@ -216,3 +219,12 @@ def test_odometry_that_does_not_know_or_is_old_does_not_count(world):
     node.on_odometry(message)
     assert node._pose_at(1_100_000_000).x == 2.0
     assert node._pose_at(1_500_000_000) is None
+
+
+@pytest.mark.usefixtures("ros_environment")
+def test_a_controller_whose_context_is_gone_ends_all_the_same():
+    context = started_context([])
+    node = ControllerNode(context=context)
+    node._last_command.linear.x = 0.3
+    rclpy.try_shutdown(context=context)
+    node.destroy_node()
