@@ -51,15 +51,17 @@ class TargetFollower(Follower):
         self._start: StartText = parse_start_text(init)
         if len(self._start.boxes) > 1:
             raise ParameterError("init: the window follows one target; mark only one")
-        if self._start.detects:
-            parameters = parameters.with_detector()
         self._parameters = parameters
-        self._tracker = TargetTracker(parameters)
+        self._tracker = TargetTracker(self._with_detector(parameters))
         self._image = stand_in()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
-        warm_up_target(self._parameters)
+        warm_up_target(self._with_detector(self._parameters))
+
+    def _with_detector(self, parameters: TargetParameters) -> TargetParameters:
+        """Return parameters with a detector where the start needs one; the user's stay as given."""
+        return parameters.with_detector() if self._start.detects else parameters
 
     def begin(self) -> None:
         """Be ready for the first frame."""
@@ -78,7 +80,7 @@ class TargetFollower(Follower):
 
     def _configure_tracker(self, parameters: ParameterSet) -> None:
         assert isinstance(parameters, TargetParameters)
-        self._tracker.configure(parameters)
+        self._tracker.configure(self._with_detector(parameters))
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
