@@ -108,9 +108,11 @@ def _frames_not_shown(path: Path) -> int:
     the first frame that is shown begins.
     """
     try:
-        with av.open(str(path)) as container:
+        # Tags of a file may be no text.
+        with av.open(str(path), metadata_errors="replace") as container:
             return sum(packet.is_discard for packet in container.demux(video=0))
-    except FFmpegError:
+    except (FFmpegError, IndexError):
+        # It finds no stream of pictures; then the header is all that is known.
         return 0
 
 

@@ -176,8 +176,9 @@ def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., 
         frames = list(islice(source.frames(), FOOTAGE_FRAMES))
     labelled = [frame.truth for frame in frames if frame.truth is not None]
     write_bag(tmp_path / "strip", frames)
-    initial = labelled[0]
-    ros, core = (track(tmp_path / "strip", over_ros, initial) for over_ros in (True, False))
+    words = format_initial_state(labelled[0])
+    given = GivenState.around(labelled[0])
+    ros, core = (track(tmp_path / "strip", over_ros, words, given) for over_ros in (True, False))
     assert_same(ros, core, FOOTAGE_FRAMES)
     assert any(row.state is not None for row in core.rows)
 
