@@ -47,7 +47,7 @@ def main() -> None:
     given.folder.mkdir(parents=True, exist_ok=True)
     _write_pictures(given.folder / "recordings" / NAME / "pictures", given.events)
     route = _route(round(given.length * 1000 / SPACING) + 1, given.events)
-    survey = SurveyMap((route,), LocalFrame(54.25, 7.9), ("route 1",))
+    survey = SurveyMap((route,), LocalFrame(54.25, 7.9), ("route 1",), folder=given.folder)
     page = given.folder / "report.html"
     rows = [RecordingRow(f"{NAME}_{k}", "done", 100_000, 90_000, 5000.0, ()) for k in range(40)]
     write_report(page, survey, rows, "Cable survey")

@@ -36,7 +36,7 @@ def report(tmp_path_factory):
         along, places, headings, 0.05 * level, level, 0.16 * level, 0.1 * level, level, events,
         ("dive",),
     )  # fmt: skip
-    survey = SurveyMap((route,), LocalFrame(54.25, 7.9), ("route 1",))
+    survey = SurveyMap((route,), LocalFrame(54.25, 7.9), ("route 1",), folder=folder)
     rows = [RecordingRow("dive", "done", 1000, 900, 50.0, ())]
     write_report(folder / "report.html", survey, rows, "Cable")
     return (folder / "report.html").as_uri()
