@@ -49,16 +49,19 @@ class Listening:
     def url(self) -> str:
         """The address to open in a browser."""
         host = socket.gethostname() if self.host in EVERYWHERE else self.host
-        name = f"[{host}]" if ":" in host else host
         query = f"?token={self.token}" if self.token is not None else ""
-        return f"http://{name}:{self.port}/{query}"
+        return f"http://{_in_address(host)}:{self.port}/{query}"
 
     def ssh_line(self) -> str:
         """Return the command that makes the page appear on the machine one sits at."""
         is_local = self.host in EVERYWHERE or self.host == "localhost"
         host = "127.0.0.1" if is_local else self.host
-        there = f"[{host}]" if ":" in host else host
-        return f"ssh -L {self.port}:{there}:{self.port} {socket.gethostname()}"
+        return f"ssh -L {self.port}:{_in_address(host)}:{self.port} {socket.gethostname()}"
+
+
+def _in_address(host: str) -> str:
+    """Return a host as it stands before a port: an address of IPv6 in brackets."""
+    return f"[{host}]" if ":" in host else host
 
 
 def listen_on(host: str, port: int) -> Listening:

@@ -83,7 +83,7 @@ def georeference(
     known = np.isfinite(places).all(axis=1)
     stamps, values, places = stamps[known], values[known], places[known, :2]
     # After a clock set back a time has no second place: the poses are those of its first pass.
-    is_new = stamps >= np.maximum.accumulate(stamps) if len(stamps) else known
+    is_new = stamps >= np.maximum.accumulate(stamps)
     stamps, values, places = stamps[is_new], values[is_new], places[is_new]
     if len(stamps) < FEWEST_FIXES:
         return None

@@ -315,8 +315,6 @@ class CameraNode(ProcessNode):
         self._note_usable()
         self._note_event(outcome.event)
         self._change_status(outcome.status)
-        if self.status != self._published_status:
-            self.publish_diagnostics()
 
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header
@@ -358,6 +356,8 @@ class CameraNode(ProcessNode):
         if status != self._status:
             self._status = status
             self.get_logger().info(status)
+        # Also where it was another one that hid this one, as of a frozen picture.
+        if self.status != self._published_status:
             self.publish_diagnostics()
 
     def _check_frame_id(self, frame_id: str) -> None:

@@ -151,7 +151,7 @@ class ReplayNode(ProcessNode):
         self._start = self._nanoseconds("start")
         self._found_start = False
         self._last_stamp: int | None = None
-        self._wait_from_now()
+        self._be_due_now()
         self._awaited: int | None = None
         self._awaited_index = 0
         self._answer_deadline = 0.0
@@ -160,9 +160,9 @@ class ReplayNode(ProcessNode):
         self._awaits_restart = False
         self._next = self._read_next()
 
-    def _wait_from_now(self, pause: float = 0.0) -> None:
-        """Let the next frame be due a time of the recording [s] from now."""
-        self._since, self._pause = time.monotonic(), pause
+    def _be_due_now(self) -> None:
+        """Let the next frame be due at once."""
+        self._since, self._pause = time.monotonic(), 0.0
 
     @property
     def _due(self) -> float:
@@ -290,7 +290,7 @@ class ReplayNode(ProcessNode):
         is_ready = is_heard and in_step and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits
-        self._wait_from_now()
+        self._be_due_now()
         if self._connected and not is_heard:
             self.get_logger().warning(
                 f"no node subscribes to {self._image.topic_name}: the first frames reach none"
@@ -380,7 +380,7 @@ class ReplayNode(ProcessNode):
     def on_pause(self, request: Message, response: Message) -> Message:
         """Pause (true) or go on (false)."""
         self._paused = bool(request.data)
-        self._wait_from_now()
+        self._be_due_now()
         response.success = True
         response.message = "paused" if self._paused else "playing"
         return response
