@@ -17,11 +17,13 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.cable.model.geometry import wraps_between
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
+from cable_tracker.visualisation.plots import with_faint_grid
 
 DOTS_PER_INCH = 130
 NOMINAL = np.linspace(0.02, 0.98, 49)
@@ -67,9 +69,6 @@ LOSS_COLOURS = LinearSegmentedColormap.from_list(
     "loss", ["#f4f6f7", "#f3c19d", "#d55e00", "#7a2d00"]
 )
 """Colours from never lost to always lost."""
-
-HALF_TURN_JUMP = np.pi / 2
-"""A true angle that changes by more than this between two frames has wrapped."""
 
 
 def _calm_style() -> AbstractContextManager[None]:
@@ -148,8 +147,7 @@ def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> Non
     # Labels of every second frame are joined; a cable that was away is not.
     joined = known | trace.hidden
     drawn = np.flatnonzero(joined)
-    turned = np.abs(np.diff(trace.truths[drawn, 1])) > HALF_TURN_JUMP
-    wrapped = drawn[1:][turned]
+    wrapped = drawn[1:][wraps_between(trace.truths[drawn, 1])]
     truth[wrapped] = estimate[wrapped] = np.nan
     claims = trace.claimed
     green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))
@@ -162,7 +160,7 @@ def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> Non
     axis.set_ylabel(panel.label)
     held = np.where(trace.lost | ~claims, np.nan, estimate) * panel.factor
     axis.set_ylim(_limits(truth * panel.factor, held, panel.smallest))
-    _calm(axis)
+    with_faint_grid(axis)
 
 
 def _limits(truth: FloatArray, held: FloatArray, smallest: float) -> tuple[float, float]:
@@ -174,13 +172,6 @@ def _limits(truth: FloatArray, held: FloatArray, smallest: float) -> tuple[float
     low, high = float(finite.min()), float(finite.max())
     margin = max(0.12 * (high - low), (smallest - (high - low)) / 2)
     return low - margin, high + margin
-
-
-def _calm(axis: Axes) -> None:
-    axis.grid(color="0.9", linewidth=0.6)
-    axis.set_axisbelow(True)
-    for side in ("top", "right"):
-        axis.spines[side].set_visible(False)
 
 
 def carried(trace: Trace, mask: BoolArray) -> BoolArray:
@@ -283,7 +274,7 @@ def calibration_figure(results: Sequence[RunResult]) -> Figure:
             axis.set_xlim(0, 100)
             axis.set_ylim(0, 100)
             axis.set_xticks((0, 50, 100))
-            _calm(axis)
+            with_faint_grid(axis)
         axes[0].set_ylabel("truth inside [%]")
         _legend_above(figure, axes[:1])
         figure.subplots_adjust(left=0.075, right=0.985, top=0.8, bottom=0.18, wspace=0.12)
@@ -311,7 +302,7 @@ def curves_figure(
         axis.set_ylabel(y_label)
         axis.set_ylim(bottom=0.0)
         axis.set_xlim(left=0.0)
-        _calm(axis)
+        with_faint_grid(axis)
         axis.legend(frameon=False, fontsize=7.5)
         figure.tight_layout(pad=0.5)
     return figure

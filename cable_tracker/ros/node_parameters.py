@@ -114,6 +114,11 @@ def is_given_at_start(node: Node, name: str) -> bool:
     return name in node._parameter_overrides
 
 
+def those_in(specs: Mapping[str, ParameterSpec], values: Mapping[str, object]) -> dict[str, object]:
+    """Return those of some values that a table describes."""
+    return {name: value for name, value in values.items() if name in specs}
+
+
 def watch(
     node: Node,
     specs: Mapping[str, ParameterSpec],

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
@@ -36,9 +36,6 @@ LONGEST_BRIDGE = 0.5
 
 PANEL_HEIGHT = 2.1
 """[inch]."""
-
-HALF_TURN_JUMP = np.pi / 2
-"""An angle that changes by more than this between two frames has wrapped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +201,7 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     _mark_single_points(axis, true_times, truth, dark(TRUTH))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
     axis.set_ylabel(panel.label)
-    _decorate(axis)
+    with_faint_grid(axis)
 
 
 def _draw_presence(axis: Axes, series: _Series) -> None:
@@ -213,11 +210,12 @@ def _draw_presence(axis: Axes, series: _Series) -> None:
     _mark_single_points(axis, series.times, percent, dark(ESTIMATE))
     axis.set_ylim(-4, 104)
     axis.set_ylabel("presence [%]")
-    _decorate(axis)
+    with_faint_grid(axis)
 
 
-def _decorate(axis: Axes) -> None:
-    axis.grid(color="0.9", linewidth=0.7)
+def with_faint_grid(axis: Axes) -> None:
+    """Give a panel a faint grid behind its lines, and no frame above and at the right."""
+    axis.grid(color="0.9", linewidth=0.6)
     axis.set_axisbelow(True)
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
@@ -243,8 +241,7 @@ def _broken(
     `values` are broken at the same places in its stead.
     """
     chosen = states if values is None else values
-    turned = np.abs(np.diff(states[:, StateColumn.ANGLE])) > HALF_TURN_JUMP
-    places = np.flatnonzero(turned) + 1
+    places = np.flatnonzero(wraps_between(states[:, StateColumn.ANGLE])) + 1
     return np.insert(times, places, np.nan), np.insert(chosen[:, column], places, np.nan)
 
 

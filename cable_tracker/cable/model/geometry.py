@@ -16,7 +16,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
@@ -66,6 +66,14 @@ def wrap_angle(angle: float) -> float:
     if wrapped <= -math.pi / 2:
         return wrapped + math.pi
     return wrapped - math.pi if wrapped > math.pi / 2 else wrapped
+
+
+def wraps_between(angles: FloatArray) -> BoolArray:
+    """Tell between which angles of a series, shape (N,), the wrap lies; shape (N - 1,).
+
+    No cable makes more than a quarter turn between two frames. d and beta change their signs there.
+    """
+    return np.asarray(np.abs(np.diff(angles)) > math.pi / 2)
 
 
 SMALLEST_SKEW = 1e-6

@@ -19,7 +19,6 @@ from cable_tracker.ros.clients.live_frames import LiveFrames
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
-from cable_tracker.sequences.node_topics import NodeTopic
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
@@ -76,7 +75,7 @@ def find_topics(watcher: Node, name: str, start_type: str) -> LiveTopics | None:
         report=node_topics.FRAME_REPORT.of_node(name),
         truth=next((topic for topic in beside if watcher.count_publishers(topic)), ""),
         start=_of_types(read, [start_type])[0],
-        contour=_named(published, node_topics.CONTOUR),
+        contour=_contour_of(published),
     )
 
 
@@ -89,15 +88,19 @@ def _of_types(topics: list[tuple[str, list[str]]], types: Container[str]) -> tup
     return "", ""
 
 
-def _named(topics: list[tuple[str, list[str]]], wanted: NodeTopic) -> str:
-    """Return the first topic of the type whose name ends alike; empty if there is none."""
-    return next(
-        (
-            name
-            for name, kinds in topics
-            if wanted.type_name in kinds and name.endswith(wanted.name)
+def _contour_of(topics: list[tuple[str, list[str]]]) -> str:
+    """Return the polygon that is the contour; empty if there is none.
+
+    The box is another one. Either may be remapped, so that the name of the other tells it.
+    """
+    polygons = [name for name, kinds in topics if node_topics.CONTOUR.type_name in kinds]
+    return min(
+        polygons,
+        key=lambda name: (
+            not name.endswith(node_topics.CONTOUR.name),
+            name.endswith(node_topics.BOX.name),
         ),
-        "",
+        default="",
     )
 
 

@@ -102,6 +102,10 @@ class TargetTrackerNode(CameraNode):
             )
         return start
 
+    def _with_filter_values(self, values: Mapping[str, object]) -> TargetParameters:
+        """Return the filter's parameters with those of some values that are among them."""
+        return self._filter_parameters.replaced(node_parameters.those_in(FILTER_SPECS, values))
+
     def _with_detector(self) -> TargetParameters:
         """Return the filter's parameters, with a detector where the start needs one."""
         parameters = self._filter_parameters
@@ -110,12 +114,12 @@ class TargetTrackerNode(CameraNode):
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         if "initial_target" in values:
             self._read_start(str(values["initial_target"]))
-        self._filter_parameters.replaced(_of_filter(values))
+        self._with_filter_values(values)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
         if "initial_target" in values:
             self._begins = self._read_start(str(values["initial_target"]))
-        self._filter_parameters = self._filter_parameters.replaced(_of_filter(values))
+        self._filter_parameters = self._with_filter_values(values)
         effective = self._with_detector()
         if effective != self._group.parameters:
             self._group.configure(effective)
@@ -258,7 +262,3 @@ def _values_of(estimate: TargetEstimate | None) -> dict[str, str]:
         "presence [%]": f"{100 * estimate.presence:.0f}" if estimate else "",
         "score": f"{estimate.score:.2f}" if estimate else "",
     }
-
-
-def _of_filter(values: Mapping[str, object]) -> dict[str, object]:
-    return {name: value for name, value in values.items() if name in FILTER_SPECS}

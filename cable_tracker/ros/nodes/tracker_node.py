@@ -97,12 +97,12 @@ class TrackerNode(CameraNode):
         if "initial_state" in values:
             InitialSearch(str(values["initial_state"]))
         present = self._tracker.parameters
-        changed = present.replaced(_of_filter(values))
+        changed = present.replaced(node_parameters.those_in(PARAMETERS_BY_NAME, values))
         if changed.response_table != present.response_table:
             load_table(changed.response_table)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
-        filter_values = _of_filter(values)
+        filter_values = node_parameters.those_in(PARAMETERS_BY_NAME, values)
         if filter_values:
             before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
@@ -202,7 +202,3 @@ class TrackerNode(CameraNode):
 
     def _figures(self) -> dict[str, str]:
         return estimate_values(self._estimate) | self._metric.diagnostics()
-
-
-def _of_filter(values: Mapping[str, object]) -> dict[str, object]:
-    return {name: value for name, value in values.items() if name in PARAMETERS_BY_NAME}

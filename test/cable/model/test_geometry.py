@@ -20,6 +20,7 @@ from cable_tracker.cable.model.geometry import (
     wrap_angle,
     wrap_angles,
     wrap_states,
+    wraps_between,
 )
 
 SIZE = (320, 240)
@@ -110,6 +111,11 @@ def test_wrapped_angles_are_in_the_half_open_interval_and_whole_half_turns_away(
 )
 def test_the_ends_of_the_interval(angle, wrapped):
     assert float(wrap_angles(np.array(angle))) == pytest.approx(wrapped, abs=1e-12)
+
+
+def test_a_wrap_lies_where_an_angle_makes_more_than_a_quarter_turn():
+    found = wraps_between(np.deg2rad([60.0, 85.0, -85.0, -60.0, np.nan, 20.0]))
+    np.testing.assert_array_equal(found, [False, True, False, False, False])
 
 
 @given(cables(), st.integers(-3, 3))

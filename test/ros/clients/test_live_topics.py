@@ -1,9 +1,12 @@
+import pytest
 from rclpy.parameter import Parameter
 
 from cable_tracker.ros.clients.live_topics import find_topics
+from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 
 PRIOR = "geometry_msgs/msg/PoseWithCovarianceStamped"
+POLYGON = "geometry_msgs/msg/PolygonStamped"
 
 
 def test_remapped_topics_are_found_by_what_they_carry(world, near):
@@ -29,6 +32,26 @@ def test_remapped_topics_are_found_by_what_they_carry(world, near):
     assert topics.start == f"{place}/guess"
     assert topics.report == f"{place}/tracker/frame_report"
     assert topics.truth == topics.contour == ""
+
+
+@pytest.mark.parametrize(
+    ("remapped", "contour"), [("contour", "elsewhere"), ("box", "contour"), ("", "contour")]
+)
+def test_the_contour_is_told_from_the_box_also_where_one_is_remapped(world, remapped, contour):
+    rules = ["-r", f"{remapped}:=elsewhere"] if remapped else []
+    tracker = world.add(
+        TargetTrackerNode(
+            context=world.context,
+            namespace=world.namespace,
+            cli_args=["--ros-args", *rules],
+        )
+    )
+
+    def found():
+        return find_topics(world.me, tracker.get_fully_qualified_name(), POLYGON)
+
+    world.spin(lambda: (topics := found()) and topics.contour)
+    assert found().contour == f"{world.namespace}/{contour}"
 
 
 def test_a_node_that_is_gone_has_no_topics(world):
