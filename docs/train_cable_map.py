@@ -1,6 +1,10 @@
 """Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
 
     python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 12000] [--seed 0]
+    python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
+
+A network that is trained further is mixed with the one that it began as, and its log-odds are
+sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`).
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report
@@ -19,11 +23,12 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import onnx
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from cable_tracker.arrays import FloatArray, Image, eight_bits
+from cable_tracker.arrays import FloatArray, Image, IndexArray, eight_bits
 from cable_tracker.cable.measure.cable_map import cable_map_of, strip_shares
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.map_network import (
@@ -89,8 +94,17 @@ DILATIONS = ((), (), (1, 2), (1, 2, 1))
 a cable is seen at once."""
 
 BATCH = 32
-HIGHEST_RATE, WARM_UP = 4e-3, 0.15
-"""Largest learning rate, and share of the steps until it is reached."""
+HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
+"""Largest learning rates, of a new network and of one that is trained further, and the share of the
+steps until it is reached."""
+
+NEW_SHARE = 0.7
+"""Share of the new weights in the mean of new and old ones, which does better on pictures of other
+worlds than either (M. Wortsman et al., 2022, "Robust fine-tuning of zero-shot models")."""
+
+SHARPENED, RAISED = 1.2, 0.7
+"""Factor and constant of the log-odds. A network that has seen every picture changed in many ways
+is less sure of a single one than it could be."""
 
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
@@ -104,6 +118,16 @@ ADDED = 0.3
 INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT, LIT = 0.4, 0.4, 0.3, 0.5, 0.3, 0.5, 0.3
 """Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
 particles before them, are bent, and lit by other lamps."""
+
+WITHOUT_CABLE = 0.2
+"""Share of the pictures that are drawn among those without a cable."""
+
+LAMPLIT = 0.35
+"""Share of the painted cables that a lamp at one side lights, so that the other lies in shadow."""
+
+POOLED, PLAIN = 0.4, 0.4
+"""Share of the pictures with pools and bands of light or shade, and of those without a cable whose
+ground is made plain before."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -242,6 +266,8 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     if rng.random() < (PAINTED if has_cable else ADDED):
         pose = pose if has_cable else _any_pose(rng)
         levels = _painted(levels, pose, rng)
+    elif not has_cable and rng.random() < PLAIN:
+        levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
     cells = true_map(pose)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
@@ -253,6 +279,8 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels, cells = _bent(levels, cells, rng)
     if rng.random() < LIT:
         levels = _lit(levels, rng)
+    if rng.random() < POOLED:
+        levels = _pooled(levels, rng)
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
@@ -269,7 +297,8 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
 def _any_pose(rng: np.random.Generator) -> FloatArray:
     """Return where a cable may lie, as (d [px], alpha [rad], w [px], beta [rad])."""
     distance = rng.uniform(-0.35, 0.35) * WORLD_SIZE[0]
-    width = math.exp(rng.uniform(*np.log(ANY_WIDTH)))
+    is_thin = rng.random() < 0.5
+    width = _log_uniform(*ANY_WIDTH, rng) if is_thin else rng.uniform(*ANY_WIDTH)
     # The wider a cable is, the nearer the camera, and the more it converges.
     skew = math.radians(0.07 * width * rng.normal())
     return np.array([distance, math.radians(rng.uniform(*ANY_ANGLE)), width, skew])
@@ -280,6 +309,29 @@ def _lit(levels: Image, rng: np.random.Generator) -> Image:
     strength = rng.random() * rng.standard_normal((3, 4), np.float32)
     light = cv2.resize(strength, levels.shape[::-1], interpolation=cv2.INTER_CUBIC)
     lit: Image = levels * np.exp(0.5 * light)
+    return lit
+
+
+def _pooled(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with pools and bands of light or shade, on ground and cable alike.
+
+    Round pools may have a sharp rim; what is long fades out, or it could be a cable.
+    """
+    height, width = levels.shape
+    x = np.arange(width, dtype=np.float32)
+    y = np.arange(height, dtype=np.float32)[:, None]
+    light = np.zeros_like(levels)
+    for _ in range(rng.integers(1, 5)):
+        longer, turn = 15.0 * 20.0 ** rng.random(), math.pi * rng.random()
+        shorter = longer * rng.uniform(0.08, 1.0)
+        across, down = x - np.float32(rng.uniform(0, width)), y - np.float32(rng.uniform(0, height))
+        along = across * math.cos(turn) + down * math.sin(turn)
+        aside = down * math.cos(turn) - across * math.sin(turn)
+        outside = np.hypot(along / np.float32(longer), aside / np.float32(shorter)) - 1.0
+        sharpest = 0.03 if shorter > 0.5 * longer else 0.2
+        rim = np.float32(_log_uniform(sharpest, 1.0, rng))
+        light += np.float32(rng.uniform(-1.2, 1.2)) / (1.0 + np.exp(np.minimum(outside / rim, 20)))
+    lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
 
 
@@ -295,11 +347,14 @@ class _Surface:
         Along the centre line [px].
     outside : Image
         Distance outwards of the nearer border, below 0 inside [px].
+    width : float
+        Width w of the cable [px].
     """
 
     across: Image
     along: Image
     outside: Image
+    width: float
 
 
 def _surface(pose: FloatArray, shape: tuple[int, ...]) -> _Surface:
@@ -315,7 +370,9 @@ def _surface(pose: FloatArray, shape: tuple[int, ...]) -> _Surface:
     left, right = inwards
     across = (left - right) / np.maximum(np.abs(left) + np.abs(right), 1.0)
     along = y * math.cos(angle) - x * math.sin(angle)
-    return _Surface(across.astype(np.float32), along.astype(np.float32), -np.minimum(left, right))
+    return _Surface(
+        across.astype(np.float32), along.astype(np.float32), -np.minimum(left, right), float(width)
+    )
 
 
 def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
@@ -323,27 +380,60 @@ def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image
 
     Half of the cables cast a shadow to one side; of one in three the ground covers a part.
     """
-    at, deviation, width = _surface(pose, levels.shape), float(levels.std()) + 3.0, float(pose[2])
-    skin = _bands(at, width, rng) + _shading(at, rng)
+    at, deviation = _surface(pose, levels.shape), float(levels.std()) + 3.0
+    skin = _bands(at, rng) + _shading(at, rng)
     grain = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
     skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
     rough = cv2.resize(rng.standard_normal((40, 53), np.float32), levels.shape[::-1])
-    outside = at.outside + np.float32(0.15 * width * rng.random() ** 2) * rough
+    outside = at.outside + np.float32(0.15 * at.width * rng.random() ** 2) * rough
     share = 1.0 / (1.0 + np.exp(np.clip(outside / np.float32(rng.uniform(0.3, 1.5)), -20, 20)))
     if rng.random() < 1.0 / 3.0:
         cover = _seen_aslant(_waves(rng), levels.shape, rng)
         shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
         share *= cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
+    side = rng.choice((-1.0, 1.0))
     if rng.random() < 0.5:
-        reach, side = np.float32(width * rng.uniform(0.1, 0.8)), rng.choice((-1.0, 1.0))
+        reach = np.float32(at.width * rng.uniform(0.1, 0.8))
         shadow = np.exp(-np.maximum(at.outside, 0.0) / reach) * (side * at.across > 0.0)
         levels = levels - np.float32(1.5 * rng.random() * deviation) * shadow
-    beside = levels[(at.outside > 0.0) & (at.outside < max(width, 10.0))]
+    beside = levels[(at.outside > 0.0) & (at.outside < max(at.width, 10.0))]
     around = float(beside.mean()) if len(beside) else float(levels.mean())
     painted = around + np.float32(deviation) * (contrast + np.float32(rng.uniform(0.3, 1.5)) * skin)
+    if rng.random() < LAMPLIT:
+        levels, painted = _lamplit(levels, painted, at, side, rng)
     mixed: Image = levels + share.astype(np.float32) * (painted - levels)
     return mixed
+
+
+def _lamplit(
+    levels: Image, painted: Image, at: _Surface, side: float, rng: np.random.Generator
+) -> tuple[Image, Image]:
+    """Return ground and cable under a lamp at one side: the other lies in the body's shadow.
+
+    Both are as dark there, so that no border is left between them.
+    """
+    body = np.maximum(np.cos(np.arcsin(np.clip(at.across, -1.0, 1.0)) + side * _lamp(rng)), 0.0)
+    dark = np.float32(rng.uniform(0.1, 0.6))
+    soft = np.float32(rng.uniform(1.0, 1.0 + 0.15 * at.width))
+    end = np.float32(at.width * _log_uniform(0.15, 4.0, rng))
+    behind = (side * at.across > 0.0) / (
+        1.0 + np.exp(np.clip((at.outside - end) / soft, -20.0, 20.0))
+    )
+    return (
+        levels * (1.0 - (1.0 - dark) * behind).astype(np.float32),
+        painted * (dark + (1.0 - dark) * body).astype(np.float32),
+    )
+
+
+def _lamp(rng: np.random.Generator) -> float:
+    """Return how far from above a lamp shines on a cable [rad]."""
+    return math.radians(rng.uniform(20.0, 85.0))
+
+
+def _log_uniform(low: float, high: float, rng: np.random.Generator) -> float:
+    """Return a number whose logarithm lies anywhere between those of two others."""
+    return math.exp(rng.uniform(math.log(low), math.log(high)))
 
 
 def _shading(at: _Surface, rng: np.random.Generator) -> Image:
@@ -354,12 +444,12 @@ def _shading(at: _Surface, rng: np.random.Generator) -> Image:
     return np.asarray(shading, np.float32)
 
 
-def _bands(at: _Surface, width: float, rng: np.random.Generator) -> Image:
+def _bands(at: _Surface, rng: np.random.Generator) -> Image:
     """Return bands around a cable, straight or wound, none to two kinds of them."""
     found = np.zeros_like(at.across)
     turn = np.arcsin(np.clip(at.across, -1.0, 1.0)) / math.pi
     for _ in range(rng.integers(0, 3)):
-        period = max(width * 0.1 * 80.0 ** rng.random(), 4.0)
+        period = max(at.width * 0.1 * 80.0 ** rng.random(), 4.0)
         wound = rng.uniform(-2.0, 2.0) if rng.random() < 0.5 else 0.0
         phase = (at.along / np.float32(period) + np.float32(wound) * turn + rng.random()) % 1.0
         found += np.float32(rng.normal()) * (phase < rng.uniform(0.1, 0.9))
@@ -544,12 +634,24 @@ def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image,
 def batch(frames: LabelledFrames, rng: np.random.Generator) -> tuple[Tensor, Tensor]:
     """Return pictures as the network takes them, and their true maps, padded alike."""
     pictures, maps = [], []
-    for index in rng.choice(len(frames.images), BATCH, replace=False):
+    for index in _drawn(frames.poses, rng):
         image, cells = augmented(frames.images[index], frames.poses[index], rng)
         picture, (left, above) = padded(normalised(image))
         pictures.append(picture)
         maps.append(_padded_map(cells, picture.shape[1:], (left, above)))
     return torch.from_numpy(np.stack(pictures)), torch.from_numpy(np.stack(maps))
+
+
+def _drawn(poses: FloatArray, rng: np.random.Generator) -> IndexArray:
+    """Return which frames a batch has, as many without a cable as `WITHOUT_CABLE` says."""
+    without = np.isnan(poses).any(1)
+    count = rng.binomial(BATCH, WITHOUT_CABLE)
+    return np.concatenate(
+        [
+            rng.choice(np.flatnonzero(without), count, replace=False),
+            rng.choice(np.flatnonzero(~without), BATCH - count, replace=False),
+        ]
+    )
 
 
 def _padded_map(cells: Image, shape: tuple[int, ...], before: tuple[int, int]) -> Image:
@@ -569,14 +671,79 @@ def loss_of(log_odds: Tensor, shares: Tensor) -> Tensor:
     return entropy + OVERLAP_WEIGHT * ((1.0 - overlap) * (true > 0.0)).mean()
 
 
-def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
-    """Return a network after some steps, each with a batch of frames."""
+def load(network: MapNetwork, path: Path, pictures: Tensor) -> None:
+    """Take the weights of a file that `export` wrote, to train them further.
+
+    The file has the normalisations worked into the convolutions; they are taken out again, with the
+    statistics of some pictures. What the network finds stays as it was.
+    """
+    graph = onnx.load(path).graph
+    weights = {each.name: onnx.numpy_helper.to_array(each) for each in graph.initializer}
+    folded = {
+        node.name: [torch.tensor(weights[name]) for name in node.input[1:]]
+        for node in graph.node
+        if node.op_type == "Conv"
+    }
+    normalised_by = {}
+    for name, (weight, bias) in folded.items():
+        module = _module_name(name)
+        convolution = network.get_submodule(module)
+        convolution.weight.data = weight
+        if convolution.bias is not None:
+            convolution.bias.data = bias
+            continue
+        parent, _, place = module.rpartition(".")
+        after = network.get_submodule(f"{parent}.{int(place) + 1}")
+        normalised_by[after] = bias
+    _take_statistics(network, normalised_by, pictures)
+
+
+def _module_name(node: str) -> str:
+    """Return the name of a module by that of its node: `/a.0/a.0.1/Conv` is `a.0.1`."""
+    parts: list[str] = []
+    for part in node.removesuffix("/Conv").strip("/").split("/"):
+        if parts and part.startswith(f"{parts[-1]}."):
+            parts.pop()
+        parts.append(part)
+    return ".".join(parts)
+
+
+def _take_statistics(
+    network: MapNetwork, biases: dict[nn.BatchNorm2d, Tensor], pictures: Tensor
+) -> None:
+    """Give each normalisation what it normalises, and what undoes it but for a bias."""
+    inputs: dict[nn.BatchNorm2d, Tensor] = {}
+    for layer, bias in biases.items():
+        layer.weight.data.fill_(math.sqrt(1.0 + layer.eps))
+        layer.bias.data = bias
+        layer.register_forward_pre_hook(lambda which, given: inputs.update({which: given[0]}))
+    with torch.no_grad():
+        network.eval()(pictures)
+    for layer, bias in biases.items():
+        layer._forward_pre_hooks.clear()
+        layer.running_mean = inputs[layer].mean((0, 2, 3))
+        layer.running_var = inputs[layer].var((0, 2, 3))
+        layer.weight.data = torch.sqrt(layer.running_var + layer.eps)
+        layer.bias.data = bias + layer.running_mean
+    network.train()
+
+
+def train(frames: LabelledFrames, steps: int, seed: int, start: Path | None) -> MapNetwork:
+    """Return a network after some steps, each with a batch of frames.
+
+    `start` is a file with the network that it goes on from; None: it begins anew.
+    """
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     network = MapNetwork().to(memory_format=torch.channels_last)
+    if start is not None:
+        load(network, start, batch(frames, rng)[0])
     optimiser = torch.optim.AdamW(network.parameters(), weight_decay=1e-3)
     rates = torch.optim.lr_scheduler.OneCycleLR(
-        optimiser, HIGHEST_RATE, total_steps=steps, pct_start=WARM_UP
+        optimiser,
+        HIGHEST_RATE if start is None else GOING_ON_RATE,
+        total_steps=steps,
+        pct_start=WARM_UP,
     )
     capabilities = torch.cpu.get_capabilities()
     has_bfloat16 = bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))
@@ -616,6 +783,20 @@ def export(network: MapNetwork, path: Path) -> None:
     )
 
 
+def mix(old: Path, new: Path) -> None:
+    """Put the mean of two networks' weights, sharpened, in place of the new ones."""
+    model = onnx.load(new)
+    for before, after in zip(
+        onnx.load(old).graph.initializer, model.graph.initializer, strict=True
+    ):
+        weights = (1.0 - NEW_SHARE) * onnx.numpy_helper.to_array(before)
+        weights += NEW_SHARE * onnx.numpy_helper.to_array(after)
+        if after.name.startswith("log_odds."):
+            weights = SHARPENED * weights + (RAISED if after.name.endswith("bias") else 0.0)
+        after.CopyFrom(onnx.numpy_helper.from_array(weights.astype(np.float32), after.name))
+    onnx.save(model, new)
+
+
 def main() -> None:
     """Render, train, and write the network."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -623,8 +804,12 @@ def main() -> None:
     parser.add_argument("--frames", type=Path, default=Path("frames_to_train_on"))
     parser.add_argument("--steps", type=int, default=12000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--go-on", type=Path, metavar="NETWORK")
     chosen = parser.parse_args()
-    export(train(labelled_frames(chosen.frames), chosen.steps, chosen.seed), chosen.output)
+    frames = labelled_frames(chosen.frames)
+    export(train(frames, chosen.steps, chosen.seed, chosen.go_on), chosen.output)
+    if chosen.go_on is not None:
+        mix(chosen.go_on, chosen.output)
 
 
 if __name__ == "__main__":
