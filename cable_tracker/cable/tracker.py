@@ -225,6 +225,7 @@ class CableTracker:
         self._status = self._status.after(
             supports_claim=converged and self._supports_claim(summary),
             supports_keeping=converged and summary.supports_keeping,
+            is_another=summary.is_another,
             dt=dt,
             parameters=self._parameters,
         )

@@ -82,7 +82,13 @@ class StatusMachine:
         return self.unclaimed_time >= search_time
 
     def after(
-        self, *, supports_claim: bool, supports_keeping: bool, dt: float, parameters: StatusTimes
+        self,
+        *,
+        supports_claim: bool,
+        supports_keeping: bool,
+        dt: float,
+        parameters: StatusTimes,
+        is_another: bool = False,
     ) -> StatusMachine:
         """Return the status after one more frame.
 
@@ -95,8 +101,13 @@ class StatusMachine:
             than half of the loss time.
         parameters : StatusTimes
             Times.
+        is_another : bool
+            Whether what the frame's estimate is of is not what was claimed. No frame of it passes
+            for the claimed one while the loss time runs.
         """
         if self.status is TrackingStatus.TRACKING:
+            if is_another and not supports_keeping:
+                return StatusMachine(TrackingStatus.LOST)
             return self._while_claimed(supports_keeping, dt, parameters)
         return self._while_unclaimed(supports_claim, dt, parameters)
 

@@ -48,6 +48,18 @@ def test_it_is_time_that_counts_not_frames():
     assert run(StatusMachine(), [GOOD] * 11, dt=0.01) == [INITIALISING] * 11
 
 
+@pytest.mark.parametrize(("keeping", "status"), [(False, LOST), (True, TRACKING)])
+def test_an_estimate_of_something_else_does_not_wait_for_the_loss_time(keeping, status):
+    machine = StatusMachine(TRACKING).after(
+        supports_claim=False,
+        supports_keeping=keeping,
+        dt=0.01,
+        parameters=PARAMETERS,
+        is_another=True,
+    )
+    assert machine.status is status
+
+
 @pytest.mark.parametrize("dt", [0.2, 1.0, 5.0])
 def test_one_frame_does_not_lose_a_cable_however_slow_the_camera(dt):
     assert run(StatusMachine(TRACKING), [BAD] * 2, dt=dt) == [TRACKING, LOST]

@@ -74,7 +74,8 @@ def belief_summary(
     hypotheses = belief.hypotheses
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
-    is_acceptable = visible and (belief.is_clear or is_familiar(belief, parameters, image_width))
+    familiar = is_familiar(belief, parameters, image_width)
+    is_acceptable = visible and (belief.is_clear or familiar)
     is_claimable = (
         is_acceptable
         and belief.presence >= parameters.presence_to_track
@@ -90,6 +91,7 @@ def belief_summary(
         supports_keeping=is_acceptable
         and belief.presence >= parameters.presence_to_lose
         and belief.evidence >= parameters.evidence_to_lose,
+        is_another=belief.memory is not None and not familiar,
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )

@@ -86,7 +86,12 @@ def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, se
         memory=MEMORY.aged(seconds),
     )
     assert found.supports_claim == found.supports_keeping == claim
+    assert found.is_another != claim
     assert not found.supports_new_claim
+
+
+def test_without_a_memory_there_is_nothing_that_a_leader_could_differ_from():
+    assert not summary(clearness=FAINT).is_another
 
 
 def displaced(left, right, covariance=None, width=80.0, **changes):
