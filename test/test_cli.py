@@ -196,7 +196,7 @@ def test_a_bad_parameter_file_is_refused(run, bag, content, words):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--params", "missing.yaml"), "missing.yaml: cannot be read"),
+        (("--params", "missing.yaml"), "missing.yaml: there is no such file"),
         (("--seed", "-1"), "seed: -1 is outside"),
         (("--rate", "0"), "rate must be a positive number"),
         (("--topic", "/other"), "/other"),

@@ -27,6 +27,17 @@ class Altitude:
     metres: float
     sigma: float = 0.0
 
+    def fault(self) -> Withheld | None:
+        """Return why it is no altitude of a vehicle that sees the bottom; None if it is one."""
+        if not LEAST_ALTITUDE <= self.metres <= MOST_ALTITUDE:
+            return Withheld(
+                Reason.BAD_ALTITUDE,
+                f"{self.metres:g} m is not within {LEAST_ALTITUDE:g} to {MOST_ALTITUDE:g} m",
+            )
+        if not 0.0 <= self.sigma < math.inf:
+            return Withheld(Reason.BAD_ALTITUDE, f"its sigma is {self.sigma:g} m; give 0 or more")
+        return None
+
 
 @dataclass(frozen=True, slots=True)
 class Altimeter:

@@ -61,6 +61,18 @@ class MetricSettings:
     look_ahead: float = 1.0
     cable_height: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Refuse numbers that are none.
+
+        Raises
+        ------
+        MetricError
+            `look_ahead` or `cable_height` is not finite.
+        """
+        for name, value in (("look_ahead", self.look_ahead), ("cable_height", self.cable_height)):
+            if not math.isfinite(value):
+                raise MetricError(f"{name} is {value}; give a number of metres")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrossTrack:
@@ -176,7 +188,10 @@ class CrossTrackMeter:
         if isinstance(camera, Withheld):
             return camera
         if not attitude.is_finite():
-            return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")
+            return Withheld(
+                Reason.BAD_ATTITUDE,
+                "roll, pitch or their sigma is not finite, or sigma is negative; look at the imu",
+            )
         try:
             with refusals_as(MetricError, "no cross track can be computed"):
                 return self._fault_of_view(altitude, attitude) or self._measured(
@@ -186,6 +201,9 @@ class CrossTrackMeter:
             return Withheld(Reason.NOT_COMPUTED, str(error))
 
     def _fault_of_view(self, altitude: Altitude, attitude: Attitude) -> Withheld | None:
+        fault = altitude.fault()
+        if fault is not None:
+            return fault
         at = np.array([[altitude.metres, attitude.roll, attitude.pitch]])
         sight = self._sights(at)
         if sight.rotations[0, 2, 2] >= -math.sin(LEAST_DEPRESSION):

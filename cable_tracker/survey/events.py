@@ -195,7 +195,7 @@ def _found_and_lost(maker: _Maker) -> list[Event]:
     for first, last in _long_claims(disk.filled(len(way), claimed, np.bool_), way):
         events.append(maker.at(EventKind.FOUND, float(way[first]), "the tracker claims the cable"))
         if goes_on(last):
-            detail = "the tracker claims it no longer"
+            detail = "from here on no claims, or only such as disagree with the route"
             events.append(maker.at(EventKind.LOST, float(way[last - 1]), detail))
     return events
 

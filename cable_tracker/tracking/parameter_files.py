@@ -50,6 +50,8 @@ def read_parameter_file(path: Path, node: str = "tracker") -> dict[str, object]:
     """
     try:
         text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise ParameterError(f"{path}: there is no such file; check the path") from error
     except (OSError, ValueError) as error:
         raise _unreadable(str(path), error) from error
     return parse_parameters(text, str(path), node)

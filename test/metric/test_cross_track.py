@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import MetricError
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
 from cable_tracker.metric.frames import Attitude, Mounting
@@ -243,6 +244,19 @@ class TestWithheld:
 
     def test_an_attitude_that_is_no_number(self, meter, estimate):
         assert reason(meter, estimate, attitude=Attitude(math.nan)) is Reason.BAD_ATTITUDE
+
+    @pytest.mark.parametrize(
+        "altitude",
+        [Altitude(math.nan), Altitude(math.inf), Altitude(500.0), Altitude(-1.0)]
+        + [Altitude(1.4, sigma) for sigma in (math.nan, math.inf, -1.0)],
+    )
+    def test_an_altitude_that_is_none(self, meter, estimate, altitude):
+        assert reason(meter, estimate, altitude) is Reason.BAD_ALTITUDE
+
+    @pytest.mark.parametrize("setting", ["look_ahead", "cable_height"])
+    def test_settings_that_are_no_numbers_are_refused(self, setting):
+        with pytest.raises(MetricError, match=setting):
+            MetricSettings(**{setting: math.nan})
 
     @pytest.mark.parametrize("pitch", [-90.0, -20.0, 0.0, 2.0])
     def test_a_camera_that_looks_up(self, calibrations, estimate, pitch):

@@ -196,7 +196,10 @@ def test_garbage_is_refused_in_one_line_with_the_file(written, content):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["missing.yaml", "."])
-def test_a_file_that_cannot_be_opened_is_refused(tmp_path, name):
-    with pytest.raises(ParameterError, match="cannot be read"):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("missing.yaml", "there is no such file; check the path"), (".", "cannot be read")],
+)
+def test_a_file_that_cannot_be_opened_is_refused(tmp_path, name, words):
+    with pytest.raises(ParameterError, match=words):
         read_parameter_file(tmp_path / name)
