@@ -18,6 +18,7 @@ import argparse
 import itertools
 import math
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -298,7 +299,7 @@ def _any_pose(rng: np.random.Generator) -> FloatArray:
     """Return where a cable may lie, as (d [px], alpha [rad], w [px], beta [rad])."""
     distance = rng.uniform(-0.35, 0.35) * WORLD_SIZE[0]
     is_thin = rng.random() < 0.5
-    width = _log_uniform(*ANY_WIDTH, rng) if is_thin else rng.uniform(*ANY_WIDTH)
+    width = math.exp(rng.uniform(*np.log(ANY_WIDTH))) if is_thin else rng.uniform(*ANY_WIDTH)
     # The wider a cable is, the nearer the camera, and the more it converges.
     skew = math.radians(0.07 * width * rng.normal())
     return np.array([distance, math.radians(rng.uniform(*ANY_ANGLE)), width, skew])
@@ -329,7 +330,7 @@ def _pooled(levels: Image, rng: np.random.Generator) -> Image:
         aside = down * math.cos(turn) - across * math.sin(turn)
         outside = np.hypot(along / np.float32(longer), aside / np.float32(shorter)) - 1.0
         sharpest = 0.03 if shorter > 0.5 * longer else 0.2
-        rim = np.float32(_log_uniform(sharpest, 1.0, rng))
+        rim = np.float32(sharpest ** rng.random())
         light += np.float32(rng.uniform(-1.2, 1.2)) / (1.0 + np.exp(np.minimum(outside / rim, 20)))
     lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
@@ -413,10 +414,12 @@ def _lamplit(
 
     Both are as dark there, so that no border is left between them.
     """
-    body = np.maximum(np.cos(np.arcsin(np.clip(at.across, -1.0, 1.0)) + side * _lamp(rng)), 0.0)
+    from_above = math.radians(rng.uniform(20.0, 85.0))
+    slope = np.arcsin(np.clip(at.across, -1.0, 1.0))
+    body = np.maximum(np.cos(slope + side * from_above), 0.0)
     dark = np.float32(rng.uniform(0.1, 0.6))
     soft = np.float32(rng.uniform(1.0, 1.0 + 0.15 * at.width))
-    end = np.float32(at.width * _log_uniform(0.15, 4.0, rng))
+    end = np.float32(at.width * 0.15 * (4.0 / 0.15) ** rng.random())
     behind = (side * at.across > 0.0) / (
         1.0 + np.exp(np.clip((at.outside - end) / soft, -20.0, 20.0))
     )
@@ -424,16 +427,6 @@ def _lamplit(
         levels * (1.0 - (1.0 - dark) * behind).astype(np.float32),
         painted * (dark + (1.0 - dark) * body).astype(np.float32),
     )
-
-
-def _lamp(rng: np.random.Generator) -> float:
-    """Return how far from above a lamp shines on a cable [rad]."""
-    return math.radians(rng.uniform(20.0, 85.0))
-
-
-def _log_uniform(low: float, high: float, rng: np.random.Generator) -> float:
-    """Return a number whose logarithm lies anywhere between those of two others."""
-    return math.exp(rng.uniform(math.log(low), math.log(high)))
 
 
 def _shading(at: _Surface, rng: np.random.Generator) -> Image:
@@ -713,14 +706,18 @@ def _take_statistics(
 ) -> None:
     """Give each normalisation what it normalises, and what undoes it but for a bias."""
     inputs: dict[nn.BatchNorm2d, Tensor] = {}
+    with ExitStack() as hooks:
+        for layer, bias in biases.items():
+            layer.weight.data.fill_(math.sqrt(1.0 + layer.eps))
+            layer.bias.data = bias
+            hooks.enter_context(
+                layer.register_forward_pre_hook(
+                    lambda which, given: inputs.update({which: given[0]})
+                )
+            )
+        with torch.no_grad():
+            network.eval()(pictures)
     for layer, bias in biases.items():
-        layer.weight.data.fill_(math.sqrt(1.0 + layer.eps))
-        layer.bias.data = bias
-        layer.register_forward_pre_hook(lambda which, given: inputs.update({which: given[0]}))
-    with torch.no_grad():
-        network.eval()(pictures)
-    for layer, bias in biases.items():
-        layer._forward_pre_hooks.clear()
         layer.running_mean = inputs[layer].mean((0, 2, 3))
         layer.running_var = inputs[layer].var((0, 2, 3))
         layer.weight.data = torch.sqrt(layer.running_var + layer.eps)

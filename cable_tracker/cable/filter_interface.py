@@ -49,7 +49,7 @@ class BeliefSummary:
     supports_new_claim : bool
         Whether it speaks for claiming one that nothing was known of.
     is_another : bool
-        Whether the estimate is not of the cable that was tracked last: no place for that one.
+        Whether the estimate is of something else than the cable that was tracked last.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis

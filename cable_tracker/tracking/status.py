@@ -102,8 +102,8 @@ class StatusMachine:
         parameters : StatusTimes
             Times.
         is_another : bool
-            Whether what the frame's estimate is of is not what was claimed. No frame of it passes
-            for the claimed one while the loss time runs.
+            Whether the estimate is of something else than what was claimed. The loss time does not
+            run then: no frame of it may pass for what was claimed.
         """
         if self.status is TrackingStatus.TRACKING:
             if is_another and not supports_keeping:
