@@ -165,7 +165,7 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
         (("--scenario", "S1", "--seeds", "1-"), "seeds: '1-' is not of the form 0,4-6"),
         (("--scenario", "no_cable", "--frames", "2"), "no labelled frame shows a border"),
         (("dive", "--seed", "-1"), "seed: -1 is outside"),
-        (("dive", "--params", "missing.yaml"), "missing.yaml: cannot be read"),
+        (("dive", "--params", "missing.yaml"), "missing.yaml: there is no such file"),
         (("dive", "--output", "dive/metadata.yaml/table.json"), "cannot be written"),
     ],
 )

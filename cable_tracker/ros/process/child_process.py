@@ -45,7 +45,8 @@ class NodeProcess:
         module: str = ENTRY,
     ) -> None:
         self._command = [sys.executable, "-m", module, node, "--ros-args", *arguments]
-        self._environment = dict(environment)
+        # Written line by line: the log holds a dying node's words, in the order it said them.
+        self._environment = {**environment, "PYTHONUNBUFFERED": "1"}
 
     def __enter__(self) -> Self:
         # A file, not a pipe: none is read while frames run, and a full pipe would stop the node.
