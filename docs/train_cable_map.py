@@ -126,6 +126,13 @@ WITHOUT_CABLE = 0.2
 LAMPLIT = 0.35
 """Share of the painted cables that a lamp at one side lights, so that the other lies in shadow."""
 
+SHADED, CRISP, SPANNING = 0.5, 0.5, 0.4
+"""Share of the cables that cast a shadow to one side, of those shadows that have an end, and of
+these that lie apart from the cable, as below a free span."""
+
+CAPTIONED = 0.15
+"""Share of the pictures with text, boxes and thin lines burned in."""
+
 POOLED, PLAIN = 0.4, 0.4
 """Share of the pictures with pools and bands of light or shade, and of those without a cable whose
 ground is made plain before."""
@@ -269,6 +276,9 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels = _painted(levels, pose, rng)
     elif not has_cable and rng.random() < PLAIN:
         levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
+    elif has_cable and rng.random() < SHADED:
+        at = _surface(pose, levels.shape)
+        levels = _beside_a_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
     cells = true_map(pose)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
@@ -285,6 +295,11 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
+    return _recorded(levels, rng), np.ascontiguousarray(cells)
+
+
+def _recorded(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture as a camera and a display record it."""
     if rng.random() < INVERTED:
         levels = 255.0 - levels
     levels = 255.0 * np.clip(levels / 255.0, 0.0, 1.0) ** np.float32(math.exp(0.3 * rng.normal()))
@@ -292,7 +307,9 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels = cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
     noise = np.float32(12.0) * rng.random() ** 3
     levels = levels + noise * rng.standard_normal(levels.shape, np.float32)
-    return levels.astype(np.float32), np.ascontiguousarray(cells)
+    if rng.random() < CAPTIONED:
+        levels = _captioned(levels, rng)
+    return levels.astype(np.float32)
 
 
 def _any_pose(rng: np.random.Generator) -> FloatArray:
@@ -379,7 +396,7 @@ def _surface(pose: FloatArray, shape: tuple[int, ...]) -> _Surface:
 def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
     """Return a picture whose cable has a skin of any kind: shaded, striped, wound, patched.
 
-    Half of the cables cast a shadow to one side; of one in three the ground covers a part.
+    Some cast a shadow to one side; of one in three the ground covers a part.
     """
     at, deviation = _surface(pose, levels.shape), float(levels.std()) + 3.0
     skin = _bands(at, rng) + _shading(at, rng)
@@ -394,10 +411,8 @@ def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image
         shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
         share *= cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
     side = rng.choice((-1.0, 1.0))
-    if rng.random() < 0.5:
-        reach = np.float32(at.width * rng.uniform(0.1, 0.8))
-        shadow = np.exp(-np.maximum(at.outside, 0.0) / reach) * (side * at.across > 0.0)
-        levels = levels - np.float32(1.5 * rng.random() * deviation) * shadow
+    if rng.random() < SHADED:
+        levels = _beside_a_shadow(levels, at, side, rng)
     beside = levels[(at.outside > 0.0) & (at.outside < max(at.width, 10.0))]
     around = float(beside.mean()) if len(beside) else float(levels.mean())
     painted = around + np.float32(deviation) * (contrast + np.float32(rng.uniform(0.3, 1.5)) * skin)
@@ -405,6 +420,63 @@ def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image
         levels, painted = _lamplit(levels, painted, at, side, rng)
     mixed: Image = levels + share.astype(np.float32) * (painted - levels)
     return mixed
+
+
+def _beside_a_shadow(levels: Image, at: _Surface, side: float, rng: np.random.Generator) -> Image:
+    """Return ground on which a cable casts a shadow to one side.
+
+    It fades out, or it has an end; then the ground in it shows through, and it may lie apart from
+    the cable, as below a free span that rises along the way.
+    """
+    outside = np.maximum(at.outside, 0.0)
+    on_its_side = side * at.across > 0.0
+    if rng.random() >= CRISP:
+        fading = np.exp(-outside / np.float32(at.width * rng.uniform(0.1, 0.8))) * on_its_side
+        depth = np.float32(1.5 * rng.random() * (float(levels.std()) + 3.0))
+        return np.asarray(levels - depth * fading, np.float32)
+    begin = np.zeros_like(outside)
+    if rng.random() < SPANNING:
+        rise = rng.uniform(-0.3, 0.3) * at.along
+        begin = np.maximum(at.width * rng.uniform(0.0, 2.0) + rise, 0.0).astype(np.float32)
+    end = begin + np.float32(at.width * rng.uniform(0.1, 1.3))
+    soft = np.float32(rng.uniform(0.4, 1.0 + 0.1 * at.width))
+    # Where it begins at the cable there is no ramp, but the cable's border.
+    begun = np.where(begin > 0.0, _logistic((outside - begin) / soft), 1.0)
+    within = begun * _logistic((end - outside) / soft) * (on_its_side & (at.outside > 0.0))
+    return np.asarray(levels * (1.0 - rng.uniform(0.1, 0.9) * within), np.float32)
+
+
+def _logistic(values: Image) -> Image:
+    """Return a ramp from 0 to 1 about 0."""
+    ramp: Image = 1.0 / (1.0 + np.exp(np.clip(-values, -20.0, 20.0)))
+    return ramp
+
+
+def _captioned(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with what a display burns in: text, some of it in boxes, and thin lines."""
+    height, width = levels.shape
+    written = np.clip(levels, 0.0, 255.0).astype(np.uint8)
+    for _ in range(rng.integers(1, 7)):
+        place = (int(rng.integers(-20, width)), int(rng.integers(10, height)))
+        length = int(rng.integers(2, 30))
+        text = "".join(chr(each) for each in rng.integers(32, 127, length))
+        font, size = int(rng.integers(0, 8)), rng.uniform(0.3, 0.9)
+        level = abs(float(rng.choice((0.0, 255.0))) - 40.0 * rng.random() ** 2)
+        thickness = int(rng.integers(1, 3))
+        (long, tall), below = cv2.getTextSize(text, font, size, thickness)
+        if rng.random() < 0.4:
+            corner, opposite = (
+                (place[0] - 3, place[1] + below),
+                (place[0] + long + 3, place[1] - tall - 3),
+            )
+            cv2.rectangle(written, corner, opposite, 255.0 - level, cv2.FILLED)
+        cv2.putText(written, text, place, font, size, level, thickness, cv2.LINE_AA)
+    for _ in range(rng.integers(0, 4)):
+        first, second = ((int(rng.integers(width)), int(rng.integers(height))) for _ in range(2))
+        # Level or upright, as the lines of displays are.
+        second = (second[0], first[1]) if rng.random() < 0.5 else (first[0], second[1])
+        cv2.line(written, first, second, float(rng.choice((0.0, 255.0))), int(rng.integers(1, 3)))
+    return np.asarray(written, np.float32)
 
 
 def _lamplit(

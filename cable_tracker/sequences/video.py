@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,12 @@ VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts"
 
 _COUNTED_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
 """Containers that store their number of frames; for the others FFmpeg only guesses it."""
+
+_TIMED_SUFFIXES = (".mkv", ".webm")
+"""Containers whose header says how long their streams are."""
+
+_LEAST_MISSING = 1.0
+"""What a file ends before its time by is missing from this on [s]."""
 
 _HIGHEST_RATE = 1000.0
 
@@ -116,6 +123,42 @@ def _frames_not_shown(path: Path) -> int:
         return 0
 
 
+def _promised_seconds(path: Path) -> float | None:
+    """Return how long a file's pictures should last, if they end long before; else None [s].
+
+    A file that another program is still writing does not say how long it will be.
+    """
+    if path.suffix.lower() not in _TIMED_SUFFIXES:
+        return None
+    try:
+        with av.open(str(path), metadata_errors="replace") as container:
+            (stream,) = container.streams.video[:1]
+            # The file may hold sound that lasts longer.
+            promised = _seconds(stream.metadata.get("DURATION", ""))
+            ends = [
+                float((packet.pts + (packet.duration or 0)) * packet.time_base)
+                for packet in container.demux(stream)
+                if packet.pts is not None and packet.time_base is not None
+            ]
+    except (FFmpegError, ValueError):
+        # It finds no stream of pictures; then what OpenCV reads is all that is known.
+        return None
+    return (
+        promised
+        if promised is not None and max(ends, default=0.0) < promised - _LEAST_MISSING
+        else None
+    )
+
+
+def _seconds(clock: str) -> float | None:
+    """Return the seconds of a text such as 01:02:03.5; None if it is no such text."""
+    found = re.fullmatch(r"(\d+):(\d+):(\d+(?:\.\d*)?)", clock)
+    if found is None:
+        return None
+    hours, minutes, seconds = map(float, found.groups())
+    return 3600.0 * hours + 60.0 * minutes + seconds
+
+
 class VideoSource(Source):
     """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
 
@@ -141,6 +184,8 @@ class VideoSource(Source):
         promised = self.frame_count or 1
         if count < promised and count < promised - _frames_not_shown(self.path):
             raise damage(self.path, count, f"the file promises {self.frame_count or 'some'}")
+        if (seconds := _promised_seconds(self.path)) is not None:
+            raise damage(self.path, count, f"the file promises {seconds:.1f} s of them")
 
     def _frame(self, index: int, picture: Image) -> Frame | UnreadableFrame:
         stamp = stamp_of_frame(index, self._rate)

@@ -22,7 +22,7 @@ COLUMNS, ROWS_PER_BIN = 48, 4
 """Size of the straightened cable [px]; its borders lie at a quarter and three quarters."""
 
 LEFT, RIGHT = COLUMNS // 4, 3 * COLUMNS // 4
-TOLERANCE = 2
+TOLERANCE = 3
 """Distance to either side of a claimed border within which it is looked for [px of the strip]."""
 
 SMOOTHING = (5, 1)
@@ -122,8 +122,17 @@ def _slopes(
     steps = np.abs(strip[:, 2:] - strip[:, :-2])
     bins = strip.reshape(PROFILE_BINS, ROWS_PER_BIN, -1).mean(axis=1)
     slopes = bins[:, 2:] - bins[:, :-2]
-    usual = float(np.median(np.abs(slopes))) + 0.25 * float(np.median(steps)) + LEAST_STEP
+    texture = _without_shading(slopes, margin)
+    usual = float(np.median(np.abs(texture))) + 0.25 * float(np.median(steps)) + LEAST_STEP
     return slopes, usual
+
+
+def _without_shading(slopes: FloatArray, margin: int) -> FloatArray:
+    """Return slopes without what is alike all along between the borders: a round body's shading."""
+    between = slice(LEFT + margin, RIGHT + margin - 2)
+    texture = slopes.copy()
+    texture[:, between] -= slopes[:, between].mean(axis=0)
+    return texture
 
 
 def _weaker(slopes: FloatArray, shift: int) -> FloatArray:

@@ -136,6 +136,40 @@ def test_a_frame_of_too_many_pixels_is_a_bad_frame(monkeypatch, make_video):
         decode_grey(frame.image)
 
 
+def write_matroska(path, frames, *, seconds_of_sound=0):
+    """Write a video as most programs do, with how long each stream lasts."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        sound = container.add_stream("pcm_s16le", rate=8000) if seconds_of_sound else None
+        noise = np.random.default_rng(0)
+        for _ in range(frames):
+            picture = noise.integers(0, 255, (48, 64, 3), np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="bgr24")))
+        container.mux(stream.encode(None))
+        for second in range(seconds_of_sound):
+            silence = av.AudioFrame.from_ndarray(np.zeros((1, 8000), np.int16), layout="mono")
+            silence.sample_rate, silence.pts = 8000, 8000 * second
+            container.mux(sound.encode(silence))
+    return path
+
+
+def test_a_matroska_file_that_is_cut_says_so_after_the_frames_before_the_cut(tmp_path):
+    path = write_matroska(tmp_path / "dive.mkv", 100)
+    assert len(list(VideoSource(path).frames())) == 100
+    os.truncate(path, path.stat().st_size // 2)
+    frames = []
+    with pytest.raises(RecordingError, match=r"damaged after \d+ frames .* promises 4\.0 s"):
+        for frame in VideoSource(path).frames():
+            frames.append(frame)
+    assert 30 < len(frames) < 70
+
+
+def test_sound_that_lasts_longer_than_the_pictures_is_no_damage(tmp_path):
+    path = write_matroska(tmp_path / "dive.mkv", 25, seconds_of_sound=4)
+    assert len(list(VideoSource(path).frames())) == 25
+
+
 def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
     path = tmp_path / "cut.mp4"
     with av.open(str(path), "w") as container:

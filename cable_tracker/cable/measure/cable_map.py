@@ -98,7 +98,7 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
     resolved = RESOLVED_WIDTH * cable_map.cell
     area, mass = _covered(state, max(state[WIDTH], resolved), cable_map)
     if state[WIDTH] < resolved:
-        sharp_width = max(state[WIDTH], SHARPEST_WIDTH * cable_map.cell)
+        sharp_width = SHARPEST_WIDTH * cable_map.cell
         sharp_area, sharp_mass = _covered(state, sharp_width, cable_map)
         if sharp_mass * (cable_map.mass + area) > mass * (cable_map.mass + sharp_area):
             area, mass = sharp_area, sharp_mass
