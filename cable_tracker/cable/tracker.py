@@ -142,10 +142,15 @@ class CableTracker:
         Raises
         ------
         FrameError
-            The state is not finite, or a sigma is negative.
+            The state is not finite, a sigma is negative, or the width is known and not positive.
         """
         if not given.state.is_finite() or bool(np.any(given.sigma < 0.0)):
             raise FrameError("the initial state must be finite, and its sigmas not negative")
+        if given.state.width <= 0.0 and not math.isinf(given.sigma[StateColumn.WIDTH]):
+            raise FrameError(
+                f"a width of {given.state.width:g} px is none; give one above 0, or an infinite"
+                " sigma if it is not known"
+            )
         self._given = given
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:

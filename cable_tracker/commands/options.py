@@ -99,6 +99,13 @@ FixOption = Annotated[
 BagOption = Annotated[
     bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
 ]
+VideoOption = Annotated[
+    bool, typer.Option("--video/--no-video", help="Write the video overlay.webm.")
+]
+PicturesOption = Annotated[
+    bool,
+    typer.Option("--pictures/--no-pictures", help="Write the contact sheet and, if any, plots."),
+]
 TimingOption = Annotated[
     bool, typer.Option(help="Fill the column `ms`, the only one that differs from run to run.")
 ]

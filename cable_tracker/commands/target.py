@@ -17,6 +17,7 @@ from cable_tracker.commands.options import (
     OdometryOption,
     OutsideOption,
     ParamsOption,
+    PicturesOption,
     RateOption,
     SeedOption,
     SkipOption,
@@ -24,6 +25,7 @@ from cable_tracker.commands.options import (
     TimingOption,
     TopicOption,
     VehicleOption,
+    VideoOption,
     chosen_instruments,
     find_vehicle,
     open_recording,
@@ -40,6 +42,7 @@ from cable_tracker.commands.terminal import advance, messages, print_files, prog
 from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
+from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target
 from cable_tracker.sequences.instruments import NO_TOPIC
@@ -96,7 +99,9 @@ def target(  # noqa: PLR0917
     ros: Annotated[
         bool, typer.Option("--ros", help="Run the nodes and talk over DDS; needs ROS 2 Jazzy.")
     ] = False,
+    video: VideoOption = True,
     bag: BagOption = True,
+    pictures: PicturesOption = True,
     timing: TimingOption = True,
 ) -> None:
     """Follow a target with an outline: a buoy, a vehicle, a diver.
@@ -114,10 +119,11 @@ def target(  # noqa: PLR0917
     folder = output if output is not None else folder_beside(source, "target")
     chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
     choice = chosen_instruments(camera_info_topic, NO_TOPIC, imu_topic, odometry_topic)
+    wanted = WantedResults(video=video, bag=bag, pictures=pictures)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
         results = stack.enter_context(
-            TargetFolder(folder, overwrite=force, timing=timing, with_bag=bag)
+            TargetFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("following", recording.frame_count))
         described = find_vehicle(recording, choice, vehicle)

@@ -21,6 +21,7 @@ from cable_tracker.commands.options import (
     OdometryOption,
     OutsideOption,
     ParamsOption,
+    PicturesOption,
     PresetOption,
     RateOption,
     SeedOption,
@@ -30,6 +31,7 @@ from cable_tracker.commands.options import (
     TopicOption,
     TruthOption,
     VehicleOption,
+    VideoOption,
     chosen_instruments,
     find_vehicle,
     open_recording,
@@ -48,7 +50,8 @@ from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.offline.advice import advice
-from cable_tracker.offline.result_folder import ResultFolder, WantedResults
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_recording
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
@@ -77,13 +80,9 @@ def track(  # noqa: PLR0917
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
-    video: Annotated[
-        bool, typer.Option("--video/--no-video", help="Write the video overlay.webm.")
-    ] = True,
+    video: VideoOption = True,
     bag: BagOption = True,
-    pictures: Annotated[
-        bool, typer.Option("--pictures/--no-pictures", help="Write contact sheet and plots.")
-    ] = True,
+    pictures: PicturesOption = True,
     vehicle: VehicleOption = None,
     camera_info_topic: CameraInfoOption = None,
     altitude_topic: AltitudeOption = None,
@@ -155,7 +154,7 @@ def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:
     print_median_time([row.ms for row in results.rows])
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))
-    print_files(results.path, results.wanted.names())
+    print_files(results.path, results.names)
 
 
 def _print_errors(summary: ErrorSummary) -> None:

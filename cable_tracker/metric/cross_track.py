@@ -177,13 +177,21 @@ class CrossTrackMeter:
             Altitude of base_link above the sea bed.
         attitude : Attitude or Withheld
             Attitude of base_link.
+
+        Raises
+        ------
+        MetricError
+            Altitude or attitude is something else, such as a number.
         """
         if estimate.status is not TrackingStatus.TRACKING:
             return Withheld(Reason.NOT_TRACKING, f"the tracker's status is {estimate.status.value}")
         for given in (altitude, attitude):
             if isinstance(given, Withheld):
                 return given
-        assert isinstance(altitude, Altitude) and isinstance(attitude, Attitude)
+        if not (isinstance(altitude, Altitude) and isinstance(attitude, Attitude)):
+            raise MetricError(
+                "give an Altitude and an Attitude: Altitude(2.0, sigma=0.02), Attitude(0.0, 0.0)"
+            )
         camera = camera_for(self._calibration, estimate.image_size)
         if isinstance(camera, Withheld):
             return camera

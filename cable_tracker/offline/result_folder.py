@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,17 +12,23 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
+from cable_tracker.offline.results import (
+    BAG,
+    CONTACT_SHEET,
+    ESTIMATES,
+    EVERYTHING,
+    VIDEO,
+    Results,
+    WantedResults,
+)
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.stored_rows import StoredRows
-from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
-from cable_tracker.visualisation.video import VideoWriter
 
 PLOTS = "estimates.png"
 
@@ -30,46 +36,8 @@ SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 """Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
 
 
-@dataclass(frozen=True, slots=True)
-class WantedResults:
-    """Content of a result folder beside the table.
-
-    Attributes
-    ----------
-    video : bool
-        The frames with all that the tracker believes drawn over them.
-    bag : bool
-        The messages that the node publishes.
-    pictures : bool
-        A contact sheet and the plots.
-    """
-
-    video: bool = True
-    bag: bool = True
-    pictures: bool = True
-
-    def names(self) -> tuple[str, ...]:
-        """Return the names of the files, in the order in which they are told."""
-        wanted = (
-            (ESTIMATES, True),
-            (VIDEO, self.video),
-            (CONTACT_SHEET, self.pictures),
-            (PLOTS, self.pictures),
-            (BAG, self.bag),
-        )
-        return tuple(name for name, is_wanted in wanted if is_wanted)
-
-
-EVERYTHING = WantedResults()
-
-
 class ResultFolder(Results):
     """Results of a tracked cable, see `Results`.
-
-    Parameters
-    ----------
-    wanted : WantedResults
-        Files to write beside the table.
 
     Attributes
     ----------
@@ -89,17 +57,24 @@ class ResultFolder(Results):
         timing: bool = True,
         wanted: WantedResults = EVERYTHING,
     ) -> None:
-        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=wanted.bag)
-        self.wanted = wanted
+        super().__init__(path, overwrite=overwrite, timing=timing, wanted=wanted)
         self.truths: dict[int, CableState] = {}
-        self._sheet = ContactSheet() if wanted.pictures else None
-        self._video: VideoWriter | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the files, in the order in which they are told."""
+        return self._wanted_names(
+            (ESTIMATES, True),
+            (VIDEO, self.wanted.video),
+            (CONTACT_SHEET, self.wanted.pictures),
+            (PLOTS, self.wanted.pictures),
+            (BAG, self.wanted.bag),
+        )
 
     def _open_writers(self, stack: ExitStack) -> None:
         self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
         self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
-        if self.wanted.video:
-            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+        self._open_pictures(stack)
         # Entered last, so that all is drawn before the video is closed.
         self._drawing = stack.enter_context(DrawingThread())
 
@@ -170,6 +145,6 @@ class ResultFolder(Results):
 
     def _write_summaries(self) -> None:
         write_estimates(self._content / ESTIMATES, self.rows)
-        if self._sheet is not None:
-            self._sheet.write(self._content / CONTACT_SHEET)
+        self._write_sheet()
+        if self.wanted.pictures:
             plot_estimates(self._content / PLOTS, self.rows, self.truths)

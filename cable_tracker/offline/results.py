@@ -4,17 +4,42 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
+from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.video import VideoWriter
 
 ESTIMATES = "estimates.csv"
 VIDEO = "overlay.webm"
 CONTACT_SHEET = "overlay.png"
 BAG = "bag"
+
+
+@dataclass(frozen=True, slots=True)
+class WantedResults:
+    """Content of a result folder beside the table.
+
+    Attributes
+    ----------
+    video : bool
+        The frames with all that the tracker believes drawn over them.
+    bag : bool
+        The messages that the node publishes.
+    pictures : bool
+        A contact sheet and, of a cable, the plots.
+    """
+
+    video: bool = True
+    bag: bool = True
+    pictures: bool = True
+
+
+EVERYTHING = WantedResults()
 
 
 class Results(ABC):
@@ -30,14 +55,14 @@ class Results(ABC):
         Replace the results of an earlier run. Nothing else is ever replaced.
     timing : bool
         Write the measured times into the table. Without them, equal runs write equal bytes.
-    with_bag : bool
-        Write the messages that the node publishes.
+    wanted : WantedResults
+        Files to write beside the table.
 
     Attributes
     ----------
     path : Path
         Path of the finished folder.
-    with_bag : bool
+    wanted : WantedResults
         As given.
     bag : MessageSink
         Writer of messages; forgets them without a bag.
@@ -48,12 +73,14 @@ class Results(ABC):
         The path is taken, or the disk does not let us write.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
+    def __init__(self, path: Path, *, overwrite: bool, timing: bool, wanted: WantedResults) -> None:
         self.path = path
         self.bag: MessageSink = NoMessages()
         self._overwrite = overwrite
         self._timing = timing
-        self.with_bag = with_bag
+        self.wanted = wanted
+        self._sheet = ContactSheet() if wanted.pictures else None
+        self._video: VideoWriter | None = None
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -62,7 +89,7 @@ class Results(ABC):
             )
             # What is entered last is closed first: the table is written when all else is there.
             stack.push(self._finish)
-            if self.with_bag:
+            if self.wanted.bag:
                 self.bag = stack.enter_context(BagWriter(self._content / BAG))
             self._open_writers(stack)
             self._stack = stack.pop_all()
@@ -84,6 +111,21 @@ class Results(ABC):
     ) -> None:
         if error is None:
             self._write_summaries()
+
+    @staticmethod
+    def _wanted_names(*files: tuple[str, bool]) -> tuple[str, ...]:
+        """Return the names of the files that are wanted."""
+        return tuple(name for name, is_wanted in files if is_wanted)
+
+    def _open_pictures(self, stack: ExitStack) -> None:
+        """Open the video, if it is wanted."""
+        if self.wanted.video:
+            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+
+    def _write_sheet(self) -> None:
+        """Write the contact sheet, if it is wanted."""
+        if self._sheet is not None:
+            self._sheet.write(self._content / CONTACT_SHEET)
 
     @abstractmethod
     def _open_writers(self, stack: ExitStack) -> None:

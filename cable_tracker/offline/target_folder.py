@@ -8,13 +8,19 @@ from pathlib import Path
 
 from cable_tracker.arrays import Image
 from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
-from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
+from cable_tracker.offline.results import (
+    BAG,
+    CONTACT_SHEET,
+    ESTIMATES,
+    EVERYTHING,
+    VIDEO,
+    Results,
+    WantedResults,
+)
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import resized
-from cable_tracker.visualisation.video import VideoWriter
 
 
 class TargetFolder(Results):
@@ -28,20 +34,31 @@ class TargetFolder(Results):
         The table in metres so far; it is written if it has rows.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
-        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=with_bag)
+    def __init__(
+        self,
+        path: Path,
+        *,
+        overwrite: bool = False,
+        timing: bool = True,
+        wanted: WantedResults = EVERYTHING,
+    ) -> None:
+        super().__init__(path, overwrite=overwrite, timing=timing, wanted=wanted)
         self.rows: list[TargetRow] = []
         self.metres: list[tuple[str, ...]] = []
-        self._sheet = ContactSheet()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the written files."""
-        metres = (METRES,) if self.metres else ()
-        return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self.with_bag else ()))
+        return self._wanted_names(
+            (ESTIMATES, True),
+            (METRES, bool(self.metres)),
+            (VIDEO, self.wanted.video),
+            (CONTACT_SHEET, self.wanted.pictures),
+            (BAG, self.wanted.bag),
+        )
 
     def _open_writers(self, stack: ExitStack) -> None:
-        self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+        self._open_pictures(stack)
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
         """Add one frame, with the picture that shows what was found; None for a refused frame."""
@@ -49,8 +66,10 @@ class TargetFolder(Results):
         if picture is None:
             return
         picture, _ = resized(picture, SMALLEST_PICTURE, LARGEST_PICTURE)
-        self._video.add(picture, frame.stamp)
-        self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
+        if self._video is not None:
+            self._video.add(picture, frame.stamp)
+        if self._sheet is not None:
+            self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
 
     def _write_summaries(self) -> None:
         tables = {ESTIMATES: csv_text(HEADER, (row.cells() for row in self.rows))}
@@ -58,4 +77,4 @@ class TargetFolder(Results):
             tables[METRES] = csv_text(METRES_HEADER, self.metres)
         for name, text in tables.items():
             (self._content / name).write_text(text, encoding="utf-8", newline="")
-        self._sheet.write(self._content / CONTACT_SHEET)
+        self._write_sheet()

@@ -154,7 +154,7 @@ def track_recording(
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
-    output = _CableMessages(results.bag, frame) if results.with_bag else None
+    output = _CableMessages(results.bag, frame) if results.wanted.bag else None
     if metres is not None:
         metres.advance(frame)
     try:

@@ -72,7 +72,7 @@ def track_target(
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
-    output = TargetMessages(results.bag, frame) if results.with_bag else None
+    output = TargetMessages(results.bag, frame) if results.wanted.bag else None
     if sight is not None:
         sight.advance(frame)
     try:

@@ -485,15 +485,17 @@ def test_extreme_resampling_thresholds_run(dive, threshold):
 
 
 @pytest.mark.parametrize(
-    "prior",
+    ("prior", "words"),
     [
-        GivenState.around(CableState(np.nan, 0.0, 30.0)),
-        GivenState.around(CableState(0.0, np.inf, 30.0)),
-        GivenState(CableState(0.0, 0.0, 30.0), np.array([1.0, -1.0, *[1.0] * 6])),
+        (GivenState.around(CableState(np.nan, 0.0, 30.0)), "finite"),
+        (GivenState.around(CableState(0.0, np.inf, 30.0)), "finite"),
+        (GivenState(CableState(0.0, 0.0, 30.0), np.array([1.0, -1.0, *[1.0] * 6])), "negative"),
+        (GivenState.around(CableState(0.0, 0.0, -30.0)), "width of -30 px is none"),
+        (GivenState.around(CableState(0.0, 0.0, 0.0)), "width of 0 px is none"),
     ],
 )
-def test_an_impossible_prior_is_refused(prior):
-    with pytest.raises(FrameError, match="finite"):
+def test_an_impossible_prior_is_refused(prior, words):
+    with pytest.raises(FrameError, match=words):
         CableTracker().initialise(prior)
 
 

@@ -66,6 +66,15 @@ def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeyp
     }  # fmt: skip
 
 
+def test_a_table_alone_is_made_and_told_where_no_more_is_wanted(folder, first_box, tmp_path):
+    words = ",".join(str(side) for side in first_box)
+    nothing_else = ("--no-bag", "--no-video", "--no-pictures")
+    result = run(folder, "--init", words, *nothing_else, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["estimates.csv"]
+    assert "estimates.csv" in result.output and "overlay" not in result.output
+
+
 def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(folder, tmp_path):
     for name in ("one", "two"):
         result = run(folder, "--init", "detect", "--no-timing", "--output", tmp_path / name)

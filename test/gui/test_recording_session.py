@@ -18,8 +18,8 @@ from cable_tracker.gui.tracking_commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.result_folder import ResultFolder, WantedResults
-from cable_tracker.offline.results import ESTIMATES
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import ESTIMATES, WantedResults
 from cable_tracker.offline.track_recording import (
     given_state_for,
     track_recording,

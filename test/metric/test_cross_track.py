@@ -323,3 +323,12 @@ def test_what_numpy_refuses_withholds_the_metres(calibrations, make_estimate, mo
     monkeypatch.setattr(np.linalg, "eigh", refuse)
     estimate = make_estimate(CableState(10.0, 0.1, 40.0))
     assert reason(meter(calibrations["pinhole"]), estimate) is Reason.NOT_COMPUTED
+
+
+@pytest.mark.parametrize("instruments", [(1.4, Attitude()), (Altitude(1.4), (0.0, 0.0))])
+def test_numbers_in_place_of_instruments_are_refused_with_an_example(
+    calibrations, make_estimate, instruments
+):
+    estimate = make_estimate(CableState(10.0, 0.1, 40.0))
+    with pytest.raises(MetricError, match=r"Altitude\(2\.0, sigma=0\.02\), Attitude\(0\.0, 0\.0\)"):
+        meter(calibrations["pinhole"]).measure(estimate, *instruments)

@@ -11,9 +11,11 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
 from cable_tracker.offline import result_folder, results
-from cable_tracker.offline.result_folder import ResultFolder, WantedResults
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.estimates import EstimateRow, read_estimates
+from cable_tracker.visualisation.video import VideoWriter
 
 NAMES = {"estimates.csv", "overlay.webm", "overlay.png", "estimates.png", "bag"}
 
@@ -78,14 +80,14 @@ def test_what_is_not_wanted_is_not_written(tmp_path, dive, wanted, missing):
         fill(results, dive[:2])
         results.bag.write_serialised("/state", "std_msgs/msg/Empty", b"\0\1\0\0", 1)
     assert names_in(tmp_path / "out") == NAMES - missing
-    assert set(wanted.names()) == NAMES - missing
+    assert set(results.names) == NAMES - missing
 
 
 def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch):
     def refuse(writer, image, stamp):
         raise OutputError("overlay.webm: cannot be written (No space left on device)")
 
-    monkeypatch.setattr(result_folder.VideoWriter, "add", refuse)
+    monkeypatch.setattr(VideoWriter, "add", refuse)
     with (
         pytest.raises(OutputError, match="No space left on device"),
         ResultFolder(tmp_path / "out") as results,
@@ -164,9 +166,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(tmp_path, dive, monk
     assert names_in(tmp_path) == set()
 
 
-@pytest.mark.parametrize(
-    ("module", "name"), [(results, "BagWriter"), (result_folder, "VideoWriter")]
-)
+@pytest.mark.parametrize(("module", "name"), [(results, "BagWriter"), (results, "VideoWriter")])
 def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypatch, module, name):
     monkeypatch.setattr(module, name, full_disk)
     with (
@@ -192,7 +192,7 @@ def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatc
     def refuse(path):
         raise OutputError(f"{path}: videos need PyAV")
 
-    monkeypatch.setattr(result_folder, "VideoWriter", refuse)
+    monkeypatch.setattr(results, "VideoWriter", refuse)
     with pytest.raises(OutputError, match="PyAV"), ResultFolder(tmp_path / "out"):
         pass
     assert names_in(tmp_path) == set()

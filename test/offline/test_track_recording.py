@@ -11,8 +11,8 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.offline.result_folder import ResultFolder, WantedResults
-from cable_tracker.offline.results import BAG, ESTIMATES
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults
 from cable_tracker.offline.track_recording import (
     given_state_for,
     track_recording,

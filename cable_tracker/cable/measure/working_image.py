@@ -207,15 +207,17 @@ class WorkingImage:
         return scan_frame(picture, self.line_spacing, kernels)
 
 
-def check_frame(image: Image) -> None:
+def check_frame(image: object) -> None:
     """Refuse what is no grey picture.
 
     Raises
     ------
     FrameError
-        The array has not two dimensions, is too small or large, of an unknown dtype, not finite, or
-        has levels beyond `LARGEST_LEVEL`.
+        It is no array, has not two dimensions, is too small or large, of an unknown dtype, not
+        finite, or has levels beyond `LARGEST_LEVEL`.
     """
+    if not isinstance(image, np.ndarray):
+        raise FrameError(f"a picture is a NumPy array, not a {type(image).__name__}")
     if image.ndim != 2:
         raise FrameError(f"a grey picture has shape (height, width), not {image.shape}")
     if min(image.shape) < MINIMUM_SIDE:

@@ -221,8 +221,8 @@ class CameraNode(ProcessNode):
         self._warm_up = self._make_warm_up()
         if self._warm_up.running:
             self.get_logger().info(
-                "warming up: compiling or loading what a frame needs; once per installation this"
-                " takes about half a minute of a laptop's processor"
+                "warming up: loading what a frame needs takes seconds; once per installation it is"
+                " compiled, which takes about half a minute of a laptop's processor"
             )
             self.publish_diagnostics()
         else:

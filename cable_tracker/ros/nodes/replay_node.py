@@ -226,8 +226,8 @@ class ReplayNode(ProcessNode):
             # The compiler takes as long as it takes, on a slow computer minutes.
             self._waits_since = time.monotonic()
             self.get_logger().info(
-                f"waiting: {', '.join(warming)} is WARMING UP; once per installation this takes"
-                " about half a minute of a laptop's processor",
+                f"waiting: {', '.join(warming)} is WARMING UP, which takes seconds, or once per"
+                " installation about half a minute of a laptop's processor",
                 throttle_duration_sec=WARNING_PAUSE,
             )
             return

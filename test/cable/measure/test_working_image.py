@@ -27,6 +27,7 @@ from cable_tracker.errors import FrameError
         (np.zeros((40000, 20), np.uint8), "20x40000 px is too large"),
         (np.zeros((20, 20), np.float64), "float64"),
         (np.zeros((20, 20), np.uint16), "uint16"),
+        ([[0, 1], [2, 3]], "a NumPy array, not a list"),
         (np.full((20, 20), np.nan, np.float32), "NaN"),
         (np.full((20, 20), np.inf, np.float32), "infinite"),
         (np.full((20, 20), -3e38, np.float32), "between -1e\\+12 and 1e\\+12"),
