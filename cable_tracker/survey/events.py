@@ -229,10 +229,11 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     found = []
     for first, last in _joined_runs(~profile.visible, lambda end, first: first - end < gap):
         length = (last - first) * PROFILE_SPACING
-        at_the_end = first == 0 or last == len(along)
-        if length < least or at_the_end:
-            continue
         was_in_view = bool(profile.in_view[first:last].mean() >= 0.5)
+        # Before a route begins and after it ends, any cable is outside the pictures.
+        at_the_end = first == 0 or last == len(along)
+        if length < least or (at_the_end and not was_in_view):
+            continue
         half = PROFILE_SPACING / 2
         found.append((float(along[first]) - half, float(along[last - 1]) + half, was_in_view))
     return found

@@ -7,7 +7,8 @@ import pytest
 from survey_dives import Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.survey.events import EventKind, Limits
+from cable_tracker.survey.dive_route import Profile
+from cable_tracker.survey.events import EventKind, Limits, hidden_stretches
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
@@ -47,6 +48,18 @@ def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable(weight):
     along = route.profile.along + route.start
     assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()
     assert np.isfinite(route.profile.seen[(along > 5.0) & (along < 12.0)]).all()
+
+
+@pytest.mark.parametrize(("in_view", "count"), [(True, 1), (False, 0)])
+def test_what_stays_hidden_to_the_end_is_told_if_its_place_is_in_the_pictures(in_view, count):
+    surveyed, _ = analyse(make_dive(Plan()), SurveySettings())
+    route = surveyed.routes[0].route
+    seen, shown = route.profile.seen.copy(), route.profile.in_view.copy()
+    seen[-30:], shown[-30:] = 0.0, in_view
+    ended = replace(route, profile=Profile(0.0, seen, shown))
+    found = hidden_stretches(ended, 1.0)
+    assert len(found) == count
+    assert all(end == pytest.approx(route.along[-1], abs=0.2) for _, end, _ in found)
 
 
 def test_short_gaps_are_no_events():

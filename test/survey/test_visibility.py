@@ -59,3 +59,13 @@ def test_where_there_is_none_nothing_is_clear():
 def test_the_step_of_the_borders_is_that_of_the_part_that_is_seen():
     half = np.array([[4.0] * 6 + [0.1] * 6])
     assert border_step_of(half) == pytest.approx([4.0])
+
+
+def test_a_round_body_is_seen_about_as_clearly_as_a_flat_one_though_its_shading_has_slopes():
+    across = np.linspace(-1.0, 1.0, 40)
+    bottom = 60.0 + 8.0 * np.random.default_rng(3).standard_normal((HEIGHT, WIDTH))
+    bottom[:, 140:180] = 60.0 + 60.0 * np.sqrt(1.0 - across**2)
+    image = np.clip(bottom, 0, 255).astype(np.uint8)
+    _, of_round = border_profile(image, CableState(0.0, 0.0, 35.0, 0.0))
+    _, of_flat = border_profile(picture(np.random.default_rng(3)), STATE)
+    assert np.median(of_round) > 0.5 * np.median(of_flat)
