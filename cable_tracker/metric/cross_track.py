@@ -266,7 +266,9 @@ class CrossTrackMeter:
             offset=float(centre[0]),
             offset_ahead=float(centre[1]),
             heading=float(wrap_angles(centre[2])),
-            diameter=float(centre[3]),
+            # A size is never negative: of a thin cable, sigma points whose borders have changed
+            # places, or cross, would make the mean too large.
+            diameter=float(values[0, 3]),
             covariance=spread,
             look_ahead=self._settings.look_ahead,
             depth=self._settings.cable_height - altitude.metres,
@@ -309,9 +311,13 @@ class CrossTrackMeter:
         # The plane's distance from the vertical through the camera, and the drop to the axis.
         level = np.hypot(x, y)
         reach = np.abs(drop) / np.maximum(level, 1e-9)
-        cosine = np.abs(np.einsum("ni,ni->n", normals[:, 1], normals[:, 2]))
-        sine_of_half = np.sqrt((1.0 - np.minimum(cosine, 1.0)) / 2)
-        return np.column_stack((*offsets, heading, 2 * reach * sine_of_half))
+        # Planes that touch a cable hold its direction. What turns them about the line of sight is
+        # an error of the skew, which would make a thin cable thicker.
+        towards = np.sign(np.einsum("ni,ni->n", normals[:, 1], normals[:, 2]))
+        between = normals[:, 1] - towards[:, None] * normals[:, 2]
+        along = np.cos(heading) * between[:, 0] + np.sin(heading) * between[:, 1]
+        across = np.sqrt(np.maximum(np.sum(between**2, axis=1) - along**2, 0.0))
+        return np.column_stack((*offsets, heading, reach * across))
 
 
 def _places_along(angle: float, segment: tuple[tuple[float, float], ...]) -> FloatArray:

@@ -66,6 +66,20 @@ class TestSigns:
         result = measured(meter, make_estimate(CableState(0.0, 0.0, 40.0)))
         assert result.diameter == pytest.approx(40.0 * 1.4 / 280.0, rel=0.01)
 
+    def test_neither_an_error_of_the_skew_nor_a_large_sigma_makes_a_thin_cable_thicker(
+        self, meter, make_estimate
+    ):
+        estimate = make_estimate(CableState(20.0, 0.3, 6.0))
+        exact = measured(meter, estimate).diameter
+        assert exact == pytest.approx(6.0 * 1.4 / 280.0, rel=0.02)
+        for skew in (-2.0, 2.0):
+            turned = make_estimate(CableState(20.0, 0.3, 6.0, skew * DEGREE))
+            assert measured(meter, turned).diameter == pytest.approx(exact, rel=0.05)
+        wide = np.diag([9.0, 1e-3, 25.0, 1e-3, *[1e-6] * 4])
+        unsure = measured(meter, dataclasses.replace(estimate, covariance=wide))
+        assert unsure.diameter == pytest.approx(exact, rel=0.02)
+        assert unsure.standard_deviations()[3] > 0.3 * exact
+
     def test_a_cable_above_the_bottom_is_nearer(self, calibrations, make_estimate):
         estimate = make_estimate(CableState(-50.0, 0.0, 40.0))
         on, above = (
