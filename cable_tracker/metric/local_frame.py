@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pyproj import Transformer
+from pyproj import Geod, Transformer
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
@@ -40,6 +40,12 @@ class LocalFrame:
         """Return metres east and north of places on the ellipsoid, shape (N, 2)."""
         east, north, _ = self._to_local.transform(longitude, latitude, np.zeros_like(latitude))
         return np.column_stack((east, north))
+
+    def distances(self, latitude: FloatArray, longitude: FloatArray) -> FloatArray:
+        """Return how far from the origin places are over the earth, shape (N,) [m]."""
+        count = len(latitude)
+        origin = np.full(count, self.longitude), np.full(count, self.latitude)
+        return np.asarray(Geod(ellps="WGS84").inv(*origin, longitude, latitude)[2])
 
     def to_degrees(self, places: FloatArray) -> FloatArray:
         """Return latitude and longitude of metres east and north (N, 2), shape (N, 2)."""

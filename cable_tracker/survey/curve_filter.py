@@ -19,6 +19,13 @@ ROUGHNESS = 1e-4
 FIRST = (4.0, math.radians(30.0) ** 2)
 """Variances of place and direction where nothing is known [m², rad²]."""
 
+LEAST_SLOPE = 0.2
+"""Least cosine of the angle between a cable and the look line's own direction: from less it cannot
+be followed to the next look line."""
+
+KNOWN_DIRECTION = math.radians(20.0) ** 2
+"""Variance of the direction below which it is known [rad²]."""
+
 
 class KeyframeClaims(NamedTuple):
     """What is known at S keyframes of the cable, and how one follows the other.
@@ -76,7 +83,8 @@ def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArra
     heading = state[1] - turn
     slope = math.cos(heading)
     result = np.empty(4)
-    if abs(slope) < 0.2:
+    # The cable lies across the look line, or the vehicle has turned round.
+    if slope < LEAST_SLOPE:
         result[:] = np.nan
         return result
     way = -bx / slope
@@ -188,3 +196,24 @@ def smooth_backwards(
         means[k] += back @ (means[k + 1] - mean)
         spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
         spreads[k] = 0.5 * (spread + spread.T)
+
+
+@compiled
+def mark_turns(
+    places: FloatArray, breaks: BoolArray, cable: CurveStates, turned: BoolArray
+) -> None:
+    """Mark in `turned`, shape (S,), from where on a cable is followed the other way.
+
+    A vehicle that turns round and comes back sees the same cable again, and its way along it would
+    go on as if there were more.
+    """
+    direction, is_known, is_anew = 0.0, False, False
+    for k in range(len(places)):
+        is_known &= not breaks[k]
+        is_anew |= cable.is_new[k]
+        turned[k] = False
+        if cable.spreads[k, 1, 1] > KNOWN_DIRECTION:
+            continue
+        found = places[k, 2] + cable.means[k, 1]
+        turned[k] = is_known and is_anew and math.cos(found - direction) < 0.0
+        direction, is_known, is_anew = found, True, False

@@ -20,10 +20,12 @@ JPEG_QUALITY = 75
 
 
 def write_pictures(recording: Source, folder: Path, surveyed: SurveyedDive) -> None:
-    """Keep a small picture of the frame of each event."""
-    wanted = {
-        event.frame for placed in surveyed.routes for event in placed.events if event.frame >= 0
-    } | {event.frame for event in surveyed.events}
+    """Keep small pictures of the frames of each event.
+
+    Of its end, too: along the cable the other way that is where it begins.
+    """
+    events = [*surveyed.events, *(each for placed in surveyed.routes for each in placed.events)]
+    wanted = {frame for each in events for frame in (each.frame, each.end_frame) if frame >= 0}
     if not wanted:
         return
     folder.mkdir(exist_ok=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -58,6 +58,8 @@ class Event:
         Which dive; of several the one that the frame is of.
     others : tuple of str
         The other dives.
+    end_stamp, end_frame : int
+        As `stamp` and `frame`, of its end.
     """
 
     kind: EventKind
@@ -69,6 +71,16 @@ class Event:
     detail: str
     recording: str = ""
     others: tuple[str, ...] = ()
+    end_stamp: int = 0
+    end_frame: int = -1
+
+    def reversed(self) -> Event:
+        """Return the event as a dive along the cable the other way has it."""
+        return replace(
+            self,
+            stamp=self.end_stamp, frame=self.end_frame,
+            end_stamp=self.stamp, end_frame=self.frame,
+        )  # fmt: skip
 
     @property
     def recordings(self) -> str:
@@ -168,12 +180,19 @@ class _Maker:
         along = float(np.clip(along, 0.0, route.along[-1]))
         end = along if end is None else float(np.clip(end, along, route.along[-1]))
         x, y = interpolated(along, route.along, route.places).tolist()
-        point = min(round(along / SPACING), len(route.along) - 1)
-        row = int(route.rows[point])
-        frame = int(self.dive.table.rows["frame"][row])
-        stamp = int(self.dive.table.rows["stamp"][row])
+        stamp, frame = self._seen_at(along)
+        end_stamp, end_frame = self._seen_at(end)
+        return Event(
+            kind, along, end, (x, y), stamp, frame, detail, self.dive.name, (), end_stamp, end_frame
+        )  # fmt: skip
+
+    def _seen_at(self, along: float) -> tuple[int, int]:
+        """Return time [ns] and number of the frame that shows a place of the route."""
+        row = int(self.route.rows[min(round(along / SPACING), len(self.route.along) - 1)])
+        rows = self.dive.table.rows
+        seen = int(rows["stamp"][row]), int(rows["frame"][row])
         self.dive.disk.let_go()
-        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
+        return seen
 
 
 def _found_and_lost(maker: _Maker) -> list[Event]:
@@ -322,9 +341,7 @@ def _crossings(maker: _Maker) -> list[Event]:
     events = []
     for along, across, count in _clusters(sorted(sights)):
         if 0.0 <= along <= maker.route.along[-1] and count >= FEWEST_SIGHTS:
-            detail = (
-                f"another line at {math.degrees(abs(across)):.0f} deg, seen in {count} pictures"
-            )
+            detail = f"another line at {math.degrees(across):.0f} deg, seen in {count} pictures"
             events.append(maker.at(EventKind.CROSSING, along, detail))
     return events
 
@@ -353,7 +370,8 @@ def _clusters(sights: Sequence[Sight]) -> list[tuple[float, float, int]]:
     return [
         (
             float(np.median([each[0] for each in group])),
-            float(np.median([each[2] for each in group])),
+            # Right angles are written as 90 deg or as -90.
+            float(np.median([abs(each[2]) for each in group])),
             len({each[3] for each in group}),
         )
         for group in groups

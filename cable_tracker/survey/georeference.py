@@ -49,6 +49,10 @@ class Georeference:
         Variance of each component of the drift, shape (F,) [m²].
     left_out : int
         Fixes that did not count.
+    turn_variance : float
+        Variance of the turn [rad²].
+    ends : FloatArray
+        Positions in the dive's frame at the first and the last fix, shape (2, 2) [m].
     """
 
     turn: float
@@ -57,6 +61,8 @@ class Georeference:
     drift: FloatArray
     variances: FloatArray
     left_out: int
+    turn_variance: float
+    ends: FloatArray
 
     def apply(self, places: FloatArray, stamps: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return places of the dive's frame (N, 2) in the local one, and variances (N,) [m²]."""
@@ -66,6 +72,10 @@ class Georeference:
         variances = np.interp(asked, own, self.variances)
         beyond = np.maximum(np.maximum(own[0] - asked, asked - own[-1]), 0.0)
         variances = variances + DRIFT_NOISE * beyond + FIRST_RATE * beyond**2
+        # Between fixes the drift takes up an error of the turn, beyond them nothing does.
+        last = self.ends[np.where(asked < own[0], 0, 1)]
+        way = np.where(beyond > 0.0, ((places - last) ** 2).sum(axis=1), 0.0)
+        variances = variances + self.turn_variance * way
         return turned(places, self.turn) + self.shift + drift, variances
 
 
@@ -99,7 +109,17 @@ def georeference(
         return None
     residuals = _residuals(places, measured, turn, shift)[kept]
     drift, doubts = _smoothed_drift(stamps[kept], residuals, variances[kept], disk)
-    return Georeference(turn, shift, stamps[kept], drift, doubts, int((~kept).sum()))
+    used = places[kept]
+    return Georeference(
+        turn, shift, stamps[kept], drift, doubts, int((~kept).sum()),
+        _turn_variance(used, 1.0 / variances[kept]), used[[0, -1]],
+    )  # fmt: skip
+
+
+def _turn_variance(places: FloatArray, weights: FloatArray) -> float:
+    """Return the variance of the turn that places (N, 2) are fitted with [rad²]."""
+    apart = places - (weights @ places) / weights.sum()
+    return float(1.0 / (weights @ (apart**2).sum(axis=1)))
 
 
 def _fitted(

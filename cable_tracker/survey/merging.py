@@ -26,8 +26,12 @@ SIGMAS = 4.0
 LEAST_OVERLAP = 5.0
 """Dives that share less way at a stretch are not of one route [m]."""
 
-ALONG = 0.9
-"""Least cosine of the angle between two routes of one cable, whichever way they run."""
+ALONG, ROUGHLY_ALONG = 0.9, 0.5
+"""Least cosine of the angle between two routes of one cable, whichever way they run, and of that
+with the points of an axis that are far apart."""
+
+NOT_ALONG = 1e6
+"""What another direction counts for, beside the distance [m]."""
 
 DISAGREEMENT = 10.8
 """Chi square of one degree of freedom that sound dives exceed once in a thousand times."""
@@ -101,10 +105,12 @@ class MergedRoute:
 class _Beside:
     """A route as seen from an axis of N points; NaN where it does not reach.
 
-    Where it has left the cable of the axis it does not count.
+    Where it has left the cable of the axis it does not count. `way` is that of the route's own
+    points along the axis, in points.
     """
 
     recording: str
+    way: FloatArray
     asides: FloatArray
     counts: BoolArray
     variances: FloatArray
@@ -122,7 +128,7 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     merged = []
     while left:
         left.sort(key=lambda each: -_length(each.route))
-        axis = left[0].route.places
+        axis, begin = left[0].route.places, 0
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
         while True:
@@ -130,14 +136,15 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
             if not near:
                 break
             for each in near:
-                axis = _prolonged(axis, each.route)
+                axis, added = _prolonged(axis, each.route)
+                begin += added
             group += near
             left = [each for each in left if each not in near]
         for number, each in enumerate(group[1:], start=1):
             departed = _departed(axis, each)
             group[number] = _without(each, departed)
             left += departed
-        merged.append(_merged(axis, group))
+        merged.append(_merged(axis, begin, group))
     return merged
 
 
@@ -183,16 +190,17 @@ def _directions(axis: FloatArray) -> FloatArray:
 
 
 def _seen_from(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return for places (M, 2) the way along an axis and the distance to its left, in points, [m].
+    """Return for a route (M, 2) the way along an axis and the distance to its left, in points, [m].
 
-    Places beyond its ends have a way below 0 or above N - 1.
+    Places beyond its ends have a way below 0 or above N - 1. Where the axis crosses itself, the
+    branch counts that runs as the route does.
     """
     from_axis = np.empty((len(places), 2))
-    directions = _directions(axis)
+    directions, own_directions = _directions(axis), _directions(places)
     block = 512
     for begin in range(0, len(places), block):
         part = places[begin : begin + block]
-        nearest = _nearest(axis, part)
+        nearest = _nearest(axis, directions, part, own_directions[begin : begin + block])
         apart = part - axis[nearest]
         way = (apart * directions[nearest]).sum(axis=1) / SPACING
         normal = np.column_stack((-directions[nearest, 1], directions[nearest, 0]))
@@ -201,14 +209,24 @@ def _seen_from(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatA
     return from_axis[:, 0], from_axis[:, 1]
 
 
-def _nearest(axis: FloatArray, places: FloatArray) -> IndexArray:
-    """Return the axis' nearest point for each place: of every 16th first, then of those around."""
+def _nearest(
+    axis: FloatArray, directions: FloatArray, places: FloatArray, own_directions: FloatArray
+) -> IndexArray:
+    """Return the axis' nearest point for each place: of every 16th first, then of those around.
+
+    What runs along the place's own direction, whichever way, is nearer than all that does not.
+    """
     stride = 16
-    coarse = axis[::stride]
-    away = ((places[:, None] - coarse[None]) ** 2).sum(axis=2)
-    begin = np.clip(away.argmin(axis=1) * stride - stride, 0, max(len(axis) - 2 * stride - 1, 0))
+
+    def away(points: FloatArray, courses: FloatArray, least: float) -> FloatArray:
+        squares: FloatArray = ((places[:, None] - points) ** 2).sum(axis=2)
+        cosines = np.abs((own_directions[:, None] * courses).sum(axis=2))
+        return np.where(cosines > least, squares, squares + NOT_ALONG**2)
+
+    coarse = away(axis[None, ::stride], directions[None, ::stride], ROUGHLY_ALONG).argmin(axis=1)
+    begin = np.clip((coarse - 1) * stride, 0, max(len(axis) - 2 * stride - 1, 0))
     window = np.minimum(begin[:, None] + np.arange(2 * stride + 1), len(axis) - 1)
-    fine = ((places[:, None] - axis[window]) ** 2).sum(axis=2).argmin(axis=1)
+    fine = away(axis[window], directions[window], ALONG).argmin(axis=1)
     nearest: IndexArray = window[np.arange(len(places)), fine]
     return nearest
 
@@ -240,27 +258,40 @@ def _of_one_cable(
     return fits
 
 
-def _prolonged(axis: FloatArray, route: DiveRoute) -> FloatArray:
-    """Return an axis with what a route has beyond its ends, unless it left the cable before."""
+def _prolonged(axis: FloatArray, route: DiveRoute) -> tuple[FloatArray, int]:
+    """Return an axis with what a route has beyond its ends, unless it left the cable before.
+
+    And how many points that is before its beginning.
+    """
     way, aside = _seen_from(axis, route.places)
     places, in_reach = route.places, _in_reach(route, aside)
     if way[-1] < way[0]:
         way, places, in_reach = way[::-1], places[::-1], in_reach[::-1]
     before, after = np.flatnonzero(way < -0.5), np.flatnonzero(way > len(axis) - 0.5)
-    parts = [axis]
+    parts, added = [axis], 0
     if len(before) and in_reach[before[-1]]:
         shift = axis[0] - _directions(axis)[0] * SPACING - places[before[-1]]
         parts.insert(0, places[before] + shift)
+        added = len(before)
     if len(after) and in_reach[after[0]]:
         shift = axis[-1] + _directions(axis)[-1] * SPACING - places[after[0]]
         parts.append(places[after] + shift)
-    return np.concatenate(parts)
+    return np.concatenate(parts), added
 
 
-def _beside(axis: FloatArray, placed: PlacedRoute, *, is_axis: bool) -> _Beside:
-    """Lay a route beside an axis; the one that the axis was made of counts all along."""
-    route = placed.route
-    all_way, aside = _seen_from(axis, route.places)
+def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside:
+    """Lay a route beside an axis.
+
+    `begin` is the index of its first point on an axis that was made of it, which counts all along;
+    None for other routes.
+    """
+    route, is_axis = placed.route, begin is not None
+    if begin is None:
+        all_way, aside = _seen_from(axis, route.places)
+    else:
+        # Not looked for: a cable that crosses itself comes near to itself.
+        count = len(route.along)
+        all_way, aside = begin + np.arange(count, dtype=np.float64), np.zeros(count)
     order = np.argsort(all_way, kind="stable")
     way, asked = all_way[order], np.arange(len(axis), dtype=np.float64)
     reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
@@ -278,6 +309,7 @@ def _beside(axis: FloatArray, placed: PlacedRoute, *, is_axis: bool) -> _Beside:
 
     return _Beside(
         placed.recording,
+        all_way,
         on_axis(aside),
         counts,
         on_axis(route.total_sigmas**2),
@@ -287,8 +319,9 @@ def _beside(axis: FloatArray, placed: PlacedRoute, *, is_axis: bool) -> _Beside:
     )
 
 
-def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
-    beside = [_beside(axis, each, is_axis=each is group[0]) for each in group]
+def _merged(axis: FloatArray, begin: int, group: Sequence[PlacedRoute]) -> MergedRoute:
+    """Merge a group; from its point number `begin` on, the axis is the first one's route."""
+    beside = [_beside(axis, each, begin if each is group[0] else None) for each in group]
     counts = np.array([each.counts for each in beside])
     asides = np.where(counts, [each.asides for each in beside], np.nan)
     weights = 1.0 / np.array([each.variances for each in beside])
@@ -327,7 +360,7 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
     )
     apart = (count > 1) & (excess > DISAGREEMENT)
     disagreements = _disagreements(merged, apart, asides, [each.recording for each in beside])
-    events = [*_events_of(merged, group), *disagreements]
+    events = [*_events_of(merged, group, [each.way for each in beside]), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return replace(merged, events=tuple(events))
 
@@ -360,38 +393,39 @@ def _disagreements(
     return events
 
 
-def _events_of(route: MergedRoute, group: Sequence[PlacedRoute]) -> list[Event]:
-    """Take the events of all dives to the merged route; what several dives saw is one."""
-    events = []
-    for placed in group:
+def _events_of(
+    route: MergedRoute, group: Sequence[PlacedRoute], ways: Sequence[FloatArray]
+) -> list[Event]:
+    """Take the events of all dives to the merged route; what was seen several times is one.
+
+    `ways` are those of the dives' own points along the route, in points.
+    """
+    seen: list[tuple[int, Event]] = []
+    points = np.arange(len(route.along))
+    for number, (placed, way) in enumerate(zip(group, ways, strict=True)):
         for event in placed.events:
-            last = interpolated(event.end, placed.route.along, placed.route.places)
-            places = np.array([event.place, last])
-            way, _ = _seen_from(route.places, places)
-            start, end = sorted(
-                float(np.interp(each, np.arange(len(route.along)), route.along)) for each in way
-            )
+            ends = np.interp([event.along, event.end], placed.route.along, way)
+            start, end = np.interp(ends, points, route.along).tolist()
+            told = event if start <= end else event.reversed()
+            start, end = sorted((start, end))
             x, y = interpolated(start, route.along, route.places).tolist()
-            events.append(replace(event, along=start, end=end, place=(x, y)))
-    return _joined(route, sorted(events, key=lambda each: (each.kind.value, each.along)))
+            seen.append((number, replace(told, along=start, end=end, place=(x, y))))
+    return _joined(route, sorted(seen, key=lambda each: (each[1].kind.value, each[1].along)))
 
 
-def _joined(route: MergedRoute, events: Sequence[Event]) -> list[Event]:
-    groups: list[list[Event]] = []
-    for event in events:
+def _joined(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Event]:
+    """Join events (number of the way along the cable, event): each way has seen one once."""
+    groups: list[list[tuple[int, Event]]] = []
+    for number, event in events:
         for group in reversed(groups[-4:]):
-            first = group[0]
-            near = event.along - max(each.end for each in group) <= SAME_EVENT
-            if first.kind is event.kind and near and event.recording not in _names(group):
-                group.append(event)
+            near = event.along - max(each.end for _, each in group) <= SAME_EVENT
+            is_other_way = all(number != each for each, _ in group)
+            if group[0][1].kind is event.kind and near and is_other_way:
+                group.append((number, event))
                 break
         else:
-            groups.append([event])
-    return [_one(route, group) for group in groups]
-
-
-def _names(group: Sequence[Event]) -> list[str]:
-    return [each.recording for each in group]
+            groups.append([(number, event)])
+    return [_one(route, [event for _, event in group]) for group in groups]
 
 
 def _one(route: MergedRoute, group: Sequence[Event]) -> Event:
@@ -402,5 +436,5 @@ def _one(route: MergedRoute, group: Sequence[Event]) -> Event:
     end = float(np.median([each.end for each in group]))
     x, y = interpolated(along, route.along, route.places).tolist()
     nearest = min(group, key=lambda each: abs(each.along - along))
-    others = tuple(sorted(set(_names(group)) - {nearest.recording}))
+    others = tuple(sorted({each.recording for each in group} - {nearest.recording}))
     return replace(nearest, along=along, end=max(end, along), place=(x, y), others=others)

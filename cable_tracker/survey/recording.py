@@ -37,6 +37,10 @@ from cable_tracker.survey.surveyed_dive import SurveyedDive, write_summary
 
 PICTURES = "pictures"
 
+FARTHEST_DATUM = 100e3
+"""Distance of a dive from the datum up to which a plane serves: there 1e-4 of a length is lost [m].
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class SurveySettings:
@@ -172,7 +176,16 @@ def _on_earth(
 ) -> Georeference | None:
     if datum is None:
         return None
-    earth = georeference(poses, dive.fixes, LocalFrame(*datum), dive.disk)
+    frame = LocalFrame(*datum)
+    _, fixes = dive.fixes.arrays()
+    far = float(np.median(frame.distances(fixes[:, 0], fixes[:, 1]))) if len(fixes) else 0.0
+    if far > FARTHEST_DATUM:
+        notes.append(
+            f"the datum is {far / 1000.0:.0f} km from the fixes: look at its signs, and whether"
+            " latitude comes first; the route is in the frame of odometry and is not merged"
+        )
+        return None
+    earth = georeference(poses, dive.fixes, frame, dive.disk)
     if earth is None:
         notes.append(
             "too few fixes, or over too short a way, to lay the dive on the earth; its route is in"

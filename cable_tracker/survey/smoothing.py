@@ -33,6 +33,7 @@ from cable_tracker.survey.curve_filter import (
     CurveStates,
     KeyframeClaims,
     filter_forwards,
+    mark_turns,
     smooth_backwards,
 )
 from cable_tracker.survey.keyframes import LEAST_SPACING, Keyframes, summed, way_to
@@ -99,7 +100,8 @@ class SmoothedCable:
     bend : float
         Standard deviation of the cable's curvature [1/m].
     piece : IndexArray
-        Number of the connected piece that a keyframe belongs to, shape (S,).
+        Number of the connected piece that a keyframe belongs to, shape (S,); another one where the
+        vehicle has turned round.
     """
 
     along: FloatArray
@@ -147,7 +149,10 @@ def smooth(
         for part in disk.blocks_back(count) if way_back else ():
             smooth_backwards(known, cable.bend, part.start, part.stop, states)
         cable = _with_new_weights(keyframes, cable, usual, disk)
-    return cable
+    turned = disk.array(count, np.bool_)
+    mark_turns(keyframes.places, keyframes.breaks, states, turned)
+    ends = disk.filled(count, lambda part: keyframes.breaks[part] | turned[part], np.bool_)
+    return replace(cable, piece=_pieces(ends, disk))
 
 
 def _usual_claims(keyframes: Keyframes, part: slice) -> BoolArray:

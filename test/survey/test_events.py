@@ -8,7 +8,7 @@ from survey_dives import Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.survey.dive_route import Profile
-from cable_tracker.survey.events import EventKind, Limits, hidden_stretches
+from cable_tracker.survey.events import EventKind, Limits, _clusters, hidden_stretches
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
@@ -151,6 +151,13 @@ def dive_in_two_pieces():
         again.poses.add(int(stamp), list(value))
     again.table = dive.table
     return again
+
+
+def test_a_line_straight_across_is_so_on_whichever_side_of_a_right_angle_it_is_seen():
+    sights = [(10.0, 1.5, math.radians(angle), row) for row, angle in enumerate((89, -89, 88, -88))]
+    ((_, across, count),) = _clusters(sights)
+    assert math.degrees(across) == pytest.approx(88.5)
+    assert count == 4
 
 
 def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():

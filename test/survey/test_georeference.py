@@ -66,3 +66,17 @@ def test_too_few_fixes_lay_nothing_on_the_earth():
     true = way(15)
     fixes = fixes_of(true, 0.3, np.random.default_rng(4))
     assert georeference(joined_poses(odometry(true)), fixes, FRAME) is None
+
+
+def test_beyond_the_fixes_the_doubt_about_the_turn_grows_with_the_way():
+    true = way(3000)
+    errors, doubts = [], []
+    for seed in range(12):
+        fixes = fixes_of(true[:100], 2.0, np.random.default_rng(seed))
+        poses = joined_poses(odometry(true))
+        earth = georeference(poses, fixes, FRAME)
+        found, variances = earth.apply(poses.places[-1:, :2], poses.stamps[-1:])
+        # The error lies across the way to the fixes.
+        errors.append(((found - true[-1:, :2]) ** 2).sum())
+        doubts.append(variances[0])
+    assert 0.2 < np.mean(errors) / np.mean(doubts) < 1.5

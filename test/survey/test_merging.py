@@ -193,3 +193,39 @@ def test_an_event_that_two_dives_saw_lies_on_the_route_where_it_begins():
     (event,) = merged.events
     assert (event.along, event.end) == pytest.approx((25.0, 65.0), abs=0.1)
     assert event.place == pytest.approx((event.along, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (30.0, 40.0), (30.0, -40.0)],
+        [(0.0, 0.0), (50.0, 0.0), (50.0, 1.0), (0.0, 1.0)],
+    ],
+    ids=["crosses itself", "comes back beside itself"],
+)
+def test_a_dive_alone_is_not_bent_where_its_cable_comes_near_to_itself(corners):
+    only = joined("a", *corners)
+    early = Event(EventKind.BURIED, 5.0, 6.0, (5.0, 0.0), 1, 7, "seen", "a")
+    (merged,) = merge([replace(only, events=(early,))])
+    assert merged.places == pytest.approx(only.route.places, abs=1e-9)
+    (event,) = merged.events
+    assert (event.along, event.end) == pytest.approx((5.0, 6.0))
+
+
+def test_what_a_dive_the_other_way_saw_is_told_with_the_picture_of_its_beginning_on_the_route():
+    seen = Event(EventKind.BURIED, 10.0, 50.0, (80.0, 0.0), 1, 20, "seen", "b", (), 9, 60)
+    back = straight("b", (90.0, 0.0), (10.0, 0.0))
+    (merged,) = merge([straight("a", (0.0, 0.0), (100.0, 0.0)), replace(back, events=(seen,))])
+    (event,) = merged.events
+    assert (event.along, event.end) == pytest.approx((40.0, 80.0))
+    assert (event.stamp, event.frame, event.end_stamp, event.end_frame) == (9, 60, 1, 20)
+
+
+def test_what_a_dive_saw_on_the_way_there_and_back_is_one_event():
+    there, back = straight("a", (0.0, 0.0), (100.0, 0.0)), straight("a", (90.0, 0.0), (10.0, 0.0))
+    first = Event(EventKind.BURIED, 40.0, 46.0, (40.0, 0.0), 1, 7, "seen", "a", (), 2, 8)
+    again = Event(EventKind.BURIED, 44.0, 50.0, (46.0, 0.0), 3, 9, "seen", "a", (), 4, 10)
+    (merged,) = merge([replace(there, events=(first,)), replace(back, events=(again,))])
+    (event,) = merged.events
+    assert (event.along, event.end) == pytest.approx((40.0, 46.0))
+    assert event.recordings == "a"

@@ -203,3 +203,30 @@ def test_rows_that_were_looked_at_again_say_so(tmp_path):
     write_frames(tmp_path / "frames.parquet", "dive", dive, None)
     column = pq.read_table(tmp_path / "frames.parquet")["again"].to_pylist()
     assert (column[0], column[2], column[5]) == ("", "hidden", "seen")
+
+
+def test_geojson_and_geopackage_say_the_same_of_routes_and_kilometre_points(written):
+    features = json.loads((written / "route.geojson").read_text())["features"]
+    for layer in ("route", "kp"):
+        names = pyogrio.read_info(written / "route.gpkg", layer=layer)["fields"]
+        own = [each["properties"] for each in features if each["properties"]["layer"] == layer]
+        assert set(names) <= set(own[0])
+
+
+def test_a_cable_across_the_antimeridian_is_drawn_in_one_stroke(survey, tmp_path):
+    west = replace(survey, frame=LocalFrame(-17.0, 179.9999))
+    WRITERS["route.gpkg"](tmp_path / "route.gpkg", west)
+    box = pyogrio.read_info(tmp_path / "route.gpkg", layer="route", force_total_bounds=True)
+    assert box["total_bounds"][2] - box["total_bounds"][0] < 0.01
+
+
+def test_a_datum_on_the_other_side_of_the_earth_is_told_and_lays_nothing_there():
+    dive = make_dive(Plan())
+    stamps = dive.table.rows["stamp"]
+    for k, east in enumerate(np.linspace(0.0, 40.0, 20)):
+        latitude, longitude = FRAME.to_degrees(np.array([[east, 0.0]]))[0]
+        dive.fixes.add(int(stamps[20 * k]), [latitude, longitude, 0.01, 0.01])
+    right, _ = analyse(dive, SurveySettings(datum=(54.25, 7.9)))
+    wrong, _ = analyse(dive, SurveySettings(datum=(7.9, 54.25)))
+    assert right.on_earth and not wrong.on_earth
+    assert any("km from the fixes" in note for note in wrong.notes)

@@ -138,3 +138,29 @@ def test_a_gap_in_the_navigation_ends_a_piece():
     poses[300:420] = np.nan
     cable = smooth(make_keyframes(rows, poses))
     assert set(cable.piece) == {0, 1}
+
+
+@pytest.mark.parametrize("course", ["on the spot", "between two pictures"])
+def test_a_cable_that_is_followed_back_the_other_way_is_another_piece(course):
+    dive = make_dive(Plan(bend=0.0, length=20.0))
+    there = dive.table.rows
+    ways = [poses_of(dive).at(there["stamp"])]
+    rows = [there.copy()]
+    if course == "on the spot":
+        turn = np.repeat(ways[0][-1:], 30, axis=0)
+        turn[:, 2] += np.linspace(0.1, np.pi - 0.1, 30)
+        unseen = np.repeat(there[-1:], 30)
+        unseen["status"], unseen["aside"], unseen["heading"] = 0, np.nan, np.nan
+        ways.append(turn)
+        rows.append(unseen)
+    back = there[::-1].copy()
+    back["aside"] *= -1.0
+    ways.append(ways[0][::-1] + np.array([0.0, 0.0, np.pi]))
+    rows.append(back)
+    table = np.concatenate(rows)
+    table["stamp"] = there["stamp"][0] + np.arange(len(table)) * 100_000_000
+    cable = smooth(make_keyframes(table, np.concatenate(ways)))
+    assert sorted(set(cable.piece)) == [0, 1]
+    claimed = cable.weights > 0.0
+    ends = [np.ptp(cable.along[claimed & (cable.piece == piece)]) for piece in (0, 1)]
+    assert ends == pytest.approx([20.0, 20.0], abs=2.5)

@@ -72,7 +72,12 @@ class SurveyMap:
         """Return what stands in a file for places (N, 2) [m]: longitude, latitude, or x, y."""
         if self.frame is None:
             return np.round(places, MILLIMETRES)
-        return np.round(self.frame.to_degrees(places)[:, ::-1], DEGREE_DIGITS)
+        degrees = self.frame.to_degrees(places)[:, ::-1]
+        # A line across 180 deg goes on beyond it: to the other side of the map it would be drawn
+        # around the world.
+        origin = self.frame.longitude
+        degrees[:, 0] = origin + (degrees[:, 0] - origin + 180.0) % 360.0 - 180.0
+        return np.round(degrees, DEGREE_DIGITS)
 
     @property
     def crs(self) -> str:
@@ -109,6 +114,11 @@ def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
     return along, places
 
 
+def kp_label(way: float) -> str:
+    """Return what a kilometre point is called, for its way along a route [m]."""
+    return f"KP {way / 1000:.3f}"
+
+
 def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
     """Return the columns of a route at every metre of its way."""
     along = np.arange(0.0, np.floor(route.along[-1]) + 1.0)
@@ -123,6 +133,8 @@ def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
         "dives": route.dives,
     }
     found = {name: np.interp(along, route.along, values) for name, values in columns.items()}
+    # Dives are counted, not measured.
+    found["dives"] = np.rint(found["dives"])
     return {"kp_m": along, **found}
 
 
@@ -166,15 +178,15 @@ def write_geojson(path: Path, survey: SurveyMap) -> None:
         line = survey.coordinates(route.places).tolist()
         table = {key: rounded(values, 4) for key, values in at_every_metre(route).items()}
         own = {"layer": "route", "name": name, "length_m": round(float(route.along[-1]), 3)}
-        own["recordings"] = list(route.recordings)
+        own["sigma_median_m"] = round(float(np.median(route.sigmas)), 4)
+        own["recordings"] = ", ".join(route.recordings)
         features.append(_feature("LineString", line, {**own, "every_metre": table}))
         outline = survey.coordinates(band(route)).tolist()
         features.append(_feature("Polygon", [outline], {"layer": "band_95", "name": name}))
         along, places = kilometre_points(route)
         for way, place in zip(along, survey.coordinates(places), strict=True):
-            features.append(
-                _feature("Point", place.tolist(), {"layer": "kp", "name": name, "kp_m": float(way)})
-            )
+            own = {"layer": "kp", "name": name, "kp_m": float(way), "label": kp_label(way)}
+            features.append(_feature("Point", place.tolist(), own))
         for event in route.events:
             values = dict(zip(EVENT_COLUMNS, _event_row(survey, name, event), strict=True))
             place = survey.coordinates(np.array([event.place]))[0].tolist()
@@ -254,7 +266,7 @@ def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> L
         points += list(shapely.points(survey.coordinates(places)))
         columns["name"] += [name] * len(along)
         columns["kp_m"] += along.tolist()
-        columns["label"] += [f"KP {way / 1000:.3f}" for way in along]
+        columns["label"] += [kp_label(way) for way in along]
     return points, columns
 
 
