@@ -45,6 +45,17 @@ def arguments() -> list[DeclareLaunchArgument]:
             choices=["best_effort", "reliable"],
         ),
         DeclareLaunchArgument(
+            "instrument_reliability",
+            default_value="best_effort",
+            description="Take the newest messages of the instruments, or all of reliable ones",
+            choices=["best_effort", "reliable"],
+        ),
+        DeclareLaunchArgument(
+            "instrument_wait",
+            default_value="0.0",
+            description="Longest time that a frame waits for the instruments [s]",
+        ),
+        DeclareLaunchArgument(
             "initial_target",
             default_value="wait",
             description="`wait` for a mark, `detect`, or boxes x0,y0,x1,y1 [px] divided by `;`",
@@ -75,17 +86,22 @@ def arguments() -> list[DeclareLaunchArgument]:
 
 def target_tracker() -> Node:
     """Return the tracker, with its parameters and topics."""
-    words = ("preset", "image_transport", "image_reliability", "initial_target")
+    words = (
+        "preset",
+        "image_transport",
+        "image_reliability",
+        "instrument_reliability",
+        "initial_target",
+    )
+    numbers = ("instrument_wait", "target_size")
     return Node(
         package="cable_tracker",
         executable="target_tracker",
         namespace=LaunchConfiguration("namespace"),
         parameters=[
             {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in words},
-            {
-                "target_count": ParameterValue(LaunchConfiguration("target_count"), value_type=int),
-                "target_size": ParameterValue(LaunchConfiguration("target_size"), value_type=float),
-            },
+            {name: ParameterValue(LaunchConfiguration(name), value_type=float) for name in numbers},
+            {"target_count": ParameterValue(LaunchConfiguration("target_count"), value_type=int)},
             {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)},
             LaunchConfiguration("params_file"),
         ],

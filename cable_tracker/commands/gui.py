@@ -24,6 +24,7 @@ from cable_tracker.commands.options import (
     VehicleOption,
     chosen_instruments,
     print_notes,
+    refuse_without_effect,
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.serving import (
@@ -102,6 +103,13 @@ def gui(  # noqa: PLR0917
     subjects = need_gui("subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
+    if ros is not None:
+        of_recordings = {
+            "--init": init, "--preset": preset_name, "--params": params, "--seed": seed,
+            "--topic": topic, "--rate": rate != USUAL_RATE, "--truth": truth,
+            "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
+        }  # fmt: skip
+        refuse_without_effect(of_recordings, "would not reach the node of --ros")
     named = (camera_info_topic, altitude_topic, imu_topic, odometry_topic)
     choice = chosen_instruments(*named)
     if (target or ros is not None) and any(each is not None for each in (vehicle, *named)):
@@ -114,9 +122,7 @@ def gui(  # noqa: PLR0917
         subject.preset(preset_name)
     choose: Callable[..., ParameterSet] = chosen_target if target else chosen_parameters
     parameters = choose(preset_name, values, seed)
-    # A parameter file says where a recording starts, not where a live node does.
-    said = values if ros is None else {}
-    start = init or WAIT if target else chosen_start(init, said)
+    start = init or WAIT if target else chosen_start(init, values)
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),
         topic=topic,

@@ -25,8 +25,7 @@ from cable_tracker.metric.relative_state import (
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.estimate import TargetEstimate
-from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
 
 UNSURE_RANGE = 0.3
 """Largest standard deviation of a range that is published, as a share of the range."""
@@ -212,7 +211,7 @@ class TargetRange:
             Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
-        if estimate.status is not TrackingStatus.TRACKING:
+        if not is_claimed(estimate):
             none = Withheld(Reason.NO_TARGET, "the frame shows none")
             return TargetMetres(none, none)
         if isinstance(camera, Withheld):

@@ -88,12 +88,11 @@ class TargetTracker:
         """Take other parameters from now on, and keep the belief.
 
         A changed seed waits for the next reset; another filter or working width starts anew with
-        the next target that is marked or that the detector proposes.
+        the next target that is marked or that the detector proposes. The next estimate says so.
         """
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
-            self._filter = self._make_filter()
-            self._status = StatusMachine()
+            self._notice = "another filter or working width" + self._forget()
             return
         self._filter.configure(parameters)
 
@@ -106,6 +105,7 @@ class TargetTracker:
         self._frame: FrameMark | None = None
         self._is_proposed = self._has_begun = False
         self._presence = 0.0
+        self._notice = ""
 
     def copy(self) -> TargetTracker:
         """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
@@ -135,7 +135,7 @@ class TargetTracker:
         step = self._succession(self._frame_mark(image, stamp))
         if self._start is not None:
             return FrameTask.START
-        return FrameTask.SEARCH if step.event or self.is_searching else FrameTask.FOLLOW
+        return FrameTask.SEARCH if self._ends(step) or self.is_searching else FrameTask.FOLLOW
 
     def _frame_mark(self, image: Image, stamp: int) -> FrameMark:
         check_target_frame(image, self._parameters.working_width)
@@ -183,13 +183,13 @@ class TargetTracker:
         step = self._succession(frame)
         start, self._start = self._start, None
         self._has_begun = False
-        if step.event:
-            self._filter = self._make_filter()
-            self._status = StatusMachine()
+        event = "; ".join(filter(None, (self._notice, step.event)))
+        self._notice = ""
+        if self._ends(step):
+            event += self._forget()
         self._frame = frame
         seen = make_working_frame(image, self._parameters.working_width)
         self._zoom = seen.zoom
-        event = step.event
         if start is not None:
             try:
                 return self._begin(seen, start, event)
@@ -201,8 +201,25 @@ class TargetTracker:
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
         if self.is_searching:
             return self._search(seen, event, apart)
-        summary = self._filter.step(seen, step.dt, motion, apart)
-        return self._estimate(summary, step.dt, event)
+        # After a gap the marked target may be anywhere that it can get to within the longest one.
+        dt = self._parameters.maximum_gap if step.event else step.dt
+        summary = self._filter.step(seen, dt, motion, apart)
+        return self._estimate(summary, dt, event)
+
+    def _ends(self, step: Succession) -> bool:
+        """Tell whether nothing that was followed before a frame can be followed on.
+
+        A marked target is looked for until another mark, also after a gap; what a detector proposed
+        is proposed again.
+        """
+        return bool(step.event) and (self._is_proposed or not step.is_same_size)
+
+    def _forget(self) -> str:
+        """Begin with no target, and return what to say of a marked one."""
+        is_missed = self._filter.particles is not None and not self._is_proposed
+        self._filter = self._make_filter()
+        self._status = StatusMachine()
+        return ": the marked target is forgotten, mark it again" if is_missed else ""
 
     @property
     def has_begun(self) -> bool:

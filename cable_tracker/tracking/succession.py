@@ -41,10 +41,13 @@ class Succession:
         Time since the frame before [s]; that of the reference rate where tracking starts.
     event : str
         Why tracking must start anew; empty where it goes on.
+    is_same_size : bool
+        Whether both frames have the same size.
     """
 
     dt: float
     event: str
+    is_same_size: bool = True
 
 
 def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> Succession:
@@ -79,7 +82,7 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
         raise FrameError(f"the frame is {late:.3f} s older than the one before: out of order")
     event = _reason_to_start_anew(before, now, maximum_gap)
     dt = 1.0 / REFERENCE_RATE if event else (now.stamp - before.stamp) / NANOSECONDS
-    return Succession(dt, event)
+    return Succession(dt, event, before.size == now.size)
 
 
 def is_out_of_order(before: int, now: int) -> bool:

@@ -161,6 +161,12 @@ class TestTarget:
         node = start("target.launch.py", **{name: "/auv/front"})["target_tracker"]
         assert node.remappings[name] == "/auv/front"
 
+    def test_how_instruments_are_read_reaches_the_node(self, start: Play) -> None:
+        given = {"instrument_reliability": "reliable", "instrument_wait": "0.1"}
+        values = start("target.launch.py", **given)["target_tracker"].values()
+        assert values["instrument_reliability"] == "reliable"
+        assert values["instrument_wait"] == 0.1
+
     def test_marks_can_be_given_another_topic(self, start: Play) -> None:
         node = start("target.launch.py", initial_target_topic="/mark")["target_tracker"]
         assert node.remappings["initial_target"] == "/mark"

@@ -33,8 +33,9 @@ def camera():
 
 
 def estimate_of(
-    place, number=0, size=0.4, status=TrackingStatus.TRACKING, is_whole=True, noise=0.0
-):
+    place, number=0, size=0.4, status=TrackingStatus.TRACKING, is_whole=True, noise=0.0,
+    has_outline=True,
+):  # fmt: skip
     """What is seen of a target ahead, left, up [m]."""
     ahead, left, up = place
     state = np.zeros(6)
@@ -43,8 +44,9 @@ def estimate_of(
     slant = ahead / distance
     area = (size / distance * FOCAL * math.exp(noise)) ** 2 / slant**3
     return TargetEstimate(
-        1_000_000_000 + number * STEP, status, SIZE, state, np.eye(6), area=area, is_whole=is_whole
-    )
+        1_000_000_000 + number * STEP, status, SIZE, state, np.eye(6), area=area, is_whole=is_whole,
+        box=(0.0, 0.0, 1.0, 1.0) if has_outline else None,
+    )  # fmt: skip
 
 
 def way(x, y, z, turn=0.0):
@@ -139,9 +141,10 @@ class TestUnknownSize:
 
 
 class TestWithheld:
-    def test_nothing_is_told_without_a_claim_or_a_calibration(self):
+    @pytest.mark.parametrize("change", [{"status": TrackingStatus.LOST}, {"has_outline": False}])
+    def test_nothing_is_told_without_a_claim_or_a_calibration(self, change):
         meter = TargetRange(TargetSettings(AHEAD, 0.4))
-        lost = meter.take(estimate_of([5.0, 0.0, 0.0], status=TrackingStatus.LOST), camera(), STILL)
+        lost = meter.take(estimate_of([5.0, 0.0, 0.0], **change), camera(), STILL)
         assert isinstance(lost.ray, Withheld) and lost.ray.reason is Reason.NO_TARGET
         none = VehicleMotion().camera(SIZE)
         blind = meter.take(estimate_of([5.0, 0.0, 0.0], 1), none, STILL)

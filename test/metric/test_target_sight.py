@@ -26,7 +26,7 @@ def seen(index):
     """A target in the middle of the image, of 20 px by 20 px."""
     return TargetEstimate(
         SECOND + index * FRAME, TrackingStatus.TRACKING, SIZE, np.zeros(6), np.eye(6), area=400.0,
-        is_whole=True,
+        is_whole=True, box=(0.0, 0.0, 20.0, 20.0),
     )  # fmt: skip
 
 

@@ -271,7 +271,29 @@ def test_frames_of_another_size_begin_anew(draw):
     tracker, _ = started(draw)
     estimate = tracker.process(draw(size=(400, 300))[0], 2 * STEP)
     assert estimate.status.value == "INITIALISING"
-    assert "size changed" in estimate.event
+    assert "size changed" in estimate.event and "mark it again" in estimate.event
+
+
+@pytest.mark.parametrize("pause", [6.0, -2.0], ids=["a gap", "time goes back"])
+def test_a_marked_target_is_looked_for_after(draw, pause):
+    tracker, before = started(draw)
+    again = 10_000_000_000 + round(pause * 1e9)
+    if pause < 0.0:
+        tracker.process(draw(seed=2)[0], 10_000_000_000)
+    estimate = tracker.process(draw(seed=3)[0], again)
+    assert estimate.event
+    for number in range(1, 12):
+        estimate = tracker.process(draw(seed=number)[0], again + number * STEP)
+    assert estimate.status.value == "TRACKING"
+    assert estimate.state[:2] == pytest.approx(before.state[:2], abs=4.0)
+
+
+@pytest.mark.parametrize("change", [{"working_width": 200}, {"filter": "blobs"}])
+def test_a_change_that_forgets_the_marked_target_says_so_once(draw, change):
+    tracker, _ = started(draw)
+    tracker.configure(tracker.parameters.replaced(change))
+    events = [tracker.process(draw(seed=n)[0], n * STEP).event for n in (2, 3)]
+    assert "mark it again" in events[0] and events[1] == ""
 
 
 def test_reset_forgets_and_repeats(draw):

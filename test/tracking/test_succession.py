@@ -33,7 +33,8 @@ def test_a_frame_in_time_goes_on():
     ],
 )
 def test_what_cannot_go_on_starts_anew_and_says_why(seconds, size, event):
-    assert following(seconds, size) == Succession(dt=0.04, event=event)
+    is_same = size == (320, 240)
+    assert following(seconds, size) == Succession(0.04, event, is_same)
 
 
 def test_the_same_time_again_is_refused():

@@ -62,7 +62,7 @@ class CableFollower(Follower):
         self._parameters = parameters
         self._tracker = make_tracker(parameters)
         self._metres = metres
-        self._decoded = self._grey = stand_in()
+        self._forget_picture()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
@@ -87,6 +87,9 @@ class CableFollower(Follower):
         if self._metres is not None:
             other._metres = self._metres.copy()
         return other
+
+    def _forget_picture(self) -> None:
+        self._decoded = self._grey = stand_in()
 
     def close(self) -> None:
         """Read no more of the recording."""

@@ -57,10 +57,15 @@ class Follower(ABC):
         self._tracker.reset()
 
     def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
+        """Return another one that goes on as this one would, without the frame's picture."""
         other = self.__new__(type(self))
         other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        other._forget_picture()
         return other
+
+    @abstractmethod
+    def _forget_picture(self) -> None:
+        """Let go of the picture of the last frame; the next one brings its own."""
 
     @abstractmethod
     def initialise(self, start: AnyStart) -> None:

@@ -53,7 +53,7 @@ class TargetFollower(Follower):
             raise ParameterError("init: the window follows one target; mark only one")
         self._parameters = parameters
         self._tracker = TargetTracker(self._with_detector(parameters))
-        self._image = stand_in()
+        self._forget_picture()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
@@ -67,6 +67,9 @@ class TargetFollower(Follower):
         """Be ready for the first frame."""
         for start in self._start.boxes:
             self._tracker.initialise(start)
+
+    def _forget_picture(self) -> None:
+        self._image = stand_in()
 
     def close(self) -> None:
         """Do nothing: boxes were read at the start."""

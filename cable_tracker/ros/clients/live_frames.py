@@ -67,9 +67,18 @@ class LiveFrames:
         self._hand_on = hand_on
         self._parts: OrderedDict[int, _Parts] = OrderedDict()
         self._count = 0
+        self._unstamped: RawImage | CompressedImage | None = None
 
     def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:
-        """Take what the camera sent."""
+        """Take what the camera sent.
+
+        Of a picture without a stamp the node speaks with the time at which it came: the newest one
+        is shown with what comes next.
+        """
+        if stamp_of(header) == 0:
+            self._unstamped = image
+            return
+        self._unstamped = None
         self._of(header).image = image
         self.hand_on_what_is_due()
 
@@ -101,7 +110,7 @@ class LiveFrames:
     def _of(self, header: Message) -> _Parts:
         stamp = stamp_of(header)
         if stamp not in self._parts:
-            self._parts[stamp] = _Parts()
+            self._parts[stamp] = _Parts(image=self._unstamped)
             while len(self._parts) > KEPT_FRAMES:
                 self._parts.popitem(last=False)
         return self._parts[stamp]

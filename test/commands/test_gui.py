@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the windows need the extra `gui`")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (("--seed", 7), "--seed"),
+        (("--preset", "pipeline"), "--preset"),
+        (("--params", "mine.yaml"), "--params"),
+        (("--init", "truth"), "--init"),
+        (("--topic", "/cam"), "--topic"),
+        (("--rate", 5), "--rate"),
+        (("--skip-bad-frames",), "--skip-bad-frames"),
+    ],
+)
+def test_what_a_live_node_would_not_hear_of_is_refused(command, arguments, name):
+    code, _, told = command("gui", "--ros", "/", *arguments)
+    assert code == 2
+    assert f"{name} would not reach the node" in told

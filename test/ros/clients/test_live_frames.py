@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+
+from cable_tracker.ros.clients import live_frames
+from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.sequences.encodings import raw_from_array
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    monkeypatch.setattr(live_frames, "PATIENCE", 0.0)
+    return []
+
+
+def picture(level):
+    return raw_from_array(np.full((48, 64), level, np.uint8), "mono8")
+
+
+def header(second):
+    made = Header()
+    made.stamp.sec = second
+    return made
+
+
+def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_said_next(shown):
+    frames = LiveFrames(shown.append)
+    for second in (5, 6):
+        frames.take_image(header(0), picture(10 * second))
+        frames.take_state(JointState(header=header(second)))
+    frames.hand_on_what_is_due()
+    assert [int(each.grey[0, 0]) for each in shown] == [50, 60]
+
+
+def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
+    frames = LiveFrames(shown.append)
+    frames.take_image(header(0), picture(10))
+    frames.take_image(header(7), picture(70))
+    frames.take_state(JointState(header=header(6)))
+    frames.take_state(JointState(header=header(7)))
+    frames.hand_on_what_is_due()
+    assert [int(each.grey[0, 0]) for each in shown] == [70]
