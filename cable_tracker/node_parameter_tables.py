@@ -206,7 +206,8 @@ TARGET_METRIC_PARAMETERS = (
         "s",
         (0.0, 60.0),
         "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
-        " those of `odometry` and `imu` that speak at all have come; 0: do not wait.",
+        " those of `odometry` and `imu` that speak at all have come, or for all of it while neither"
+        " has spoken; 0: do not wait.",
     ),
 )
 """For `bearing`, `relative_pose` and turns of the camera; see docs/targets.md."""
