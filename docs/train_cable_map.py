@@ -4,7 +4,8 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 A network that is trained further is mixed with the one that it began as, and its log-odds are
-sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`).
+sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`). The one in use was trained before shadows had ends
+(`CRISP`, `SPANNING`) and pictures captions (`CAPTIONED`); docs/evaluation.md says what these did.
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report

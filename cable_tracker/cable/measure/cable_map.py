@@ -92,8 +92,8 @@ class MapMatch(NamedTuple):
 def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
     """Return how well a strip (8,) matches a map that is not empty.
 
-    A strip narrower than `RESOLVED_WIDTH` matches as one of that width or as one of its own, not
-    below `SHARPEST_WIDTH`, whichever overlaps more: how wide such a cable is, its borders tell.
+    A strip narrower than `RESOLVED_WIDTH` matches as one of that width or of `SHARPEST_WIDTH`,
+    whichever overlaps more: how wide such a cable is, its borders tell, and not the map.
     """
     resolved = RESOLVED_WIDTH * cable_map.cell
     area, mass = _covered(state, max(state[WIDTH], resolved), cable_map)
