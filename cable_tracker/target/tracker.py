@@ -88,11 +88,13 @@ class TargetTracker:
         """Take other parameters from now on, and keep the belief.
 
         A changed seed waits for the next reset; another filter or working width starts anew with
-        the next target that is marked or that the detector proposes. The next estimate says so.
+        the next target that is marked or that the detector proposes. Where a marked one is lost by
+        that, the next estimate says so.
         """
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
-            self._notice = "another filter or working width" + self._forget()
+            loss = self._forget()
+            self._notice = f"another filter or working width{loss}" if loss else ""
             return
         self._filter.configure(parameters)
 
