@@ -74,7 +74,7 @@ class ResultFolder(Results):
     def _open_writers(self, stack: ExitStack) -> None:
         self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
         self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
-        self._open_pictures(stack)
+        self._open_video(stack)
         # Entered last, so that all is drawn before the video is closed.
         self._drawing = stack.enter_context(DrawingThread())
 

@@ -117,7 +117,7 @@ class Results(ABC):
         """Return the names of the files that are wanted."""
         return tuple(name for name, is_wanted in files if is_wanted)
 
-    def _open_pictures(self, stack: ExitStack) -> None:
+    def _open_video(self, stack: ExitStack) -> None:
         """Open the video, if it is wanted."""
         if self.wanted.video:
             self._video = stack.enter_context(VideoWriter(self._content / VIDEO))

@@ -58,7 +58,7 @@ class TargetFolder(Results):
         )
 
     def _open_writers(self, stack: ExitStack) -> None:
-        self._open_pictures(stack)
+        self._open_video(stack)
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
         """Add one frame, with the picture that shows what was found; None for a refused frame."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import av
@@ -135,6 +135,11 @@ def _promised_seconds(path: Path) -> float | None:
             (stream,) = container.streams.video[:1]
             # The file may hold sound that lasts longer.
             promised = _seconds(stream.metadata.get("DURATION", ""))
+            if promised is None:
+                return None
+            # Of a whole file only what follows the last key frame is read again.
+            with suppress(FFmpegError):
+                container.seek(round(promised * av.time_base))
             ends = [
                 float((packet.pts + (packet.duration or 0)) * packet.time_base)
                 for packet in container.demux(stream)
@@ -143,11 +148,7 @@ def _promised_seconds(path: Path) -> float | None:
     except (FFmpegError, ValueError):
         # It finds no stream of pictures; then what OpenCV reads is all that is known.
         return None
-    return (
-        promised
-        if promised is not None and max(ends, default=0.0) < promised - _LEAST_MISSING
-        else None
-    )
+    return promised if ends and max(ends) < promised - _LEAST_MISSING else None
 
 
 def _seconds(clock: str) -> float | None:

@@ -103,36 +103,30 @@ def georeference(
     for _ in range(3):
         if kept.sum() < FEWEST_FIXES or np.ptp(places[kept], axis=0).max() < LEAST_WAY:
             return None
-        turn, shift = _fitted(places[kept], measured[kept], 1.0 / variances[kept])
+        turn, shift, turn_variance = _fitted(places[kept], measured[kept], 1.0 / variances[kept])
         kept = _plausible(_residuals(places, measured, turn, shift), variances, disk)
     if kept.sum() < FEWEST_FIXES:
         return None
     residuals = _residuals(places, measured, turn, shift)[kept]
     drift, doubts = _smoothed_drift(stamps[kept], residuals, variances[kept], disk)
-    used = places[kept]
     return Georeference(
-        turn, shift, stamps[kept], drift, doubts, int((~kept).sum()),
-        _turn_variance(used, 1.0 / variances[kept]), used[[0, -1]],
+        turn, shift, stamps[kept], drift, doubts, int((~kept).sum()), turn_variance,
+        places[kept][[0, -1]],
     )  # fmt: skip
-
-
-def _turn_variance(places: FloatArray, weights: FloatArray) -> float:
-    """Return the variance of the turn that places (N, 2) are fitted with [rad²]."""
-    apart = places - (weights @ places) / weights.sum()
-    return float(1.0 / (weights @ (apart**2).sum(axis=1)))
 
 
 def _fitted(
     places: FloatArray, measured: FloatArray, weights: FloatArray
-) -> tuple[float, FloatArray]:
-    """Return turn and shift that take places (N, 2) to measured ones (N, 2)."""
+) -> tuple[float, FloatArray, float]:
+    """Return turn and shift that take places (N, 2) to measured ones, and the turn's variance."""
     total = weights.sum()
     own, other = (weights @ places) / total, (weights @ measured) / total
     a, b = places - own, measured - other
     turn = math.atan2(
         float(weights @ (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(weights @ (a * b).sum(1))
     )
-    return turn, other - rotation_in_plane(turn) @ own
+    variance = 1.0 / float(weights @ (a**2).sum(axis=1))
+    return turn, other - rotation_in_plane(turn) @ own, variance
 
 
 def _residuals(
