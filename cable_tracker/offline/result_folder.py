@@ -12,15 +12,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.offline.results import (
-    BAG,
-    CONTACT_SHEET,
-    ESTIMATES,
-    EVERYTHING,
-    VIDEO,
-    Results,
-    WantedResults,
-)
+from cable_tracker.offline.results import ESTIMATES, EVERYTHING, Results, WantedResults
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
@@ -61,15 +53,9 @@ class ResultFolder(Results):
         self.truths: dict[int, CableState] = {}
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the files, in the order in which they are told."""
-        return self._wanted_names(
-            (ESTIMATES, True),
-            (VIDEO, self.wanted.video),
-            (CONTACT_SHEET, self.wanted.pictures),
-            (PLOTS, self.wanted.pictures),
-            (BAG, self.wanted.bag),
-        )
+    def plots(self) -> tuple[str, ...]:
+        """Names of the plots."""
+        return (PLOTS,)
 
     def _open_writers(self, stack: ExitStack) -> None:
         self.rows: StoredRows[EstimateRow] = StoredRows(self._content)

@@ -112,10 +112,23 @@ class Results(ABC):
         if error is None:
             self._write_summaries()
 
-    @staticmethod
-    def _wanted_names(*files: tuple[str, bool]) -> tuple[str, ...]:
-        """Return the names of the files that are wanted."""
-        return tuple(name for name, is_wanted in files if is_wanted)
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables."""
+        return (ESTIMATES,)
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """Names of the plots."""
+        return ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the files, in the order in which they are told."""
+        video = (VIDEO,) if self.wanted.video else ()
+        pictures = (CONTACT_SHEET, *self.plots) if self.wanted.pictures else ()
+        bag = (BAG,) if self.wanted.bag else ()
+        return (*self.tables, *video, *pictures, *bag)
 
     def _open_video(self, stack: ExitStack) -> None:
         """Open the video, if it is wanted."""

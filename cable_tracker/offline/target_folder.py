@@ -8,15 +8,7 @@ from pathlib import Path
 
 from cable_tracker.arrays import Image
 from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
-from cable_tracker.offline.results import (
-    BAG,
-    CONTACT_SHEET,
-    ESTIMATES,
-    EVERYTHING,
-    VIDEO,
-    Results,
-    WantedResults,
-)
+from cable_tracker.offline.results import ESTIMATES, EVERYTHING, Results, WantedResults
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.frame import Frame
@@ -47,15 +39,9 @@ class TargetFolder(Results):
         self.metres: list[tuple[str, ...]] = []
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the written files."""
-        return self._wanted_names(
-            (ESTIMATES, True),
-            (METRES, bool(self.metres)),
-            (VIDEO, self.wanted.video),
-            (CONTACT_SHEET, self.wanted.pictures),
-            (BAG, self.wanted.bag),
-        )
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables."""
+        return (ESTIMATES, METRES) if self.metres else (ESTIMATES,)
 
     def _open_writers(self, stack: ExitStack) -> None:
         self._open_video(stack)

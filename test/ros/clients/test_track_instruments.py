@@ -9,7 +9,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import cli
-from cable_tracker.offline.result_folder import BAG
+from cable_tracker.offline.results import BAG
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings
