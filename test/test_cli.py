@@ -270,13 +270,14 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
     assert outcome.code == 0
     statuses = [row.status for row in read_estimates(Path("pictures_tracked/estimates.csv"))]
     assert [status == "REFUSED" for status in statuses] == [False, True, False]
+    assert "1 of 3 frames refused; the first, frame 1: " in outcome.err
 
 
 def test_a_recording_without_a_usable_frame_is_refused(run, unlabelled):
     for picture in Path("pictures").glob("*.png"):
         picture.write_bytes(b"garbage")
     outcome = run("track", unlabelled, "--skip-bad-frames")
-    outcome.assert_refused("none of the 3 frames can be used")
+    outcome.assert_refused("none of the 3 frames can be used; record it again. The first one:")
     assert not Path("pictures_tracked").exists()
 
 

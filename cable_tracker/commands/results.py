@@ -5,10 +5,30 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Protocol
 
-from cable_tracker.commands.terminal import console
+from cable_tracker.commands.terminal import console, messages
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+
+MOST_EVENTS = 5
+"""Events of frames that are told one by one."""
+
+
+class TrackedFrame(Protocol):
+    """Row of a table of results, of a cable or of a target."""
+
+    @property
+    def frame(self) -> int:
+        """Number of the frame in the recording."""
+
+    @property
+    def status(self) -> str:
+        """Status of the frame."""
+
+    @property
+    def event(self) -> str:
+        """Why the frame was refused, or what else happened with it; empty: nothing."""
 
 
 def folder_beside(source: Path, ending: str) -> Path:
@@ -19,14 +39,14 @@ def folder_beside(source: Path, ending: str) -> Path:
 
 
 def need_usable_frames(
-    source: Path, statuses: Sequence[str], damage: RecordingError | None
+    source: Path, rows: Sequence[TrackedFrame], damage: RecordingError | None
 ) -> None:
     """See that there is anything to keep of a run.
 
     Parameters
     ----------
-    statuses : sequence of str
-        Status of each frame.
+    rows : sequence of TrackedFrame
+        All frames.
     damage : RecordingError or None
         Error at which the recording broke off.
 
@@ -35,10 +55,14 @@ def need_usable_frames(
     RecordingError
         No frame could be used.
     """
-    if any(status != REFUSED for status in statuses):
+    if any(row.status != REFUSED for row in rows):
         return
-    reason = f"none of the {len(statuses)} frames can be used" if statuses else "holds no frames"
-    raise damage or RecordingError(f"{source}: {reason}; record it again")
+    if not rows:
+        raise damage or RecordingError(f"{source}: holds no frames; record it again")
+    raise damage or RecordingError(
+        f"{source}: none of the {len(rows)} frames can be used; record it again. The first one:"
+        f" {rows[0].event}"
+    )
 
 
 def print_statuses(statuses: Sequence[str]) -> None:
@@ -46,6 +70,29 @@ def print_statuses(statuses: Sequence[str]) -> None:
     counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
     words = ", ".join(f"{count} {status}" for status, count in counts.items())
     console.print(f"{len(statuses)} frames: {words}", soft_wrap=True)
+
+
+def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:
+    """Say why frames were refused, and what else happened: a new start of the tracker, a notice."""
+    refused = [row for row in rows if row.status == REFUSED]
+    others = [row for row in rows if row.status != REFUSED and row.event]
+    notes = []
+    if refused:
+        first = refused[0]
+        notes.append(
+            f"{len(refused)} of {len(rows)} frames refused; the first, frame {first.frame}:"
+            f" {first.event}"
+        )
+    notes += [f"frame {row.frame}: {row.event}" for row in others[:MOST_EVENTS]]
+    if len(others) > MOST_EVENTS:
+        notes.append(f"and so {len(others) - MOST_EVENTS} frames more")
+    return notes
+
+
+def print_events(rows: Sequence[TrackedFrame]) -> None:
+    """Say what `event_notes` has to say."""
+    for note in event_notes(rows):
+        messages.print(f"note: {note}", soft_wrap=True)
 
 
 def metres_told(rows: Sequence[EstimateRow]) -> str:

@@ -34,11 +34,12 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.results import (
     folder_beside,
     need_usable_frames,
+    print_events,
     print_median_time,
     print_statuses,
 )
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, messages, print_files, progress_bar
+from cable_tracker.commands.terminal import advance, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
@@ -145,7 +146,7 @@ def target(  # noqa: PLR0917
             sight = RecordedSight(described, target_size) if described.has_instruments else None
             with sight or nullcontext():
                 damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
-        need_usable_frames(recording.path, [row.status for row in results.rows], damage)
+        need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print(results)
     if damage is not None:
@@ -161,8 +162,6 @@ def _chosen_start(init: str) -> TargetStart | None:
 
 def _print(results: TargetFolder) -> None:
     print_statuses([row.status for row in results.rows])
-    for row in results.rows:
-        if row.event:
-            messages.print(f"note: frame {row.frame}: {row.event}", soft_wrap=True)
+    print_events(results.rows)
     print_median_time([row.ms for row in results.rows])
     print_files(results.path, results.names)

@@ -41,6 +41,7 @@ from cable_tracker.commands.results import (
     folder_beside,
     metres_told,
     need_usable_frames,
+    print_events,
     print_median_time,
     print_statuses,
 )
@@ -132,7 +133,7 @@ def track(  # noqa: PLR0917
                 damage = track_recording(
                     recording, tracker, results, lambda: advance(progress), metres
                 )
-        need_usable_frames(recording.path, [row.status for row in results.rows], damage)
+        need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print_results(results, wants_metres=described.wants_metres)
     for line in advice(results.rows, results.widths, parameters):
@@ -148,6 +149,7 @@ def _words_for_node(start: str, given: GivenState | None) -> str:
 
 def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:
     print_statuses([row.status for row in results.rows])
+    print_events(results.rows)
     told = metres_told(results.rows) if wants_metres else ""
     if told:
         console.print(told, soft_wrap=True)

@@ -8,7 +8,8 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+from cable_tracker.stamps import NANOSECONDS
 
 TRACKING = "TRACKING"
 NEAR_LIMIT = 1.1
@@ -52,14 +53,26 @@ def advice(
             " response table from labelled frames of yours (cable-tracker label, learn)"
         )
     if is_likely and is_clear:
-        lines.append(
-            "presence and evidence were high enough, but not together for confirmation_time"
-            f" ({parameters.confirmation_time:g} s); try a shorter one"
-        )
+        lines.append(_confirmation_advice(rows, parameters))
     if width is not None:
         lines += _width_advice(width, parameters)
     lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
     return lines
+
+
+def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParameters) -> str:
+    """Say why frames that support a claim led to none."""
+    stamps = [row.stamp for row in rows if row.status != REFUSED]
+    needed, usable = parameters.confirmation_time, (stamps[-1] - stamps[0]) / NANOSECONDS
+    if usable < needed:
+        return (
+            f"usable frames span {usable:.3g} s, a claim takes confirmation_time ({needed:g} s);"
+            " look into why frames were refused, or record for longer"
+        )
+    return (
+        "presence and evidence were high enough, but not together for confirmation_time"
+        f" ({needed:g} s); try a shorter one"
+    )
 
 
 def _median_width(widths: Sequence[tuple[float, int]]) -> float | None:

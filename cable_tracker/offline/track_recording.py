@@ -116,6 +116,7 @@ def row_of(
         ms=ms,
         metres=row_metres(metres) if isinstance(metres, CrossTrack) else None,
         no_metres=str(metres) if isinstance(metres, Withheld) else "",
+        event=estimate.event,
     )
 
 
@@ -166,7 +167,7 @@ def _track_frame(
     except FrameError as error:
         if output is not None:
             output.write_refusal(str(error))
-        results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED), None)
+        results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)

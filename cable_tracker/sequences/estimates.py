@@ -16,7 +16,7 @@ HEADER = (
     "frame", "stamp", "status", *STATE_SYMBOLS,
     "sigma_d", "sigma_alpha", "sigma_w", "sigma_beta",
     "n_eff", "presence", "evidence", "hypotheses", "ms",
-    "offset", "heading", "sigma_offset", "sigma_heading", "no_metres",
+    "offset", "heading", "sigma_offset", "sigma_heading", "no_metres", "event",
 )  # fmt: skip
 
 CLAIM_SIZE = STATE_SIZE + 4
@@ -80,6 +80,8 @@ class EstimateRow:
         The cable beside the vehicle; None where it is not known.
     no_metres : str
         Reason why there are no metres; empty otherwise, and for a refused frame.
+    event : str
+        Why the frame was refused, or why tracking started anew with it; empty otherwise.
     """
 
     frame: int
@@ -94,6 +96,7 @@ class EstimateRow:
     ms: float | None = None
     metres: RowMetres | None = None
     no_metres: str = ""
+    event: str = ""
 
 
 def format_stamp(stamp: int) -> str:
@@ -127,7 +130,7 @@ def _format_row(row: EstimateRow) -> list[str]:
     return [
         str(row.frame), format_stamp(row.stamp), row.status,
         *(_format_number(value) for value in (*state, *sigma, *belief)), ms,
-        *(_format_number(value) for value in metres), row.no_metres,
+        *(_format_number(value) for value in metres), row.no_metres, row.event,
     ]  # fmt: skip
 
 
@@ -137,8 +140,9 @@ def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
 
 
 def _parse_row(fields: Sequence[str]) -> EstimateRow:
-    *numbers, hypotheses, ms = fields[3 : -METRES_SIZE - 1]
-    metres = [float(text) for text in fields[-METRES_SIZE - 1 : -1] if text]
+    *others, no_metres, event = fields
+    *numbers, hypotheses, ms = others[3:-METRES_SIZE]
+    metres = [float(text) for text in others[-METRES_SIZE:] if text]
     values = [float(text) if text else None for text in numbers]
     present = [value for value in values[:CLAIM_SIZE] if value is not None]
     claimed = len(present) == CLAIM_SIZE
@@ -155,7 +159,8 @@ def _parse_row(fields: Sequence[str]) -> EstimateRow:
         hypotheses=int(hypotheses) if hypotheses else None,
         ms=float(ms) if ms else None,
         metres=RowMetres(*metres) if len(metres) == METRES_SIZE else None,
-        no_metres=fields[-1],
+        no_metres=no_metres,
+        event=event,
     )
 
 

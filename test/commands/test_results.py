@@ -1,5 +1,5 @@
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.commands.results import metres_told
+from cable_tracker.commands.results import event_notes, metres_told
 from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 
 STATE, METRES = CableState(1.0, 0.1, 20.0, 0.0), RowMetres(0.1, 0.0, 0.01, 0.01)
@@ -9,6 +9,19 @@ NO_ALTITUDE = EstimateRow(
 )
 STALE = EstimateRow(0, 0, "TRACKING", state=STATE, no_metres="stale altitude: of 2 s ago")
 LOST = EstimateRow(0, 0, "LOST", no_metres="no cable is claimed: LOST")
+
+
+def test_why_frames_were_refused_is_told_once():
+    refused = [EstimateRow(k, 0, "REFUSED", event=f"reason {k}") for k in (3, 4)]
+    assert event_notes([LOST, *refused]) == ["2 of 3 frames refused; the first, frame 3: reason 3"]
+    assert event_notes([LOST, KNOWN]) == []
+
+
+def test_of_many_new_starts_the_first_are_told():
+    starts = [EstimateRow(k, 0, "LOST", event="no frame for 8.000 s") for k in range(8)]
+    notes = event_notes(starts)
+    assert notes[0] == "frame 0: no frame for 8.000 s"
+    assert notes[5:] == ["and so 3 frames more"]
 
 
 def test_claims_in_metres_are_counted():

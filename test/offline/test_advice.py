@@ -9,7 +9,7 @@ BY_BORDERS = PARAMETERS.replaced({"looks": "borders"})
 
 def rows(presence=0.3, evidence=-2.0, status="INITIALISING") -> list[EstimateRow]:
     return [
-        EstimateRow(index, index, status, presence=presence, evidence=evidence)
+        EstimateRow(index, index * 10**8, status, presence=presence, evidence=evidence)
         for index in range(5)
     ]
 
@@ -51,6 +51,13 @@ def test_for_a_thin_cable_thin_width_is_named():
 
 def test_high_values_that_did_not_last_are_told_apart():
     assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
+
+
+def test_too_few_usable_frames_are_no_reason_to_shorten_the_confirmation():
+    refused = [EstimateRow(k, 0, "REFUSED", event="the stamp is") for k in range(1, 5)]
+    said = words([rows(1.0, 3.0)[0], *refused], [], PARAMETERS)
+    assert "usable frames span 0 s" in said
+    assert "shorter" not in said
 
 
 def test_a_width_at_its_limit_is_said_in_units_of_the_parameters():

@@ -74,10 +74,10 @@ def test_the_file_looks_as_the_design_says(tmp_path):
     assert (tmp_path / "e.csv").read_text().splitlines() == [
         "frame,stamp,status,d,alpha,w,beta,v_d,v_alpha,v_w,v_beta,"
         "sigma_d,sigma_alpha,sigma_w,sigma_beta,n_eff,presence,evidence,hypotheses,ms,"
-        "offset,heading,sigma_offset,sigma_heading,no_metres",
+        "offset,heading,sigma_offset,sigma_heading,no_metres,event",
         "7,1700000000.040000000,TRACKING,1.5,-0.25,40.0,0.125,2.0,-3.0,4.0,0.5,"
-        "0.5,0.25,1.0,0.125,120.5,0.98,2.25,2,16.500,,,,,",
-        "8,0.040000000,LOST,,,,,,,,,,,,,3.0,,0.5,0,,,,,,",
+        "0.5,0.25,1.0,0.125,120.5,0.98,2.25,2,16.500,,,,,,",
+        "8,0.040000000,LOST,,,,,,,,,,,,,3.0,,0.5,0,,,,,,,",
     ]
 
 

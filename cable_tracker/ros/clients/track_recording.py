@@ -132,4 +132,5 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         ms=number("ms"),
         metres=read_row_metres(values),
         no_metres=values.get(NO_METRES_KEY, ""),
+        event=values.get("event", ""),
     )

@@ -71,4 +71,4 @@ def test_the_row_is_the_one_made_without_ros(
 
 
 def test_a_refused_frame_has_no_numbers() -> None:
-    assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED)
+    assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED, event="too small")
