@@ -48,8 +48,9 @@ class BeliefSummary:
         Whether the frame speaks for claiming a cable, and for going on to claim one.
     supports_new_claim : bool
         Whether it speaks for claiming one that nothing was known of.
-    is_another : bool
-        Whether the estimate is of something else than the cable that was tracked last.
+    contradicts_claim : bool
+        Whether the frame speaks against the cable that was tracked last: the estimate is of
+        something else, or no cable is in view.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis
@@ -63,7 +64,7 @@ class BeliefSummary:
     supports_claim: bool
     supports_keeping: bool
     supports_new_claim: bool
-    is_another: bool = False
+    contradicts_claim: bool = False
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 

@@ -230,7 +230,7 @@ class CableTracker:
         self._status = self._status.after(
             supports_claim=converged and self._supports_claim(summary),
             supports_keeping=converged and summary.supports_keeping,
-            is_another=summary.is_another,
+            contradicts_claim=summary.contradicts_claim,
             dt=dt,
             parameters=self._parameters,
         )

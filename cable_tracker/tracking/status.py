@@ -88,7 +88,7 @@ class StatusMachine:
         supports_keeping: bool,
         dt: float,
         parameters: StatusTimes,
-        is_another: bool = False,
+        contradicts_claim: bool = False,
     ) -> StatusMachine:
         """Return the status after one more frame.
 
@@ -101,12 +101,13 @@ class StatusMachine:
             than half of the loss time.
         parameters : StatusTimes
             Times.
-        is_another : bool
-            Whether the estimate is of something else than what was claimed. The loss time does not
-            run then: no frame of it may pass for what was claimed.
+        contradicts_claim : bool
+            Whether the frame speaks against what was claimed: the estimate is of something else, or
+            nothing is in view. The loss time does not run then: no frame of it may pass for what
+            was claimed.
         """
         if self.status is TrackingStatus.TRACKING:
-            if is_another and not supports_keeping:
+            if contradicts_claim and not supports_keeping:
                 return StatusMachine(TrackingStatus.LOST)
             return self._while_claimed(supports_keeping, dt, parameters)
         return self._while_unclaimed(supports_claim, dt, parameters)

@@ -49,13 +49,13 @@ def test_it_is_time_that_counts_not_frames():
 
 
 @pytest.mark.parametrize(("keeping", "status"), [(False, LOST), (True, TRACKING)])
-def test_an_estimate_of_something_else_does_not_wait_for_the_loss_time(keeping, status):
+def test_what_contradicts_a_claim_does_not_wait_for_the_loss_time(keeping, status):
     machine = StatusMachine(TRACKING).after(
         supports_claim=False,
         supports_keeping=keeping,
         dt=0.01,
         parameters=PARAMETERS,
-        is_another=True,
+        contradicts_claim=True,
     )
     assert machine.status is status
 

@@ -75,6 +75,7 @@ def belief_summary(
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, image_width)
+    is_present = belief.presence >= parameters.presence_to_lose
     is_acceptable = visible and (belief.is_clear or familiar)
     is_claimable = (
         is_acceptable
@@ -89,9 +90,9 @@ def belief_summary(
         supports_claim=is_claimable,
         supports_new_claim=is_claimable and belief.is_clear,
         supports_keeping=is_acceptable
-        and belief.presence >= parameters.presence_to_lose
+        and is_present
         and belief.evidence >= parameters.evidence_to_lose,
-        is_another=belief.memory is not None and not familiar,
+        contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )

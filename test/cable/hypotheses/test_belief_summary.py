@@ -86,12 +86,17 @@ def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, se
         memory=MEMORY.aged(seconds),
     )
     assert found.supports_claim == found.supports_keeping == claim
-    assert found.is_another != claim
+    assert found.contradicts_claim != claim
     assert not found.supports_new_claim
 
 
 def test_without_a_memory_there_is_nothing_that_a_leader_could_differ_from():
-    assert not summary(clearness=FAINT).is_another
+    assert not summary(clearness=FAINT).contradicts_claim
+
+
+def test_a_cable_that_is_not_in_view_contradicts_a_claim():
+    assert summary(presence=0.4, known_time=1.0).contradicts_claim
+    assert not summary(presence=0.45, known_time=1.0).contradicts_claim
 
 
 def displaced(left, right, covariance=None, width=80.0, **changes):
