@@ -37,8 +37,10 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     Raises
     ------
     FrameError
-        The frame cannot be decoded.
+        The frame cannot be decoded; or, as it is, has no image at all.
     """
+    if not frame.has_image:
+        raise FrameError("there is no image in it")
     if image_format is ImageFormat.GREY:
         grey = eight_bits(decode_grey(frame.image))
         return replace(frame, image=raw_from_array(grey, "mono8"))
@@ -101,15 +103,16 @@ def write_bag(
 ) -> WrittenBag:
     """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
 
-    Frames that cannot be decoded can be written as they are, but not in another format: there they
-    are left out with `skip_bad_frames`.
+    Images that cannot be decoded can be written as they are, but not in another format: there they
+    are left out with `skip_bad_frames`, as are frames without any image in all formats.
 
     Raises
     ------
     OutputError
         The bag cannot be written.
     FrameError
-        A frame that is to change its format cannot be decoded, and is not to be skipped.
+        A frame has no image, or is to change its format and cannot be decoded, and is not to be
+        skipped.
     RecordingError
         There was not a single frame.
     """
