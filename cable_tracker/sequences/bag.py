@@ -44,7 +44,8 @@ def _listing(topics: dict[str, Topic]) -> str:
     )
 
 
-def _images(topics: dict[str, Topic]) -> dict[str, Topic]:
+def image_topics(topics: dict[str, Topic]) -> dict[str, Topic]:
+    """Return the topics that hold images or a stream of video."""
     kinds = (_IMAGE, _COMPRESSED, *VIDEO_TYPES)
     return {name: t for name, t in topics.items() if t.msgtype in kinds}
 
@@ -53,7 +54,7 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
     """Return the image topic to read, or say what the user can choose from."""
     if not topics:
         raise RecordingError(f"{path}: the bag holds no topics at all; record it again")
-    images = _images(topics)
+    images = image_topics(topics)
     if wanted is not None:
         matching = [name for name in images if name.strip("/") == wanted.strip("/")]
         if matching:
