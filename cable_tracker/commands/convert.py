@@ -8,8 +8,14 @@ from typing import Annotated
 
 import typer
 
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.commands.options import (
+    AltitudeOption,
+    CameraInfoOption,
+    FixOption,
     ForceOption,
+    ImuOption,
+    OdometryOption,
     OutsideOption,
     RateOption,
     SkipOption,
@@ -17,11 +23,19 @@ from cable_tracker.commands.options import (
     Storage,
     TopicOption,
     TruthOption,
+    chosen_instruments,
     open_recording,
+    print_notes,
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar
+from cable_tracker.errors import read_failure
+from cable_tracker.metric.recorded import VEHICLE_FILE, own_vehicle_file
+from cable_tracker.metric.recorded_messages import carried_messages
+from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.convert import ImageFormat, write_bag
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.instrument_source import InstrumentSource
+from cable_tracker.sequences.instruments import InstrumentChoice
+from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.stamps import USUAL_RATE
 
 
@@ -37,15 +51,28 @@ def convert(  # noqa: PLR0917
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    camera_info_topic: CameraInfoOption = None,
+    altitude_topic: AltitudeOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
+    fix_topic: FixOption = None,
     force: ForceOption = False,
 ) -> None:
     """Convert any recording into a ROS 2 bag.
 
-    Its ground truth is written too, if it has some.
+    Its ground truth is written too, if it has some. Of a bag, the messages of its instruments and
+    /tf_static are carried along on their topics, and vehicle.yaml is copied; other topics are left
+    out.
     """
+    choice = chosen_instruments(
+        camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
+    )
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
+        instruments = _instruments(recording, choice)
+        # The bag may be written in the place of the recording.
+        vehicle = _vehicle_file(recording)
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
         written = write_bag(
             output,
@@ -54,8 +81,31 @@ def convert(  # noqa: PLR0917
             image_format=image_format,
             skip_bad_frames=skip_bad_frames,
             overwrite=force,
+            carried=() if instruments is None else carried_messages(instruments),
         )
+    if vehicle is not None:
+        write_bytes(output / VEHICLE_FILE, vehicle)
+    if instruments is not None:
+        print_notes(source, instruments.remarks())
     skipped = f" ({written.skipped} that cannot be decoded left out)" if written.skipped else ""
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:
         raise written.damage
+
+
+def _instruments(recording: Source, choice: InstrumentChoice) -> InstrumentSource | None:
+    """Find the instruments of a bag, and say of which topics none could be chosen."""
+    if not isinstance(recording, BagSource):
+        return None
+    found = InstrumentSource(recording.path, recording.storage, recording.topic, choice)
+    print_notes(recording.path, found.found.notes)
+    return found
+
+
+def _vehicle_file(recording: Source) -> bytes | None:
+    """Return what the `vehicle.yaml` of a recording holds; None if it has none."""
+    path = own_vehicle_file(recording.path)
+    try:
+        return path.read_bytes() if path.is_file() else None
+    except OSError as error:
+        raise read_failure(path, error) from error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -35,7 +34,7 @@ from cable_tracker.simulation.scenario import (
 )
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
-from cable_tracker.simulation.setting_checks import check_seed, check_size
+from cable_tracker.simulation.setting_checks import check_frames, check_seed, check_size
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
@@ -291,8 +290,7 @@ def _simulate_target(
     find_target_scenario(request.scenario)
     check_size(request.size)
     check_seed(request.seed)
-    if request.frames < 1 or not (math.isfinite(request.rate) and request.rate > 0.0):
-        raise ParameterError("frames and rate must be positive; give larger ones")
+    check_frames(request.frames, request.rate)
     with progress_bar("simulating", request.frames) as progress:
         labelled = request.labelled(lambda: advance(progress))
         if kind is SimulationFormat.BAG:

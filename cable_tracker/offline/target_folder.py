@@ -10,8 +10,9 @@ from cable_tracker.arrays import Image
 from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
 from cable_tracker.offline.results import ESTIMATES, EVERYTHING, Results, WantedResults
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
-from cable_tracker.sequences.csv_tables import csv_text
+from cable_tracker.sequences.csv_tables import write_csv
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.stored_rows import StoredRows
 from cable_tracker.visualisation.overlay import resized
 
 
@@ -20,9 +21,9 @@ class TargetFolder(Results):
 
     Attributes
     ----------
-    rows : list of TargetRow
+    rows : StoredRows of TargetRow
         The table so far.
-    metres : list of tuple of str
+    metres : StoredRows of tuple of str
         The table in metres so far; it is written if it has rows.
     """
 
@@ -35,8 +36,6 @@ class TargetFolder(Results):
         wanted: WantedResults = EVERYTHING,
     ) -> None:
         super().__init__(path, overwrite=overwrite, timing=timing, wanted=wanted)
-        self.rows: list[TargetRow] = []
-        self.metres: list[tuple[str, ...]] = []
 
     @property
     def tables(self) -> tuple[str, ...]:
@@ -44,6 +43,8 @@ class TargetFolder(Results):
         return (ESTIMATES, METRES) if self.metres else (ESTIMATES,)
 
     def _open_writers(self, stack: ExitStack) -> None:
+        self.rows: StoredRows[TargetRow] = StoredRows(self._content)
+        self.metres: StoredRows[tuple[str, ...]] = StoredRows(self._content)
         self._open_video(stack)
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
@@ -58,9 +59,7 @@ class TargetFolder(Results):
             self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
 
     def _write_summaries(self) -> None:
-        tables = {ESTIMATES: csv_text(HEADER, (row.cells() for row in self.rows))}
+        write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
         if self.metres:
-            tables[METRES] = csv_text(METRES_HEADER, self.metres)
-        for name, text in tables.items():
-            (self._content / name).write_text(text, encoding="utf-8", newline="")
+            write_csv(self._content / METRES, METRES_HEADER, self.metres)
         self._write_sheet()

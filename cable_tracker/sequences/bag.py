@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Generator, Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
+from cable_tracker.sequences.serialised_images import MessageHeader, read_header
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import beginning, deserialise
 from cable_tracker.sequences.video_stream import (
@@ -28,14 +28,14 @@ from cable_tracker.sequences.video_stream import (
     StreamDecoder,
     read_packet,
 )
-from cable_tracker.stamps import NANOSECONDS
 
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
-HEADER_END = 12
-"""End of the stamp in a serialised picture [bytes]."""
+_DEFAULT_FRAME = "camera"
+_HEADER_ROOM = 4096
+"""Beginning of a message in which its header must end [bytes]."""
 
 
 def _listing(topics: dict[str, Topic]) -> str:
@@ -44,7 +44,8 @@ def _listing(topics: dict[str, Topic]) -> str:
     )
 
 
-def _images(topics: dict[str, Topic]) -> dict[str, Topic]:
+def image_topics(topics: dict[str, Topic]) -> dict[str, Topic]:
+    """Return the topics that hold images or a stream of video."""
     kinds = (_IMAGE, _COMPRESSED, *VIDEO_TYPES)
     return {name: t for name, t in topics.items() if t.msgtype in kinds}
 
@@ -53,7 +54,7 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
     """Return the image topic to read, or say what the user can choose from."""
     if not topics:
         raise RecordingError(f"{path}: the bag holds no topics at all; record it again")
-    images = _images(topics)
+    images = image_topics(topics)
     if wanted is not None:
         matching = [name for name in images if name.strip("/") == wanted.strip("/")]
         if matching:
@@ -86,16 +87,24 @@ def _truth_topic(topics: dict[str, Topic], image_topic: str) -> str | None:
     return candidates[0][1] if candidates else None
 
 
-def stamp_of_picture(message: StoredMessage) -> int:
-    """Read the stamp of a ROS 2 picture [ns] without unpacking the picture; 0: none is to be had.
+@dataclass(frozen=True, slots=True)
+class _StoredPicture:
+    """A message with an image or a packet of video, and what its header says.
 
-    Its header comes first, and the time first in it: seconds and nanoseconds of 4 bytes each.
+    Attributes
+    ----------
+    message : StoredMessage
+        The message.
+    stamp : int
+        Stamp of the header [ns]; without one, the time of reception. Where the header cannot be
+        read: as long after the picture before it as it was received after that one.
+    frame_id : str
+        Coordinate frame of the camera.
     """
-    data = beginning(message.data, HEADER_END)
-    if len(data) < HEADER_END:
-        return 0
-    seconds, nanoseconds = struct.unpack_from("<iI" if data[1] & 1 else ">iI", data, 4)
-    return int(seconds) * NANOSECONDS + int(nanoseconds)
+
+    message: StoredMessage
+    stamp: int
+    frame_id: str
 
 
 @dataclass(slots=True)
@@ -251,6 +260,34 @@ class BagSource(Source):
             first = next((item for item in items if isinstance(item, Frame)), None)
         return first.frame_id if first is not None else "camera"
 
+    def _header(self, message: StoredMessage) -> MessageHeader | None:
+        """Read the header without unpacking the picture; also a CompressedVideo begins like one."""
+        return read_header(beginning(message.data, _HEADER_ROOM), is_ros1=self._is_ros1)
+
+    def _stored_pictures(self) -> Generator[_StoredPicture]:
+        ahead: int | None = None
+        with closing(self.storage.messages([self.topic])) as messages:
+            for message in messages:
+                header = self._header(message)
+                if header is not None:
+                    ahead = _ahead_of_reception(header, message)
+                elif ahead is None:
+                    ahead = self._first_ahead()
+                frame_id = header.frame_id if header is not None else ""
+                yield _StoredPicture(message, message.time + ahead, frame_id or _DEFAULT_FRAME)
+
+    def _first_ahead(self) -> int:
+        """Return what the first readable stamp is ahead of its reception [ns]; 0 if there is none.
+
+        The clocks of the camera and the recorder may differ by years.
+        """
+        # Whoever reads the frames will meet the damage.
+        with suppress(RecordingError), closing(self.storage.messages([self.topic])) as messages:
+            for message in messages:
+                if (header := self._header(message)) is not None:
+                    return _ahead_of_reception(header, message)
+        return 0
+
     def _deserialise(self, message: StoredMessage) -> Message:
         return deserialise(message, is_ros1=self._is_ros1)
 
@@ -267,27 +304,24 @@ class BagSource(Source):
         if self._is_video:
             yield from self._read_video(start)
         else:
-            yield from self._read_pictures(lambda count, message: count >= start)
+            yield from self._read_pictures(lambda count, _: count >= start)
 
     def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame | UnreadableFrame]:
-        if self._is_video or self._is_ros1:
+        if self._is_video:
             yield from super()._read_chosen(wanted)
-            return
-
-        def is_wanted(count: int, message: StoredMessage) -> bool:
-            return wanted(stamp_of_picture(message) or message.time)
-
-        yield from self._read_pictures(is_wanted)
+        else:
+            yield from self._read_pictures(lambda _, stamp: wanted(stamp))
 
     def _read_pictures(
-        self, wanted: Callable[[int, StoredMessage], bool]
+        self, wanted: Callable[[int, int], bool]
     ) -> Generator[Frame | UnreadableFrame]:
+        """Yield the frames of which the number and the stamp [ns] are wanted."""
         count = 0
         try:
-            with closing(self.storage.messages([self.topic])) as messages:
-                for message in messages:
-                    if wanted(count, message):
-                        yield self._frame(count, message)
+            with closing(self._stored_pictures()) as pictures:
+                for picture in pictures:
+                    if wanted(count, picture.stamp):
+                        yield self._frame(count, picture)
                     count += 1
         except RecordingError as error:
             raise damage(self.path, count, str(error)) from error
@@ -321,13 +355,14 @@ class BagSource(Source):
 
     def _pictures(self) -> Iterator[DecodedPicture]:
         decoder = StreamDecoder()
-        with closing(self.storage.messages([self.topic])) as messages:
-            for message in messages:
+        with closing(self._stored_pictures()) as pictures:
+            for stored in pictures:
+                received = stored.message.time
                 try:
-                    packet = read_packet(self._deserialise(message), message.time)
+                    packet = read_packet(self._deserialise(stored.message), received)
                 # Deserialising foreign bytes raises what the parser happens to raise.
                 except Exception as error:  # noqa: BLE001
-                    nothing = Packet(message.time, "camera", "", b"", message.time)
+                    nothing = Packet(stored.stamp, stored.frame_id, "", b"", received)
                     yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
                     continue
                 yield from decoder.take(packet)
@@ -335,21 +370,27 @@ class BagSource(Source):
 
     def _video_frame(self, index: int, decoded: DecodedPicture) -> Frame | UnreadableFrame:
         packet = decoded.packet
+        known = (packet.frame_id, self._truth.get(packet.stamp), packet.received)
         if decoded.picture is None:
-            return UnreadableFrame(index, packet.stamp, decoded.reason)
-        image = raw_from_array(decoded.picture, "bgr8")
-        truth = self._truth.get(packet.stamp)
-        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.received)
+            return UnreadableFrame(index, packet.stamp, decoded.reason, *known)
+        return Frame(index, packet.stamp, raw_from_array(decoded.picture, "bgr8"), *known)
 
-    def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
+    def _frame(self, index: int, picture: _StoredPicture) -> Frame | UnreadableFrame:
+        message = picture.message
         try:
             content = self._deserialise(message)
             image = read_compressed_image(content) if self.compressed else read_image(content)
             stamp = stamp_or_received(content, message.time)
-            frame_id = content.header.frame_id or "camera"
+            frame_id = content.header.frame_id or _DEFAULT_FRAME
             return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001
-            stamp = 0 if self._is_ros1 else stamp_of_picture(message)
-            reason = f"damaged message: {one_line(error)}"
-            return UnreadableFrame(index, stamp or message.time, reason)
+            reason, truth = f"damaged message: {one_line(error)}", self._truth.get(picture.stamp)
+            return UnreadableFrame(
+                index, picture.stamp, reason, picture.frame_id, truth, message.time
+            )
+
+
+def _ahead_of_reception(header: MessageHeader, message: StoredMessage) -> int:
+    """Return what the stamp of a header is ahead of the time of reception [ns]; 0 without one."""
+    return header.stamp - message.time if header.stamp else 0

@@ -23,6 +23,9 @@ from rosbags.rosbag2 import storage_mcap
 
 from cable_tracker.errors import RecordingError
 
+METADATA = "metadata.yaml"
+"""File in the folder of a ROS 2 bag that says which storage files belong to it."""
+
 LARGEST_UNPACKED = 1 << 28
 """A chunk or message of more bytes is refused; the largest picture that is read has fewer."""
 
@@ -30,7 +33,7 @@ LARGEST_OVERLAP = 1 << 30
 """Chunks of one time, which rosbags unpacks all at once, may not have more bytes together."""
 
 LARGEST_METADATA = 1 << 24
-"""Bytes of a bag's metadata.yaml; a recorder writes some kilobytes."""
+"""Bytes of a bag's metadata; a recorder writes some kilobytes."""
 
 SMALLEST_ROW = 8
 """Smallest size of a row of a database in its file [bytes]."""
@@ -180,7 +183,7 @@ def check_folder(path: Path) -> None:
     RecordingError
         They are too large.
     """
-    metadata = path / "metadata.yaml"
+    metadata = path / METADATA
     if metadata.is_file() and metadata.stat().st_size > LARGEST_METADATA:
         raise RecordingError(f"{metadata.name} has more than {LARGEST_METADATA >> 20} MB")
     room = int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)

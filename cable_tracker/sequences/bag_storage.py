@@ -20,6 +20,7 @@ from rosbags.rosbag2 import Reader as Reader2
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
 from cable_tracker.sequences.bag_limits import (
+    METADATA,
     check_database,
     check_folder,
     check_overlap,
@@ -31,7 +32,6 @@ from cable_tracker.sequences.stored_message import StoredMessage
 _ROS1_SUFFIX = ".bag"
 _ROS2_SUFFIXES = (".db3", ".mcap")
 BAG_SUFFIXES = (*_ROS2_SUFFIXES, _ROS1_SUFFIX)
-METADATA = "metadata.yaml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class RosbagsStorage:
             }
         if not all(isinstance(name, str) for name in self.topics):
             self.close()
-            raise RecordingError("metadata.yaml has a topic whose name is no text")
+            raise RecordingError(f"{METADATA} has a topic whose name is no text")
 
     @contextmanager
     def _opened(self) -> Iterator[Reader1 | Reader2]:
@@ -185,7 +185,7 @@ class RosbagsStorage:
         if not isinstance(getattr(storage, "files", []), list):
             vars(storage)["files"] = []
             reader.close()
-            raise RecordingError("metadata.yaml has files that are no list")
+            raise RecordingError(f"{METADATA} has files that are no list")
 
     @staticmethod
     def _check_unpacked(reader: Reader2) -> None:

@@ -15,7 +15,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, one_line, write_failure
-from cable_tracker.sequences.bag_storage import METADATA
+from cable_tracker.sequences.bag_limits import METADATA
 from cable_tracker.sequences.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}

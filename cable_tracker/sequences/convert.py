@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
+from heapq import merge
 from pathlib import Path
 from typing import Literal
 
@@ -37,8 +38,10 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     Raises
     ------
     FrameError
-        The frame cannot be decoded.
+        The frame cannot be decoded; or, as it is, has no image at all.
     """
+    if not frame.has_image:
+        raise FrameError("there is no image in it")
     if image_format is ImageFormat.GREY:
         grey = eight_bits(decode_grey(frame.image))
         return replace(frame, image=raw_from_array(grey, "mono8"))
@@ -72,6 +75,26 @@ def write_frame(bag: BagWriter, frame: Frame) -> None:
 
 
 @dataclass(frozen=True, slots=True)
+class CarriedMessage:
+    """A message besides the frames that is carried along into their bag.
+
+    Attributes
+    ----------
+    topic, type_name : str
+        Name and type of its topic.
+    message : object
+        Message of `typestore`.
+    bag_time : int
+        Time of reception by the recorder [ns].
+    """
+
+    topic: str
+    type_name: str
+    message: object
+    bag_time: int
+
+
+@dataclass(frozen=True, slots=True)
 class WrittenBag:
     """Result of writing a bag.
 
@@ -90,6 +113,14 @@ class WrittenBag:
     damage: RecordingError | None
 
 
+def _in_order(
+    frames: Iterable[Frame], carried: Iterable[CarriedMessage]
+) -> Iterator[Frame | CarriedMessage]:
+    """Yield both, as they are read, in the order of their times in the bag."""
+    both: tuple[Iterable[Frame | CarriedMessage], ...] = (frames, carried)
+    return iter(merge(*both, key=lambda each: each.bag_time))
+
+
 def write_bag(
     path: Path,
     frames: Iterable[Frame],
@@ -98,18 +129,22 @@ def write_bag(
     image_format: ImageFormat = ImageFormat.AS_IS,
     skip_bad_frames: bool = False,
     overwrite: bool = False,
+    carried: Iterable[CarriedMessage] = (),
 ) -> WrittenBag:
     """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
 
-    Frames that cannot be decoded can be written as they are, but not in another format: there they
-    are left out with `skip_bad_frames`.
+    Carried messages are written between them, in the order of their times.
+
+    Images that cannot be decoded can be written as they are, but not in another format: there they
+    are left out with `skip_bad_frames`, as are frames without any image in all formats.
 
     Raises
     ------
     OutputError
         The bag cannot be written.
     FrameError
-        A frame that is to change its format cannot be decoded, and is not to be skipped.
+        A frame has no image, or is to change its format and cannot be decoded, and is not to be
+        skipped.
     RecordingError
         There was not a single frame.
     """
@@ -117,12 +152,15 @@ def write_bag(
     damage: RecordingError | None = None
     with BagWriter(path, storage, overwrite=overwrite) as bag:
         try:
-            for frame in frames:
+            for item in _in_order(frames, carried):
+                if isinstance(item, CarriedMessage):
+                    bag.write(item.topic, item.type_name, item.message, item.bag_time)
+                    continue
                 try:
-                    converted = in_format(frame, image_format)
+                    converted = in_format(item, image_format)
                 except FrameError as error:
                     if not skip_bad_frames:
-                        raise FrameError(f"frame {frame.index}: {error}") from error
+                        raise FrameError(f"frame {item.index}: {error}") from error
                     skipped += 1
                     continue
                 write_frame(bag, converted)

@@ -78,6 +78,11 @@ class Frame:
     received: int | None = None
 
     @property
+    def has_image(self) -> bool:
+        """Whether there are any bytes of an image, be they decodable or not."""
+        return bool(self.image.data.nbytes)
+
+    @property
     def bag_time(self) -> int:
         """When it was written into its bag [ns], or its stamp: readers of bags sort by it."""
         return self.stamp if self.received is None else self.received

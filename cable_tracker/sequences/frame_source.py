@@ -28,11 +28,16 @@ class UnreadableFrame:
         Time of the frame [ns].
     reason : str
         Reason why there is no image.
+    frame_id, truth, received
+        As of a `Frame`, as far as they are known without the image.
     """
 
     index: int
     stamp: int
     reason: str
+    frame_id: str = "camera"
+    truth: CableState | None = None
+    received: int | None = None
 
 
 def damage(path: Path, count: int, reason: str) -> RecordingError:
@@ -159,7 +164,8 @@ class Source(ABC):
         if isinstance(item, UnreadableFrame):
             if not self._skip_bad_frames:
                 raise self._bad_frame(item.index, item.reason)
-            return Frame(item.index, item.stamp, self._no_image())
+            image = self._no_image()
+            return Frame(item.index, item.stamp, image, item.frame_id, item.truth, item.received)
         if not self._skip_bad_frames:
             try:
                 check_image(item.image)

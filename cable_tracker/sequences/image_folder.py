@@ -16,6 +16,9 @@ from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
+SEQUENCE_NAME = "sequence.txt"
+"""Name of the sequence file with labels of a folder's pictures."""
+
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
 
 _ENCODINGS = {
@@ -96,8 +99,8 @@ class ImageFolderSource(Source):
         self._positions = positions_by_number([picture.name for picture in self.pictures])
         self._gap_note = self._say_gaps()
         self.note = self._gap_note
-        if (path / "sequence.txt").is_file():
-            unused = "its labels in sequence.txt are not used; name that file instead"
+        if (path / SEQUENCE_NAME).is_file():
+            unused = f"its labels in {SEQUENCE_NAME} are not used; name that file instead"
             self.note = "; ".join(note for note in (self._gap_note, unused) if note)
         self.frame_count = len(self.pictures)
 

@@ -10,9 +10,9 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.sequences.encoded_pictures import png_bytes
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.image_folder import SEQUENCE_NAME
 from cable_tracker.sequences.sequence_file import Label, write_labels
 
-SEQUENCE_NAME = "sequence.txt"
 _GREY_ENCODINGS = ("mono8", "8UC1", "mono16", "16UC1", "32FC1")
 
 

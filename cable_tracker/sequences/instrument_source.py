@@ -127,16 +127,16 @@ class InstrumentSource:
                 stored.time,
             )
 
-    def static_messages(self) -> Iterator[Message]:
-        """Yield the messages of `/tf_static`."""
+    def static_messages(self) -> Iterator[tuple[int, Message]]:
+        """Yield the messages of `/tf_static`, each after its time of reception [ns]."""
         if TF_STATIC in self._storage.topics:
-            for _, message in self._read([TF_STATIC]):
-                yield message
+            for stored, message in self._read([TF_STATIC]):
+                yield stored.time, message
 
     def static_transforms(self) -> tuple[StaticTransform, ...]:
         """Read where the frames of the vehicle are; of those said twice, the last counts."""
         found: dict[str, StaticTransform] = {}
-        for message in self.static_messages():
+        for _, message in self.static_messages():
             for each in message.transforms:
                 transform = read_transform(each)
                 if transform is not None:

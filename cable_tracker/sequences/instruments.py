@@ -13,6 +13,7 @@ from typing import Protocol
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bag import image_topics
 from cable_tracker.sequences.bag_storage import Topic
 from cable_tracker.sequences.node_topics import NodeTopic
 
@@ -88,7 +89,8 @@ def find_instruments(
 ) -> FoundInstruments:
     """Find the topics of all instruments.
 
-    Of several calibrations that beside the images counts.
+    Of several calibrations that beside the images counts. A single one may lie anywhere but beside
+    the images of another camera.
 
     Raises
     ------
@@ -105,17 +107,37 @@ def find_instruments(
             topics[instrument] = _named(storage, instrument, wanted)
             continue
         candidates = _candidates(storage, instrument)
+        is_of_other = False
         if instrument is Instrument.CAMERA_INFO:
-            candidates = _beside(candidates, image_topic) or candidates
-        if len(candidates) == 1:
+            beside = _beside(candidates, image_topic)
+            is_of_other = not beside and any(
+                _beside(candidates, other) for other in _recorded_images(storage)
+            )
+            candidates = beside or candidates
+        if len(candidates) == 1 and not is_of_other:
             topics[instrument] = candidates[0]
         elif candidates:
-            option = instrument.value.replace("_", "-")
-            notes.append(
-                f"several topics for {instrument.value}, none of them is read; choose one with"
-                f" --{option}-topic (node: {instrument.value}_topic): {', '.join(candidates)}"
-            )
+            notes.append(_unchosen(instrument, candidates))
     return FoundInstruments(topics, tuple(notes))
+
+
+def _unchosen(instrument: Instrument, candidates: list[str]) -> str:
+    """Say why no topic is read for an instrument, and how to choose one."""
+    name = instrument.value
+    options = f"--{name.replace('_', '-')}-topic (node: {name}_topic)"
+    if len(candidates) > 1:
+        listed = ", ".join(candidates)
+        return (
+            f"several topics for {name}, none of them is read; choose one with {options}: {listed}"
+        )
+    return (
+        f"{candidates[0]} is not read: it stands beside the images of another camera; if it is that"
+        f" of these images, choose it with {options}"
+    )
+
+
+def _recorded_images(storage: _Listed) -> list[str]:
+    return [name for name, topic in image_topics(storage.topics).items() if topic.count]
 
 
 def _candidates(storage: _Listed, instrument: Instrument) -> list[str]:

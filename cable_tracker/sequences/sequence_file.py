@@ -308,7 +308,7 @@ class SequenceFileSource(Source):
         try:
             image = load_picture(self._files[label.filename])
         except FrameError as error:
-            return UnreadableFrame(index, stamp, str(error))
+            return UnreadableFrame(index, stamp, str(error), truth=label.state)
         return Frame(index, stamp, image, truth=label.state)
 
     def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:

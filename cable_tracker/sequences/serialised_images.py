@@ -44,8 +44,8 @@ class MessageHeader:
 class _Reader:
     """Reads the fields of a message one after the other."""
 
-    def __init__(self, message: bytes) -> None:
-        order = _BYTE_ORDERS.get(message[:2])
+    def __init__(self, message: bytes, order: str | None = None) -> None:
+        order = order or _BYTE_ORDERS.get(message[:2])
         if order is None or len(message) < _ENCAPSULATION:
             raise ValueError
         self._order = order
@@ -83,6 +83,17 @@ class _Reader:
         """Read a std_msgs/Header."""
         sec, nanosec = self.numbers("iI")
         return MessageHeader(sec, nanosec, self.text())
+
+
+def read_header(beginning: bytes, *, is_ros1: bool = False) -> MessageHeader | None:
+    """Read the header that a message begins with, whatever follows; None where none can be read.
+
+    A ROS 1 header begins with a number in the place of the encapsulation, and is little-endian.
+    """
+    try:
+        return _Reader(beginning, "<" if is_ros1 else None).header()
+    except (struct.error, IndexError, ValueError):
+        return None
 
 
 def read_serialised_image(message: bytes) -> tuple[MessageHeader, RawImage]:

@@ -11,7 +11,8 @@ from pathlib import Path, PurePath
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError, read_failure
 from cable_tracker.sequences.bag import BagSource, read_bag_truth
-from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1, storage_files
+from cable_tracker.sequences.bag_limits import METADATA
+from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
 from cable_tracker.sequences.sequence_file import (

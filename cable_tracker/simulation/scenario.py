@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,12 @@ from cable_tracker.simulation.look import Look
 from cable_tracker.simulation.routes import random_trajectory, scenario_trajectory
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.scenarios import find_scenario
-from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+from cable_tracker.simulation.setting_checks import (
+    check_frames,
+    check_range,
+    check_seed,
+    check_size,
+)
 from cable_tracker.simulation.tube import Tube, random_bends
 
 SCENARIO_SIZE = (320, 240)
@@ -80,10 +84,7 @@ class SimulationSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.frame_count < 1:
-            raise ParameterError(f"frame_count is {self.frame_count}: simulate at least 1 frame")
-        if not (math.isfinite(self.rate) and 1e-3 <= self.rate <= 1e6):
-            raise ParameterError(f"rate is {self.rate}: give 0.001 to 1000000 frames per second")
+        check_frames(self.frame_count, self.rate)
         check_size(self.image_size)
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")

@@ -7,6 +7,9 @@ from cable_tracker.errors import ParameterError
 SMALLEST_SIDE, LARGEST_SIDE = 32, 4096
 """Smallest and largest side of images [px]."""
 
+SMALLEST_RATE, LARGEST_RATE = 1e-3, 1e6
+"""Smallest and largest frame rate [frames per second]: stamps are in whole nanoseconds."""
+
 
 def check_size(image_size: tuple[int, int]) -> None:
     """See that images can have a size.
@@ -33,6 +36,22 @@ def check_seed(seed: int, name: str = "seed") -> None:
     """
     if seed < 0:
         raise ParameterError(f"{name} is {seed}: give a number that is not negative")
+
+
+def check_frames(count: int, rate: float) -> None:
+    """See that a dive can have so many frames, at a rate [frames per second].
+
+    Raises
+    ------
+    ParameterError
+        It cannot.
+    """
+    if count < 1:
+        raise ParameterError(f"frame_count is {count}: simulate at least 1 frame")
+    if not SMALLEST_RATE <= rate <= LARGEST_RATE:
+        raise ParameterError(
+            f"rate is {rate}: give {SMALLEST_RATE:g} to {LARGEST_RATE:.0f} frames per second"
+        )
 
 
 def check_range(name: str, value: float, limits: tuple[float, float], unit: str) -> None:

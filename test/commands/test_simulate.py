@@ -55,6 +55,10 @@ def test_an_unknown_target_is_refused(tmp_path):
     "words",
     [
         ("--target", "buoy", "--seed", -1),
+        ("--target", "buoy", "--frames", 0),
+        ("--target", "buoy", "--frames", 2, "--rate", "1e12"),
+        ("--target", "buoy", "--frames", 2, "--rate", "inf"),
+        ("--target", "buoy", "--frames", 2, "--rate", "nan"),
         ("--scenario", "tune_clear", "--seed", -1),
         ("--scenario", "tune_clear", "--size", "1x1"),
         ("--survey", 100, "--cable-seed", -1),

@@ -34,6 +34,11 @@ class BagPlan:
     topics: tuple[str, ...] = ("/camera/image",)
     stamped: bool = True
     bad_frame: int | None = None
+    cut_frame: int | None = None
+    """Of its message only so many bytes are left:"""
+    left: int = 0
+    first_stamp: int = FIRST
+    """Of the clock of the camera."""
     size: tuple[int, int] = (32, 24)
     chunk: int = 1 << 20
     """After so many bytes a ROS 1 bag begins another chunk."""
@@ -103,7 +108,7 @@ def state_of(index: int) -> CableState:
 
 
 def _image_message(maker: MessageMaker, plan: BagPlan, index: int) -> Any:
-    stamp = FIRST + index * STEP if plan.stamped else 0
+    stamp = plan.first_stamp + index * STEP if plan.stamped else 0
     picture = picture_of(index, plan.size)
     bad = index == plan.bad_frame
     if plan.compressed_images:
@@ -117,19 +122,20 @@ def _image_message(maker: MessageMaker, plan: BagPlan, index: int) -> Any:
 def _fill(writer: Any, maker: MessageMaker, plan: BagPlan) -> None:
     connections: dict[str, Any] = {}
 
-    def write(topic: str, message: Any, time: int) -> None:
+    def write(topic: str, message: Any, time: int, left: int | None = None) -> None:
         if topic not in connections:
             connections[topic] = writer.add_connection(
                 topic, message.__msgtype__, typestore=maker.store
             )
-        writer.write(connections[topic], time, maker.serialise(message))
+        writer.write(connections[topic], time, maker.serialise(message)[:left])
 
     for index in range(plan.frames):
         stamp = FIRST + index * STEP
         for topic in plan.topics:
-            write(topic, _image_message(maker, plan, index), stamp + 1000)
+            left = plan.left if index == plan.cut_frame else None
+            write(topic, _image_message(maker, plan, index), stamp + 1000, left)
         if plan.truth and index % 2 == 0:
-            header_stamp = stamp if plan.stamped else 0
+            header_stamp = plan.first_stamp + index * STEP if plan.stamped else 0
             write("/sim/ground_truth", maker.truth(header_stamp, state_of(index)), stamp + 1000)
         write("/chatter", maker.text("hello"), stamp + 2000)
 

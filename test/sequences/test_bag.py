@@ -140,7 +140,7 @@ def test_frames_are_chosen_by_their_stamps_however_the_bag_is_compressed(
     assert asked == [first_stamp + index * 40_000_000 for index in range(5)]
 
 
-def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_its_receive_time(
+def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_the_clock_of_the_others(
     make_bag, first_stamp
 ):
     path = make_bag(storage="sqlite3", compression="message")
@@ -154,7 +154,7 @@ def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_its_recei
     asked = []
     with BagSource(path, skip_bad_frames=True) as source:
         assert not list(source.chosen_frames(lambda stamp: bool(asked.append(stamp))))
-    assert asked[:2] == [first_stamp + 1000, first_stamp + 40_000_000]
+    assert asked[:2] == [first_stamp, first_stamp + 40_000_000]
 
 
 @pytest.mark.parametrize("name", ["/left/image", "left/image", "left/image/"])
@@ -229,6 +229,28 @@ def test_a_message_that_is_rubbish_is_a_bad_frame(tmp_path, maker, picture, firs
         frames, message = read_until_damage(tmp_path / "b")
         assert len(frames) == 1
         assert "frame 1 cannot be decoded (damaged message" in message
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize("left", [0, 10, 60], ids=["nothing", "half a header", "its header"])
+@pytest.mark.parametrize("cut_frame", [0, 2])
+def test_a_frame_that_cannot_be_unpacked_keeps_its_place_and_its_truth(
+    make_bag, make_ros1_bag, state, first_stamp, ros, left, cut_frame
+):
+    make = make_ros1_bag if ros == 1 else make_bag
+    path = make(cut_frame=cut_frame, left=left, first_stamp=5_000_000_000)
+    frames = read(path, skip_bad_frames=True)
+    assert [frame.has_image for frame in frames] == [index != cut_frame for index in range(5)]
+    steps = [index * 40_000_000 for index in range(5)]
+    assert [frame.stamp for frame in frames] == [5_000_000_000 + step for step in steps]
+    assert [frame.received for frame in frames] == [first_stamp + 1000 + step for step in steps]
+    assert frames[cut_frame].truth == state(cut_frame)
+    assert frames[cut_frame].frame_id == ("eye" if left == 60 else "camera")
+
+
+def test_where_no_header_can_be_read_the_receive_time_counts(make_bag, first_stamp):
+    path = make_bag(frames=1, cut_frame=0, left=3)
+    assert [frame.stamp for frame in read(path, skip_bad_frames=True)] == [first_stamp + 1000]
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.95])

@@ -94,6 +94,15 @@ def test_a_frame_that_cannot_be_decoded_leaves_no_bag(tmp_path, make_frame):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("image_format", ImageFormat)
+def test_a_frame_without_an_image_is_left_out_and_counted(tmp_path, make_frame, image_format):
+    empty = Frame(1, 6, CompressedImage("", memoryview(b"")))
+    frames = [make_frame(0), empty, make_frame(2)]
+    written = write_bag(tmp_path / "bag", frames, image_format=image_format, skip_bad_frames=True)
+    assert written == WrittenBag(count=2, skipped=1, damage=None)
+    assert [frame.has_image for frame in read(tmp_path / "bag")] == [True, True]
+
+
 def test_a_frame_that_cannot_be_decoded_is_left_out_and_counted_on_request(tmp_path, make_frame):
     bad = Frame(1, 6, CompressedImage("jpeg", memoryview(b"no picture")))
     frames = [make_frame(0), bad, make_frame(2)]

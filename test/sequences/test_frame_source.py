@@ -50,9 +50,11 @@ def test_an_unreadable_frame_stops_the_reading(make_frame):
     assert source.ended == 1
 
 
-def test_an_unreadable_frame_keeps_its_time_when_it_is_skipped():
-    source = ListSource([UnreadableFrame(1, 5, "it is wet")], skip_bad_frames=True)
-    assert [(frame.index, frame.stamp) for frame in source.frames()] == [(1, 5)]
+def test_an_unreadable_frame_keeps_all_but_its_image_when_it_is_skipped(state):
+    unreadable = UnreadableFrame(1, 5, "it is wet", "eye", state(1), 7)
+    (frame,) = ListSource([unreadable], skip_bad_frames=True).frames()
+    assert (frame.index, frame.stamp, frame.received) == (1, 5, 7)
+    assert (frame.frame_id, frame.truth, frame.has_image) == ("eye", state(1), False)
 
 
 def test_long_and_many_lined_reasons_become_one_short_line():

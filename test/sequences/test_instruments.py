@@ -14,6 +14,7 @@ RANGE, INFO, ODOMETRY = (
     "sensor_msgs/msg/CameraInfo",
     "nav_msgs/msg/Odometry",
 )
+IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 
 class Listed:
@@ -53,6 +54,33 @@ def test_the_user_may_leave_one_out():
 
 def test_of_several_calibrations_the_one_beside_the_images_counts():
     listed = Listed(front__camera__camera_info=INFO, stern__camera__camera_info=INFO)
+    assert find(listed).topics == {Instrument.CAMERA_INFO: "/front/camera/camera_info"}
+
+
+def test_the_only_calibration_is_not_taken_from_beside_the_images_of_another_camera():
+    listed = Listed(
+        front__camera__image=IMAGE, down__image_raw__compressed=COMPRESSED, down__camera_info=INFO
+    )
+    found = find(listed)
+    assert not found.topics
+    (note,) = found.notes
+    assert note.startswith("/down/camera_info is not read: it stands beside the images of another")
+    assert "--camera-info-topic (node: camera_info_topic)" in note
+    chosen = find(listed, camera_info="/down/camera_info")
+    assert chosen.topics == {Instrument.CAMERA_INFO: "/down/camera_info"} and not chosen.notes
+
+
+@pytest.mark.parametrize("images", [{}, {"down__image_raw": IMAGE}])
+def test_the_only_calibration_may_lie_where_there_are_no_images(images):
+    listed = Listed(front__camera__image=IMAGE, calibration__used=INFO, **images)
+    assert find(listed).topics == {Instrument.CAMERA_INFO: "/calibration/used"}
+
+
+def test_images_and_their_other_transports_have_one_calibration():
+    listed = Listed(
+        front__camera__image=IMAGE, front__camera__image__compressed=COMPRESSED,
+        front__camera__camera_info=INFO,
+    )  # fmt: skip
     assert find(listed).topics == {Instrument.CAMERA_INFO: "/front/camera/camera_info"}
 
 

@@ -240,3 +240,11 @@ def test_a_label_knows_its_line_behind_comments_and_empty_lines(tmp_path):
     path = tmp_path / "labels.txt"
     path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
     assert [label.line for label in read_labels(path)] == [2, 5]
+
+
+def test_a_picture_that_cannot_be_read_keeps_its_label(write, tmp_path):
+    (tmp_path / "torn.png").write_bytes(b"garbage")
+    path = write("-12.5 0.25 40 0.01 # torn.png")
+    with SequenceFileSource(path, skip_bad_frames=True) as source:
+        (frame,) = source.frames()
+    assert frame.truth == CableState(-12.5, 0.25, 40.0, 0.01)

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from contextlib import closing
 from fractions import Fraction
 
 import av
@@ -7,6 +8,7 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag_storage import open_bag
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.headers import make_header, make_time
@@ -177,6 +179,21 @@ def test_after_a_damaged_packet_it_goes_on_at_the_next_key_frame(tmp_path):
     indices = [(stamp - FIRST) // STEP for stamp, _ in sound]
     assert 5 not in indices and set(indices) >= {0, 1, 2, 3, 4, 8, 9, 10, 11}
     assert is_as_coded(sound, indices)
+
+
+@pytest.mark.parametrize("kind", [FOXGLOVE, FFMPEG])
+def test_a_packet_that_cannot_be_unpacked_has_the_time_of_its_header(tmp_path, kind):
+    clock = 100_000_000_000
+    source = bag_of(tmp_path / "bag", packets("libx264", **H264), "h264", kind, first_stamp=clock)
+    with closing(open_bag(source)) as whole, BagWriter(tmp_path / "torn") as bag:
+        for number, each in enumerate(whole.messages(list(whole.topics))):
+            data = each.data[:40] if number == 5 else each.data
+            bag.write_serialised(each.topic, each.msgtype, data, each.time)
+    with BagSource(tmp_path / "torn", skip_bad_frames=True) as torn:
+        frames = {frame.stamp: frame for frame in torn.frames()}
+    unreadable = frames[clock + 5 * STEP]
+    assert (unreadable.has_image, unreadable.frame_id) == (False, "eye")
+    assert unreadable.received == FIRST + 5 * STEP
 
 
 def test_a_stream_without_a_key_frame_is_refused(tmp_path):

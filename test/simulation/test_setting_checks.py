@@ -3,7 +3,12 @@ import math
 import pytest
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+from cable_tracker.simulation.setting_checks import (
+    check_frames,
+    check_range,
+    check_seed,
+    check_size,
+)
 
 
 @pytest.mark.parametrize("value", [0.3, 20.0, 1])
@@ -27,3 +32,15 @@ def test_seeds_are_not_negative():
 def test_images_have_their_limits(size):
     with pytest.raises(ParameterError, match="32 to 4096 px"):
         check_size(size)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-4, 1e7, math.nan, math.inf])
+def test_frame_rates_have_their_limits(rate):
+    with pytest.raises(ParameterError, match=r"give 0\.001 to 1000000 frames per second"):
+        check_frames(1, rate)
+
+
+def test_a_dive_has_a_frame():
+    check_frames(1, 25.0)
+    with pytest.raises(ParameterError, match="at least 1 frame"):
+        check_frames(0, 25.0)

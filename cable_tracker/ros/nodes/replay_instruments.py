@@ -13,19 +13,18 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, JointState
 
-from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.recorded_messages import as_ros2
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import TOPICS, Instrument, InstrumentChoice
-from cable_tracker.sequences.messages.factory import Message, MessageFactory
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.messages.factory import MessageFactory
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.source import Source
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.typestores import typestore
@@ -109,7 +108,7 @@ class InstrumentReplay:
             node.get_logger().info(NO_STATIC_WORDS)
             return
         publisher = node.create_publisher(kind, TF_STATIC, qos.LATCHED)
-        for message in messages:
+        for _, message in messages:
             publisher.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
 
     def unheard(self) -> list[Instrument]:
@@ -147,9 +146,8 @@ class InstrumentReplay:
 
     def _send(self, given: InstrumentMessage) -> None:
         publisher = self._publishers[given.instrument]
-        message = _as_sent(given)
         type_name = TOPICS[given.instrument].type_name
-        publisher.publish(bytes(typestore().serialize_cdr(message, type_name)))
+        publisher.publish(bytes(typestore().serialize_cdr(as_ros2(given), type_name)))
         if given.instrument in self._sent:
             self._sent[given.instrument] += 1
 
@@ -177,22 +175,3 @@ class InstrumentReplay:
     def close(self) -> None:
         """Read no more."""
         self._feed.close()
-
-
-def _as_sent(given: InstrumentMessage) -> Message:
-    """Return a recorded message in the type of ROS 2, with the stamp that it counts with."""
-    message, factory = given.message, RosbagsMessages()
-    type_name = TOPICS[given.instrument].type_name
-    if not hasattr(message, "header"):
-        # A number, which is an altitude.
-        header = make_header(factory, given.stamp, "")
-        number = float(message.data)
-        return factory.make(type_name, header=header, max_range=MOST_ALTITUDE, range=number)
-    if not stamp_of(message.header):
-        message.header = make_header(factory, given.stamp, str(message.header.frame_id))
-    is_range = given.instrument is Instrument.ALTITUDE
-    if hasattr(message, "K") or (is_range and not hasattr(message, "variance")):
-        # ROS 1 names the matrices of a calibration by capitals, and knows no variance of a range.
-        fields = {name.lower(): value for name, value in vars(message).items()}
-        return factory.make(type_name, **fields)
-    return message

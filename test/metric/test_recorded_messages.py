@@ -1,16 +1,18 @@
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rclpy.serialization import deserialize_message
 
-from cable_tracker.ros.messages.rclpy_messages import message_class
-from cable_tracker.ros.nodes.replay_instruments import _as_sent
-from cable_tracker.sequences.instrument_source import InstrumentMessage
+from cable_tracker.metric.recorded_messages import as_ros2, carried_messages
+from cable_tracker.sequences.bag_storage import open_bag
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
 from cable_tracker.sequences.instruments import TOPICS, Instrument
-from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.typestores import ros1_typestore, typestore
 
 RECEIVED = 7_000_000_009
@@ -24,11 +26,10 @@ def of_ros1(name: str, **fields: Any) -> Any:
 
 
 def received(instrument: Instrument, message: Any) -> Any:
-    """Return a message as a node gets it that was recorded by ROS 1, without a stamp."""
-    sent = _as_sent(InstrumentMessage(instrument, message, RECEIVED, RECEIVED))
+    """Return a message as ROS 2 gets it that was recorded by ROS 1, without a stamp."""
+    sent = as_ros2(InstrumentMessage(instrument, message, RECEIVED, RECEIVED))
     type_name = TOPICS[instrument].type_name
-    data = bytes(typestore().serialize_cdr(sent, type_name))
-    return deserialize_message(data, message_class(type_name))
+    return typestore().deserialize_cdr(typestore().serialize_cdr(sent, type_name), type_name)
 
 
 @pytest.mark.parametrize("seconds", [0, 5])
@@ -62,3 +63,21 @@ def test_a_calibration_of_ros1_is_sent_under_the_names_of_ros2() -> None:
     )  # fmt: skip
     assert list(sent.k) == list(range(9)) and list(sent.p) == list(range(12))
     assert (sent.d[0], sent.width, sent.binning_x, sent.roi.y_offset) == (0.1, 64, 2, 2)
+
+
+def test_instruments_and_mounting_are_carried_along_in_the_order_of_their_reception(
+    tmp_path: Path,
+) -> None:
+    factory = RosbagsMessages()
+    with BagWriter(tmp_path / "dive") as bag:
+        for received, topic in ((5, "/dvl/odom"), (9, "/dvl/odom")):
+            odometry = factory.make("nav_msgs/msg/Odometry", header=make_header(factory, 3, "odom"))
+            bag.write(topic, "nav_msgs/msg/Odometry", odometry, received)
+        bag.write("/tf_static", "tf2_msgs/msg/TFMessage", factory.make("tf2_msgs/msg/TFMessage"), 7)
+        bag.write("/chatter", "std_msgs/msg/String", factory.make("std_msgs/msg/String"), 8)
+    source = InstrumentSource(tmp_path / "dive", open_bag(tmp_path / "dive"), "/image")
+    carried = list(carried_messages(source))
+    assert [(each.topic, each.bag_time) for each in carried] == [
+        ("/dvl/odom", 5), ("/tf_static", 7), ("/dvl/odom", 9),
+    ]  # fmt: skip
+    assert stamp_of(carried[0].message.header) == 3

@@ -1,0 +1,64 @@
+"""`cable-tracker convert`."""
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.sequences.bag_storage import open_bag
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+
+CARRIED = {"/altitude", "/camera_info", "/fix", "/imu", "/odometry", "/tf_static"}
+
+
+@pytest.fixture
+def dive(command):
+    """Folder of a simulated bag with instruments."""
+    code, _, err = command("simulate", "dive", "--frames", 3, "--size", "64x48", "--seed", 0)
+    assert (code, err) == (0, "")
+    return Path("dive")
+
+
+def messages_of(path, topic):
+    with closing(open_bag(path)) as storage:
+        return [(each.msgtype, each.time, each.data) for each in storage.messages([topic])]
+
+
+@pytest.mark.parametrize("copy", ["copy", "dive"], ids=["beside it", "in its place"])
+def test_what_metres_are_made_of_is_carried_along(command, dive, copy):
+    recorded = {topic: messages_of(dive, topic) for topic in CARRIED}
+    vehicle = (dive / "vehicle.yaml").read_bytes()
+    assert command("convert", dive, copy, "--force") == (0, f"3 frames: {copy}\n", "")
+    assert {topic: messages_of(Path(copy), topic) for topic in CARRIED} == recorded
+    assert all(recorded.values())
+    assert Path(copy, "vehicle.yaml").read_bytes() == vehicle
+
+
+def test_an_instrument_can_be_left_out(command, dive):
+    assert command("convert", dive, "copy", "--imu-topic", "none")[0] == 0
+    assert not messages_of(Path("copy"), "/imu")
+    assert messages_of(Path("copy"), "/odometry")
+
+
+def test_of_several_altitudes_none_is_taken_and_a_note_says_so(command, dive):
+    with closing(open_bag(dive)) as recorded, BagWriter(Path("two")) as bag:
+        for each in recorded.messages(["/image", "/altitude"]):
+            bag.write_serialised(each.topic, each.msgtype, each.data, each.time)
+        below = RosbagsMessages().make("sensor_msgs/msg/Range")
+        bag.write("/sonar", "sensor_msgs/msg/Range", below, 2_000_000_000)
+    _, _, notes = command("convert", "two", "copy")
+    assert notes.startswith("note: two: several topics for altitude, none of them is read")
+    assert not messages_of(Path("copy"), "/altitude")
+    assert command("convert", "two", "chosen", "--altitude-topic", "sonar")[2] == ""
+    assert messages_of(Path("chosen"), "/sonar")
+
+
+def test_messages_that_cannot_be_read_are_left_out_and_said(command, dive):
+    with closing(open_bag(dive)) as recorded, BagWriter(Path("torn")) as bag:
+        for each in recorded.messages(["/image", "/altitude"]):
+            data = each.data[:10] if each.topic == "/altitude" else each.data
+            bag.write_serialised(each.topic, each.msgtype, data, each.time)
+    code, _, notes = command("convert", "torn", "copy")
+    assert code == 0
+    assert notes.startswith("note: torn: /altitude: 3 of its messages cannot be read")
