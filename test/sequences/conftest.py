@@ -1,10 +1,12 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -213,6 +215,35 @@ def make_video(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return make
+
+
+@pytest.fixture
+def write_video(tmp_path: Path) -> Callable[..., Path]:
+    """Write a video whose frames have given times [ms]."""
+
+    def write(
+        name: str,
+        times: Sequence[float | Fraction],
+        *,
+        codec: str = "libx264",
+        b_frames: int = 0,
+        rate: Fraction | int = 25,
+        ticks: int = 90_000,
+    ) -> Path:
+        path, noise = tmp_path / name, np.random.default_rng(0)
+        with av.open(str(path), "w") as container:
+            stream = container.add_stream(codec, rate=rate, options={"bf": str(b_frames)})
+            stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+            stream.codec_context.time_base = Fraction(1, ticks)
+            for time in times:
+                picture = noise.integers(0, 255, (48, 64, 3), np.uint8)
+                frame = av.VideoFrame.from_ndarray(picture, format="bgr24")
+                frame.time_base, frame.pts = Fraction(1, ticks), round(time * ticks / 1000)
+                container.mux(stream.encode(frame))
+            container.mux(stream.encode(None))
+        return path
+
+    return write
 
 
 @pytest.fixture
