@@ -15,7 +15,6 @@ from typing import Protocol
 from weakref import WeakSet, finalize
 
 from rosbags.rosbag1 import Reader as Reader1
-from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
@@ -26,6 +25,7 @@ from cable_tracker.sequences.bag_limits import (
     limit_rosbags,
 )
 from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.rosbags_paths import BagReader
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
@@ -123,7 +123,7 @@ class RosbagsStorage:
         self._check_limits()
         self._lock = Lock()
         self._readings: WeakSet[Generator[StoredMessage]] = WeakSet()
-        self._shared: Reader2 | None = None
+        self._shared: BagReader | None = None
         with self._opened() as reader:
             self._check_chunks(reader)
             self.topics = {
@@ -137,7 +137,7 @@ class RosbagsStorage:
             raise RecordingError("metadata.yaml has a topic whose name is no text")
 
     @contextmanager
-    def _opened(self) -> Iterator[Reader1 | Reader2]:
+    def _opened(self) -> Iterator[Reader1 | BagReader]:
         """Give the reader to read with; of a ROS 1 bag one for each reading.
 
         It keeps the chunk that it has unpacked last, which two readings would take from each other.
@@ -148,7 +148,7 @@ class RosbagsStorage:
                 yield reader
             return
         if self._shared is None:
-            shared = Reader2(self._path)
+            shared = BagReader(self._path)
             shared.open()
             self._check_files(shared)
             self._check_unpacked(shared)
@@ -172,14 +172,14 @@ class RosbagsStorage:
                 check_database(file)
 
     @staticmethod
-    def _check_chunks(reader: Reader1 | Reader2) -> None:
+    def _check_chunks(reader: Reader1 | BagReader) -> None:
         if isinstance(reader, Reader1):
             return
         for storage in getattr(reader.storage, "storages", [reader.storage]):
             check_overlap(getattr(storage, "chunks", ()))
 
     @staticmethod
-    def _check_files(reader: Reader2) -> None:
+    def _check_files(reader: BagReader) -> None:
         """Refuse metadata whose list of files is none: rosbags reads it, but cannot close it."""
         storage = reader.storage
         if not isinstance(getattr(storage, "files", []), list):
@@ -188,7 +188,7 @@ class RosbagsStorage:
             raise RecordingError("metadata.yaml has files that are no list")
 
     @staticmethod
-    def _check_unpacked(reader: Reader2) -> None:
+    def _check_unpacked(reader: BagReader) -> None:
         """Check databases that rosbags has unpacked as those that lie in the folder."""
         if reader.compression_mode != "file":
             return
@@ -201,7 +201,7 @@ class RosbagsStorage:
             raise
 
     @staticmethod
-    def _leave_messages_packed(reader: Reader2) -> None:
+    def _leave_messages_packed(reader: BagReader) -> None:
         """Let a bag of compressed messages hand them out as they are; the reader unpacks them."""
         if reader.compression_mode == "message":
             storage = reader.storage

@@ -11,13 +11,14 @@ import cv2
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.rosbags_paths import BagFileWriter
 
 STORES = {2: get_typestore(Stores.ROS2_JAZZY), 1: get_typestore(Stores.ROS1_NOETIC)}
 STEP = 40_000_000
@@ -143,7 +144,7 @@ def make_bag(tmp_path: Path) -> Callable[..., Path]:
     def make(name: str = "bag", **changes: Any) -> Path:
         plan = BagPlan(**changes)
         path = tmp_path / name
-        writer = Writer(path, version=9, storage_plugin=StoragePlugin[plan.storage.upper()])
+        writer = BagFileWriter(path, version=9, storage_plugin=StoragePlugin[plan.storage.upper()])
         writer.set_compression(CompressionMode[plan.compression.upper()], CompressionFormat.ZSTD)
         with writer:
             _fill(writer, MessageMaker(2), plan)
