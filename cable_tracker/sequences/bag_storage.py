@@ -85,7 +85,7 @@ _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
 
 def is_ros1(path: Path) -> bool:
     """Tell whether a path names a ROS 1 bag; a folder may be called .bag and is none."""
-    return path.suffix == _ROS1_SUFFIX and not path.is_dir()
+    return path.suffix.lower() == _ROS1_SUFFIX and not path.is_dir()
 
 
 def storage_files(path: Path) -> list[Path]:
@@ -93,14 +93,18 @@ def storage_files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     return sorted(
-        (file for file in path.iterdir() if file.suffix in _ROS2_SUFFIXES and file.is_file()),
+        (
+            file
+            for file in path.iterdir()
+            if file.suffix.lower() in _ROS2_SUFFIXES and file.is_file()
+        ),
         key=natural_key,
     )
 
 
 def _walk(path: Path) -> Iterator[StoredMessage]:
     try:
-        yield from _WALKERS[path.suffix](path)
+        yield from _WALKERS[path.suffix.lower()](path)
     except OSError as error:
         raise RecordingError(one_line(error)) from error
     # The records of mcap are parsed by a library that does not say what it raises on damage.
@@ -168,7 +172,7 @@ class RosbagsStorage:
         if self._path.is_dir():
             check_folder(self._path)
         for file in storage_files(self._path):
-            if file.suffix == ".db3":
+            if file.suffix.lower() == ".db3":
                 check_database(file)
 
     @staticmethod
@@ -194,7 +198,7 @@ class RosbagsStorage:
             return
         try:
             for storage in getattr(reader.storage, "storages", ()):
-                if storage.path.suffix == ".db3":
+                if storage.path.suffix.lower() == ".db3":
                     check_database(storage.path)
         except BaseException:
             reader.close()
@@ -325,7 +329,9 @@ def _crashed_files(path: Path) -> list[Path]:
     return [
         file
         for file in storage_files(path)
-        if file.suffix == ".mcap" and file.stat().st_size and not mcap_recovery.is_closed(file)
+        if file.suffix.lower() == ".mcap"
+        and file.stat().st_size
+        and not mcap_recovery.is_closed(file)
     ]
 
 

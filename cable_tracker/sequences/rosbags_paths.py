@@ -1,6 +1,7 @@
 """Reader and writer of rosbags for bags at any path.
 
-rosbags hands SQLite the path as a part of a URI, in which #, ? and % mean something else.
+rosbags hands SQLite the path as a part of a URI, in which #, ? and % mean something else; and it
+knows suffixes in lower case alone.
 """
 
 from __future__ import annotations
@@ -48,14 +49,25 @@ class _FolderReader(DirectoryReader):
     }
 
 
-class BagReader(Reader):
-    """Reader of a ROS 2 bag; see `rosbags.rosbag2.Reader`."""
+_READERS: Mapping[str, type[ReaderProtocol]] = {
+    **Reader.STORAGE_PLUGINS,
+    "dir": _FolderReader,
+    ".db3": _DatabaseReader,
+}
 
-    STORAGE_PLUGINS: Mapping[str, type[ReaderProtocol]] = {
-        **Reader.STORAGE_PLUGINS,
-        "dir": _FolderReader,
-        ".db3": _DatabaseReader,
-    }
+
+class BagReader(Reader):
+    """Reader of a ROS 2 bag with suffixes in either case; see `rosbags.rosbag2.Reader`."""
+
+    def __init__(self, path: Path) -> None:
+        # The reader of a file is looked up by its suffix as it is written.
+        readers = {
+            name: _READERS[name.lower()]
+            for name in ("dir", path.suffix)
+            if name.lower() in _READERS
+        }
+        self.STORAGE_PLUGINS = readers
+        super().__init__(path)
 
 
 class BagFileWriter(Writer):
