@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cable_tracker.errors import OutputError, write_failure
+from cable_tracker.folder_lock import FolderLock
 
 
 def _delete(path: Path) -> None:
@@ -40,6 +41,8 @@ def _write_through(path: Path) -> None:
 class PartialOutput:
     """A folder or a file that is made under another name and moved into place when complete.
 
+    One run at a time may make it; what one that was killed has left is removed by the next.
+
     Parameters
     ----------
     path : Path
@@ -58,7 +61,8 @@ class PartialOutput:
     Raises
     ------
     OutputError
-        Something lies at the path and must not be replaced, or the disk does not let us write.
+        Something lies at the path and must not be replaced, another run is writing it, or the disk
+        does not let us write.
     """
 
     def __init__(self, path: Path, *, overwrite: bool, is_ours: Callable[[Path], bool]) -> None:
@@ -77,16 +81,38 @@ class PartialOutput:
                     f"{path}: is no earlier output of this kind and is not overwritten;"
                     " choose another name"
                 )
+        self._lock: FolderLock | None = None
         try:
-            if self._partial.exists():
-                _delete(self._partial)
-            self._partial.mkdir(parents=True)
+            self._take_partial()
+        except BlockingIOError as error:
+            raise OutputError(
+                f"{path}: another run is writing it; wait until that has ended, or choose another"
+                " name"
+            ) from error
         except OSError as error:
+            self.discard()
             raise write_failure(path, error) from error
         except BaseException:
             # A signal may come as soon as the folder is there, before a caller can discard it.
             self.discard()
             raise
+
+    def _take_partial(self) -> None:
+        """Make the hidden folder, or empty the one that a run which did not end well has left."""
+        is_new = not self._partial.is_dir()
+        if self._partial.is_symlink() or (is_new and self._partial.exists()):
+            self._partial.unlink()
+        try:
+            self._lock = FolderLock(self._partial)
+        except OSError:
+            raise
+        except BaseException:
+            if is_new:
+                with suppress(OSError):
+                    self._partial.rmdir()
+            raise
+        for left in self._partial.iterdir():
+            _delete(left)
 
     def commit(self) -> None:
         """Move the content into place.
@@ -113,8 +139,13 @@ class PartialOutput:
         self.discard()
 
     def discard(self) -> None:
-        """Remove the content."""
+        """Remove the content, and let other runs write to the path."""
+        if self._lock is None:
+            # Another run may be writing by now.
+            return
         shutil.rmtree(self._partial, ignore_errors=True)
+        self._lock.release()
+        self._lock = None
 
 
 def holds(marker: str) -> Callable[[Path], bool]:

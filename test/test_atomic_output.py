@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -193,3 +196,75 @@ def test_a_signal_while_the_folder_is_made_leaves_nothing_behind(tmp_path, monke
     ):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_second_run_is_refused_while_the_first_one_writes(tmp_path):
+    code = f"from pathlib import Path; {SECOND_RUN}"
+    with output_folder(tmp_path / "out", "mark", overwrite=False) as folder:
+        (folder / "mark").write_text("1")
+        second = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        assert second.stdout == (
+            "out: another run is writing it; wait until that has ended, or choose another name\n"
+        )
+        assert (folder / "mark").read_text() == "1"
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "mark"]
+
+
+SECOND_RUN = """
+from cable_tracker.atomic_output import output_file
+from cable_tracker.errors import OutputError
+try:
+    with output_file(Path("out"), Path.is_dir, overwrite=True) as file:
+        file.write_text("2")
+except OutputError as error:
+    print(error)
+"""
+
+
+def test_another_output_of_the_same_process_is_refused_too(tmp_path):
+    with (
+        output_folder(tmp_path / "out", "mark", overwrite=False),
+        pytest.raises(OutputError, match="another run is writing"),
+    ):
+        fill(tmp_path / "out")
+    fill(tmp_path / "out", overwrite=True)
+
+
+@pytest.mark.parametrize("kind", ["folder", "file", "link"])
+def test_what_a_killed_run_has_left_is_removed(tmp_path, kind):
+    left = tmp_path / ".out.partial"
+    if kind == "file":
+        left.touch()
+    else:
+        real = tmp_path / "elsewhere" if kind == "link" else left
+        (real / "out").mkdir(parents=True)
+        (real / "out" / "half").touch()
+        if kind == "link":
+            left.symlink_to(real)
+    fill(tmp_path / "out")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"mark"}
+    assert not left.is_symlink() and not left.exists()
+    assert (tmp_path / "elsewhere" / "out" / "half").exists() == (kind == "link")
+
+
+def test_discarding_again_leaves_what_another_run_writes_by_then(tmp_path):
+    first = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
+    first.discard()
+    second = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
+    second.content.mkdir()
+    first.discard()
+    second.commit()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("refusal", [errno.EBADF, errno.ENOTSUP, errno.ENOLCK])
+def test_where_there_are_no_locks_outputs_are_written_all_the_same(tmp_path, monkeypatch, refusal):
+    def refuse(_descriptor, _operation):
+        raise OSError(refusal, os.strerror(refusal))
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    (tmp_path / ".out.partial" / "out").mkdir(parents=True)
+    fill(tmp_path / "out")
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "mark"]

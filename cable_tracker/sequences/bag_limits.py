@@ -188,7 +188,7 @@ def check_folder(path: Path) -> None:
         raise RecordingError(f"{metadata.name} has more than {LARGEST_METADATA >> 20} MB")
     room = int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)
     for file in sorted(path.iterdir()):
-        if file.suffix == _STORAGE and file.is_file():
+        if file.suffix.lower() == _STORAGE and file.is_file():
             room -= _unpacked_size(file, room)
 
 

@@ -15,7 +15,6 @@ from typing import Protocol
 from weakref import WeakSet, finalize
 
 from rosbags.rosbag1 import Reader as Reader1
-from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
@@ -27,6 +26,7 @@ from cable_tracker.sequences.bag_limits import (
     limit_rosbags,
 )
 from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.rosbags_paths import BagReader
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
@@ -85,7 +85,7 @@ _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
 
 def is_ros1(path: Path) -> bool:
     """Tell whether a path names a ROS 1 bag; a folder may be called .bag and is none."""
-    return path.suffix == _ROS1_SUFFIX and not path.is_dir()
+    return path.suffix.lower() == _ROS1_SUFFIX and not path.is_dir()
 
 
 def storage_files(path: Path) -> list[Path]:
@@ -93,14 +93,18 @@ def storage_files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     return sorted(
-        (file for file in path.iterdir() if file.suffix in _ROS2_SUFFIXES and file.is_file()),
+        (
+            file
+            for file in path.iterdir()
+            if file.suffix.lower() in _ROS2_SUFFIXES and file.is_file()
+        ),
         key=natural_key,
     )
 
 
 def _walk(path: Path) -> Iterator[StoredMessage]:
     try:
-        yield from _WALKERS[path.suffix](path)
+        yield from _WALKERS[path.suffix.lower()](path)
     except OSError as error:
         raise RecordingError(one_line(error)) from error
     # The records of mcap are parsed by a library that does not say what it raises on damage.
@@ -123,7 +127,7 @@ class RosbagsStorage:
         self._check_limits()
         self._lock = Lock()
         self._readings: WeakSet[Generator[StoredMessage]] = WeakSet()
-        self._shared: Reader2 | None = None
+        self._shared: BagReader | None = None
         with self._opened() as reader:
             self._check_chunks(reader)
             self.topics = {
@@ -137,7 +141,7 @@ class RosbagsStorage:
             raise RecordingError(f"{METADATA} has a topic whose name is no text")
 
     @contextmanager
-    def _opened(self) -> Iterator[Reader1 | Reader2]:
+    def _opened(self) -> Iterator[Reader1 | BagReader]:
         """Give the reader to read with; of a ROS 1 bag one for each reading.
 
         It keeps the chunk that it has unpacked last, which two readings would take from each other.
@@ -148,7 +152,7 @@ class RosbagsStorage:
                 yield reader
             return
         if self._shared is None:
-            shared = Reader2(self._path)
+            shared = BagReader(self._path)
             shared.open()
             self._check_files(shared)
             self._check_unpacked(shared)
@@ -168,18 +172,18 @@ class RosbagsStorage:
         if self._path.is_dir():
             check_folder(self._path)
         for file in storage_files(self._path):
-            if file.suffix == ".db3":
+            if file.suffix.lower() == ".db3":
                 check_database(file)
 
     @staticmethod
-    def _check_chunks(reader: Reader1 | Reader2) -> None:
+    def _check_chunks(reader: Reader1 | BagReader) -> None:
         if isinstance(reader, Reader1):
             return
         for storage in getattr(reader.storage, "storages", [reader.storage]):
             check_overlap(getattr(storage, "chunks", ()))
 
     @staticmethod
-    def _check_files(reader: Reader2) -> None:
+    def _check_files(reader: BagReader) -> None:
         """Refuse metadata whose list of files is none: rosbags reads it, but cannot close it."""
         storage = reader.storage
         if not isinstance(getattr(storage, "files", []), list):
@@ -188,20 +192,20 @@ class RosbagsStorage:
             raise RecordingError(f"{METADATA} has files that are no list")
 
     @staticmethod
-    def _check_unpacked(reader: Reader2) -> None:
+    def _check_unpacked(reader: BagReader) -> None:
         """Check databases that rosbags has unpacked as those that lie in the folder."""
         if reader.compression_mode != "file":
             return
         try:
             for storage in getattr(reader.storage, "storages", ()):
-                if storage.path.suffix == ".db3":
+                if storage.path.suffix.lower() == ".db3":
                     check_database(storage.path)
         except BaseException:
             reader.close()
             raise
 
     @staticmethod
-    def _leave_messages_packed(reader: Reader2) -> None:
+    def _leave_messages_packed(reader: BagReader) -> None:
         """Let a bag of compressed messages hand them out as they are; the reader unpacks them."""
         if reader.compression_mode == "message":
             storage = reader.storage
@@ -325,7 +329,9 @@ def _crashed_files(path: Path) -> list[Path]:
     return [
         file
         for file in storage_files(path)
-        if file.suffix == ".mcap" and file.stat().st_size and not mcap_recovery.is_closed(file)
+        if file.suffix.lower() == ".mcap"
+        and file.stat().st_size
+        and not mcap_recovery.is_closed(file)
     ]
 
 

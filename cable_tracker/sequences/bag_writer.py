@@ -11,11 +11,12 @@ from types import TracebackType
 from typing import Literal, Protocol, Self
 
 from rosbags.interfaces import Connection
-from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
+from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, one_line, write_failure
 from cable_tracker.sequences.bag_limits import METADATA
+from cable_tracker.sequences.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
@@ -85,9 +86,9 @@ class BagWriter:
         self._folder = PartialOutput(self._path, overwrite=self._overwrite, is_ours=_is_bag)
         try:
             with self._translated_errors():
-                self._writer = Writer(
+                self._writer = BagFileWriter(
                     self._folder.content,
-                    version=Writer.VERSION_LATEST,
+                    version=BagFileWriter.VERSION_LATEST,
                     storage_plugin=_PLUGINS[self._storage],
                 )
                 self._writer.open()

@@ -22,13 +22,8 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import load_picture
-from cable_tracker.sequences.video import (
-    VIDEO_SUFFIXES,
-    frame_rate,
-    next_picture,
-    opened_video,
-    pass_over,
-)
+from cable_tracker.sequences.video import TIMES_NOTE, VIDEO_SUFFIXES, VideoFrames, opened_video
+from cable_tracker.sequences.video_times import times_run_backwards
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")
@@ -248,8 +243,8 @@ def _one_pass(labels: list[Label]) -> Iterator[list[Label]]:
 class SequenceFileSource(Source):
     """The frames that a sequence file lists, in its order, all of them with ground truth.
 
-    The time of a frame of a video is its number in the video over the video's frame rate; of a
-    picture its place in the list over `rate`; both counted from `FIRST_STAMP`.
+    The time of a frame of a video is the one it has in the video, see `VideoSource`; of a picture
+    its place in the list over `rate`; both counted from `FIRST_STAMP`.
 
     Parameters
     ----------
@@ -282,6 +277,12 @@ class SequenceFileSource(Source):
         self._files = {
             label.filename: _resolve(path, label, allow_outside) for label in self._entries
         }
+        self._with_steady_rate = {
+            name
+            for name, file in self._files.items()
+            if name.lower().endswith(VIDEO_SUFFIXES) and times_run_backwards(file)
+        }
+        self.note = "; ".join(f"{name}: {TIMES_NOTE}" for name in sorted(self._with_steady_rate))
         self.frame_count = len(self._entries)
         self.has_truth = True
 
@@ -313,15 +314,17 @@ class SequenceFileSource(Source):
 
     def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:
         with opened_video(self._files[labels[0].filename]) as capture:
-            rate = frame_rate(capture)
-            number = pass_over(capture, labels[0].frame or 0) - 1
+            frames = VideoFrames(
+                capture, has_steady_rate=labels[0].filename in self._with_steady_rate
+            )
+            number = frames.pass_over(labels[0].frame or 0) - 1
             for index, label in enumerate(labels, start):
                 picture = None
                 while label.frame is not None and number < label.frame:
-                    picture = next_picture(capture)
+                    picture = frames.next_picture()
                     number += 1
                     if picture is None:
                         raise damage(self.path, index, f"{label.filename} has only {number} frames")
                 if picture is not None:
                     image = raw_from_array(picture, "bgr8")
-                    yield Frame(index, stamp_of_frame(number, rate), image, truth=label.state)
+                    yield Frame(index, frames.stamp, image, truth=label.state)

@@ -32,7 +32,7 @@ _IN_ANOTHER, _MAY_BE_IN_FOLDER, _IN_FOLDER = range(3)
 def is_bag(path: Path) -> bool:
     """Tell whether a path is that of a bag: by its suffix, or by what its folder holds."""
     if not path.is_dir():
-        return path.suffix in BAG_SUFFIXES
+        return path.suffix.lower() in BAG_SUFFIXES
     if (path / METADATA).exists():
         return True
     return bool(storage_files(path)) and not find_pictures(path)

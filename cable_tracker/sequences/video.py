@@ -20,7 +20,8 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
+from cable_tracker.sequences.video_times import FrameClock, times_run_backwards
+from cable_tracker.stamps import FIRST_STAMP, USUAL_RATE
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
 
@@ -34,6 +35,12 @@ _LEAST_MISSING = 1.0
 """What a file ends before its time by is missing from this on [s]."""
 
 _HIGHEST_RATE = 1000.0
+
+TIMES_NOTE = (
+    "its times repeat or run backwards and are not used; its frames are taken at its steady rate."
+    " If they are not steady, write the video anew with right times"
+)
+"""What the user should know of a video whose times are not used."""
 
 
 @contextmanager
@@ -76,7 +83,7 @@ def _need_bounded_size(path: Path, capture: cv2.VideoCapture) -> None:
         )
 
 
-def frame_rate(capture: cv2.VideoCapture) -> float:
+def _frame_rate(capture: cv2.VideoCapture) -> float:
     """Return the frames per second of a video, the usual ones where it does not say."""
     rate = float(capture.get(cv2.CAP_PROP_FPS))
     return rate if math.isfinite(rate) and 0.0 < rate <= _HIGHEST_RATE else USUAL_RATE
@@ -88,24 +95,51 @@ def _frame_count(path: Path, capture: cv2.VideoCapture) -> int | None:
     return int(count) if counted and math.isfinite(count) and count > 0 else None
 
 
-def next_picture(capture: cv2.VideoCapture) -> Image | None:
-    """Decode the next frame, shape (H, W, 3), uint8, blue-green-red; None at the end."""
-    try:
-        decoded, picture = capture.read()
-    except cv2.error:
-        return None
-    return np.asarray(picture) if decoded and picture is not None else None
+class VideoFrames:
+    """The frames of an opened video, one after the other, with their times.
 
+    Parameters
+    ----------
+    capture : cv2.VideoCapture
+        The video, at its beginning.
+    has_steady_rate : bool
+        Whether the times of the container are not to be used.
 
-def pass_over(capture: cv2.VideoCapture, count: int) -> int:
-    """Go past frames without converting their pixels; return how many there were."""
-    for number in range(count):
+    Attributes
+    ----------
+    stamp : int
+        Time of the frame that was read last [ns], whether its pixels were converted or not.
+    """
+
+    def __init__(self, capture: cv2.VideoCapture, *, has_steady_rate: bool) -> None:
+        self._capture = capture
+        self._clock = FrameClock(_frame_rate(capture), is_steady=has_steady_rate)
+        self.stamp = FIRST_STAMP
+
+    def next_picture(self) -> Image | None:
+        """Decode the next frame, shape (H, W, 3), uint8, blue-green-red; None at the end."""
         try:
-            if not capture.grab():
-                return number
+            decoded, picture = self._capture.read()
         except cv2.error:
-            return number
-    return count
+            return None
+        if not decoded or picture is None:
+            return None
+        self._tick()
+        return np.asarray(picture)
+
+    def pass_over(self, count: int) -> int:
+        """Go past frames without converting their pixels; return how many there were."""
+        for number in range(count):
+            try:
+                if not self._capture.grab():
+                    return number
+            except cv2.error:
+                return number
+            self._tick()
+        return count
+
+    def _tick(self) -> None:
+        self.stamp = self._clock.next_stamp(float(self._capture.get(cv2.CAP_PROP_POS_MSEC)))
 
 
 def _frames_not_shown(path: Path) -> int:
@@ -161,7 +195,9 @@ def _seconds(clock: str) -> float | None:
 
 
 class VideoSource(Source):
-    """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
+    """All frames of a video file, as bgr8; their times are the container's, from `FIRST_STAMP` on.
+
+    Where these are those of a steady rate but for rounding, it is that rate's; see `FrameClock`.
 
     Raises
     ------
@@ -172,15 +208,18 @@ class VideoSource(Source):
     def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         with opened_video(path) as capture:
-            self._rate = frame_rate(capture)
             self.frame_count = _frame_count(path, capture)
+        self._has_steady_rate = times_run_backwards(path)
+        if self._has_steady_rate:
+            self.note = TIMES_NOTE
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         with opened_video(self.path) as capture:
             # Jumping to a frame by its number lands beside it in many files.
-            count = pass_over(capture, start)
-            while (picture := next_picture(capture)) is not None:
-                yield self._frame(count, picture)
+            frames = VideoFrames(capture, has_steady_rate=self._has_steady_rate)
+            count = frames.pass_over(start)
+            while (picture := frames.next_picture()) is not None:
+                yield self._frame(count, frames.stamp, picture)
                 count += 1
         promised = self.frame_count or 1
         if count < promised and count < promised - _frames_not_shown(self.path):
@@ -188,8 +227,8 @@ class VideoSource(Source):
         if (seconds := _promised_seconds(self.path)) is not None:
             raise damage(self.path, count, f"the file promises {seconds:.1f} s of them")
 
-    def _frame(self, index: int, picture: Image) -> Frame | UnreadableFrame:
-        stamp = stamp_of_frame(index, self._rate)
+    @staticmethod
+    def _frame(index: int, stamp: int, picture: Image) -> Frame | UnreadableFrame:
         try:
             return Frame(index, stamp, raw_from_array(picture, "bgr8"))
         except FrameError as error:

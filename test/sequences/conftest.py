@@ -1,21 +1,24 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import av
 import cv2
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.rosbags_paths import BagFileWriter
 
 STORES = {2: get_typestore(Stores.ROS2_JAZZY), 1: get_typestore(Stores.ROS1_NOETIC)}
 STEP = 40_000_000
@@ -147,7 +150,7 @@ def make_bag(tmp_path: Path) -> Callable[..., Path]:
     def make(name: str = "bag", **changes: Any) -> Path:
         plan = BagPlan(**changes)
         path = tmp_path / name
-        writer = Writer(path, version=9, storage_plugin=StoragePlugin[plan.storage.upper()])
+        writer = BagFileWriter(path, version=9, storage_plugin=StoragePlugin[plan.storage.upper()])
         writer.set_compression(CompressionMode[plan.compression.upper()], CompressionFormat.ZSTD)
         with writer:
             _fill(writer, MessageMaker(2), plan)
@@ -219,6 +222,35 @@ def make_video(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return make
+
+
+@pytest.fixture
+def write_video(tmp_path: Path) -> Callable[..., Path]:
+    """Write a video whose frames have given times [ms]."""
+
+    def write(
+        name: str,
+        times: Sequence[float | Fraction],
+        *,
+        codec: str = "libx264",
+        b_frames: int = 0,
+        rate: Fraction | int = 25,
+        ticks: int = 90_000,
+    ) -> Path:
+        path, noise = tmp_path / name, np.random.default_rng(0)
+        with av.open(str(path), "w") as container:
+            stream = container.add_stream(codec, rate=rate, options={"bf": str(b_frames)})
+            stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+            stream.codec_context.time_base = Fraction(1, ticks)
+            for time in times:
+                picture = noise.integers(0, 255, (48, 64, 3), np.uint8)
+                frame = av.VideoFrame.from_ndarray(picture, format="bgr24")
+                frame.time_base, frame.pts = Fraction(1, ticks), round(time * ticks / 1000)
+                container.mux(stream.encode(frame))
+            container.mux(stream.encode(None))
+        return path
+
+    return write
 
 
 @pytest.fixture

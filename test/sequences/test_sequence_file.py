@@ -161,6 +161,20 @@ def test_frames_of_a_video_are_picked(write, make_video):
     assert [frame.truth.distance for frame in frames] == [1, 4, 9, 3, 3]
 
 
+def test_frames_of_a_video_have_the_times_they_have_in_it(write, write_video):
+    write_video("dive.mkv", [0, 40, 80, 8080, 8120])
+    source = SequenceFileSource(write("0 0 30 0 # dive.mkv:1", "0 0 30 0 # dive.mkv:4"))
+    assert [frame.stamp - FIRST_STAMP for frame in source.frames()] == [40_000_000, 8_120_000_000]
+
+
+def test_a_note_names_a_video_whose_times_are_not_used(write, write_video):
+    path = write_video("dive.ts", [40 * index for index in range(30)])
+    path.write_bytes(path.read_bytes() * 2)
+    source = SequenceFileSource(write("0 0 30 0 # dive.ts:40"))
+    assert next(source.frames()).stamp - FIRST_STAMP == 1_600_000_000
+    assert source.note.startswith("dive.ts: its times repeat")
+
+
 def test_a_video_is_read_in_one_pass(write, make_video, monkeypatch):
     make_video("dive.avi")
     source = SequenceFileSource(write(*(f"0 0 30 0 # dive.avi:{n}" for n in range(10))))

@@ -3,6 +3,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from fractions import Fraction
 
 import av
 import numpy as np
@@ -185,3 +186,62 @@ def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
             packet.pts, packet.dts = packet.pts - before, packet.dts - before
             container.mux(packet)
     assert len(list(VideoSource(path).frames())) == 20
+
+
+VARIABLE = [0, 40, 80, 120, 160, 200, 8200, 8240, 8280]
+"""Times of frames with a gap [ms]."""
+
+
+@pytest.mark.parametrize("first", [0, 10_000])
+@pytest.mark.parametrize("suffix", [".mp4", ".mov", ".mkv", ".ts"])
+@pytest.mark.parametrize("b_frames", [0, 3])
+def test_frames_of_a_variable_rate_have_the_times_of_the_container(
+    write_video, suffix, b_frames, first
+):
+    times = [first + time for time in VARIABLE]
+    source = VideoSource(write_video(f"dive{suffix}", times, b_frames=b_frames))
+    assert milliseconds(source) == VARIABLE
+    assert milliseconds(source, start=7) == VARIABLE[7:]
+    assert not source.note
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mkv", ".ts"])
+@pytest.mark.parametrize("rate", [Fraction(30000, 1001), Fraction(25)])
+def test_stamps_of_a_constant_rate_are_exact_in_spite_of_b_frames(write_video, suffix, rate):
+    times = [round(index * 1000 / rate) for index in range(50)]
+    if suffix != ".mkv":
+        times = [index * 1000 / rate for index in range(50)]
+    path = write_video(f"dive{suffix}", times, b_frames=3, rate=rate)
+    stamps = [frame.stamp for frame in VideoSource(path).frames()]
+    assert stamps == [stamp_of_frame(index, float(rate)) for index in range(50)]
+
+
+def test_frames_without_times_after_the_last_key_frame_of_an_avi_are_steady(write_video):
+    times = [40 * index for index in range(30)]
+    path = write_video("dive.avi", times, codec="mpeg4", b_frames=2, ticks=25)
+    assert milliseconds(VideoSource(path)) == times
+
+
+def test_a_clock_that_begins_anew_leaves_the_steady_rate_and_a_note(write_video):
+    path = write_video("dive.ts", [0, 40, 80, *(8000 + 40 * index for index in range(27))])
+    path.write_bytes(path.read_bytes() * 2)
+    source = VideoSource(path)
+    assert milliseconds(source) == [40 * index for index in range(60)]
+    assert "repeat or run backwards" in source.note
+
+
+def test_a_program_stream_in_which_some_frames_have_no_time_is_steady(write_video):
+    times = [40 * index for index in range(60)]
+    source = VideoSource(write_video("dive.mpg", times, codec="mpeg2video", ticks=25))
+    assert milliseconds(source) == times
+
+
+def test_a_clock_that_begins_anew_later_goes_on_at_the_steady_rate(write_video):
+    path = write_video("dive.ts", [40 * index for index in range(300)])
+    path.write_bytes(path.read_bytes() * 2)
+    stamps = milliseconds(VideoSource(path))
+    assert stamps == [40 * index for index in range(600)]
+
+
+def milliseconds(source, start=0):
+    return [(frame.stamp - FIRST_STAMP) / 1e6 for frame in source.frames(start)]

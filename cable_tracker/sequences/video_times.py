@@ -1,0 +1,100 @@
+"""Times of the frames of a video: those of its container, where they are not a steady rate's."""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate, islice, pairwise
+from pathlib import Path
+
+import av
+from av.error import FFmpegError
+
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS, stamp_of_frame
+
+ROUNDING = 2_000_000
+"""Containers round times to a millisecond, some to 1/600 s; what differs by less is steady [ns]."""
+
+LONGEST_GAP = 86_400 * NANOSECONDS
+"""No recorder pauses longer within a file; a time further ahead is damage [ns]."""
+
+_PROBED_PACKETS = 250
+"""Number of packets that show whether a container's times can be used: ten seconds, a few MB."""
+
+_MOST_REORDERED = 16
+"""No codec shows a frame before one that is coded more frames earlier."""
+
+_LEAST_STEP = 0.0005
+"""Times that are closer count as the same [s]."""
+
+
+def times_run_backwards(path: Path) -> bool:
+    """Tell whether the times at the beginning of a video repeat or run backwards.
+
+    Its packets are looked at, not decoded. A file without streams that can be read has no times.
+    """
+    try:
+        with av.open(str(path), metadata_errors="replace") as container:
+            packets = islice(container.demux(video=0), _PROBED_PACKETS)
+            times = [
+                float(packet.pts * packet.time_base)
+                for packet in packets
+                if packet.pts is not None and packet.time_base is not None
+            ]
+    except (FFmpegError, IndexError):
+        # Opening it to read its frames says what is wrong with it.
+        return False
+    latest = accumulate(times, max)
+    if any(time < before for time, before in zip(times[_MOST_REORDERED:], latest, strict=False)):
+        return True
+    return any(after - before < _LEAST_STEP for before, after in pairwise(sorted(times)))
+
+
+class FrameClock:
+    """Gives the frames of a video their stamps, one after the other.
+
+    They are those of a steady rate as long as the container's times agree with it to within their
+    rounding; where they do not, the container's time is taken, and the rate goes on from there. A
+    time that does not come after that of the frame before is not believed.
+
+    Parameters
+    ----------
+    rate : float
+        Frames per second.
+    is_steady : bool
+        Whether the container's times are not to be used at all.
+    """
+
+    def __init__(self, rate: float, *, is_steady: bool = False) -> None:
+        self._rate = rate
+        self._is_steady = is_steady
+        self._rounding = min(ROUNDING, NANOSECONDS / rate / 2)
+        self._index = -1
+        self._first_told = 0.0
+        self._anchor, self._anchor_stamp = 0, FIRST_STAMP
+        self._last = FIRST_STAMP
+
+    def next_stamp(self, told: float) -> int:
+        """Return the stamp of the next frame [ns].
+
+        Parameters
+        ----------
+        told : float
+            Time of the frame according to the container [ms].
+        """
+        self._index += 1
+        if not self._index:
+            self._first_told = told
+        steady = stamp_of_frame(self._index - self._anchor, self._rate)
+        self._last = self._corrected(steady - FIRST_STAMP + self._anchor_stamp, told)
+        return self._last
+
+    def _corrected(self, steady: int, told: float) -> int:
+        """Return the stamp of a frame [ns], and go on from it where it is not the steady one."""
+        after_first = told - self._first_told
+        if self._is_steady or not math.isfinite(after_first):
+            return steady
+        stamp = FIRST_STAMP + round(after_first * 1e6)
+        if abs(stamp - steady) <= self._rounding or not 0 < stamp - self._last <= LONGEST_GAP:
+            return steady
+        self._anchor, self._anchor_stamp = self._index, stamp
+        return stamp

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+from contextlib import closing, suppress
+
+import pytest
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag_storage import open_storage, storage_files
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.source import open_source
+
+NAMES = ["my #1", "what?", "p%41", "a?mode=rw#x", "über"]
+
+
+@pytest.fixture(params=NAMES)
+def folder(request, tmp_path):
+    made = tmp_path / request.param
+    made.mkdir()
+    return made
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_bag_is_read_whatever_characters_its_path_has(make_bag, folder, storage):
+    bag = shutil.copytree(make_bag(f"{folder.name}/b #2?", storage=storage), folder / "copy")
+    assert len(list(BagSource(bag).frames())) == 5
+    (file,) = storage_files(bag)
+    assert not open_storage(bag).note
+    assert len(list(BagSource(file).frames())) == 5
+
+
+@pytest.mark.parametrize("compression", ["file", "message"])
+def test_so_is_a_compressed_one(make_bag, folder, compression):
+    bag = make_bag(f"{folder.name}/b #2?", storage="sqlite3", compression=compression)
+    assert len(list(BagSource(bag).frames())) == 5
+
+
+def test_so_is_a_ros1_bag(make_ros1_bag, folder):
+    bag = make_ros1_bag(f"{folder.name}/b #2?.bag")
+    assert len(list(BagSource(bag).frames())) == 5
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_bag_is_written_whatever_characters_its_path_has(folder, maker, storage):
+    path = folder / f"b {folder.name}"
+    with BagWriter(path, storage) as bag:
+        bag.write("/note", "std_msgs/msg/String", maker.text("x"), 1)
+    assert [each.name for each in folder.iterdir()] == [path.name]
+    assert [each.name for each in folder.parent.iterdir()] == [folder.name]
+    assert open_storage(path).topics["/note"].count == 1
+    assert len(list(open_storage(path).messages(["/note"]))) == 1
+
+
+@pytest.mark.parametrize(
+    ("storage", "name"), [("sqlite3", "DIVE.DB3"), ("sqlite3", "dive.Db3"), ("mcap", "DIVE.MCAP")]
+)
+def test_the_suffix_of_a_bag_may_be_in_upper_case(make_bag, tmp_path, storage, name):
+    (file,) = storage_files(make_bag(storage=storage))
+    folder = tmp_path / "copied"
+    folder.mkdir()
+    shutil.copy(file, folder / name)
+    for path in (folder / name, folder):
+        with open_source(path) as source:
+            assert len(list(source.frames())) == 5
+            assert source.has_truth
+
+
+def test_so_may_that_of_a_ros1_bag(make_ros1_bag, tmp_path):
+    bag = make_ros1_bag("OLD.BAG")
+    assert len(list(open_source(bag).frames())) == 5
+    with pytest.raises(RecordingError, match=r"name the file: OLD\.BAG"):
+        open_source(tmp_path)
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_damaged_bag_with_a_suffix_in_upper_case_is_read_up_to_the_damage(
+    make_bag, tmp_path, storage
+):
+    (file,) = storage_files(make_bag(storage=storage, frames=200))
+    path = shutil.copy(file, tmp_path / f"CUT{file.suffix.upper()}")
+    os.truncate(path, file.stat().st_size * 3 // 4)
+    frames = 0
+    with suppress(RecordingError):
+        for _ in open_source(path).frames():
+            frames += 1
+    assert 50 < frames < 200
+
+
+def test_a_database_with_a_suffix_in_upper_case_is_checked_too(tmp_path):
+    path = tmp_path / "VIEWS.DB3"
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE VIEW messages AS SELECT 1")
+    with pytest.raises(RecordingError, match="views"):
+        open_source(path)
