@@ -102,7 +102,7 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int)
 
     It is the one of the frames before, or lies where that may be by now, and is about as wide.
     """
-    if belief.known_time > 0.0:
+    if belief.is_followed:
         return True
     memory = belief.memory
     if memory is None:

@@ -23,7 +23,6 @@ B. Ristic et al. (2013), "A tutorial on Bernoulli filters": the probability of e
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -111,7 +110,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def given_belief(self, states: FloatArray) -> Belief:
         """Return the belief after states (N, 8) of the cable were given."""
-        return replace(self.guessed_belief(states), known_time=math.inf)
+        return replace(self.guessed_belief(states), is_given=True)
 
     def guessed_belief(self, states: FloatArray) -> Belief:
         """Return the belief after states (N, 8) were given that may be of something else."""
