@@ -50,6 +50,9 @@ class BeliefSummary:
         Whether it speaks for claiming one that nothing was known of.
     is_another : bool
         Whether the estimate is of something else than the cable that was tracked last.
+    follows_given : bool
+        Whether the estimate is of what an operator or planner gave, if something was given; True if
+        the filter cannot tell.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis
@@ -64,6 +67,7 @@ class BeliefSummary:
     supports_keeping: bool
     supports_new_claim: bool
     is_another: bool = False
+    follows_given: bool = True
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 

@@ -360,6 +360,20 @@ def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
     assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
 
 
+@pytest.mark.parametrize("preset_name", ["default", "thesis"])
+def test_another_strip_gains_nothing_from_a_given_state_that_no_frame_showed(
+    draw_strip, noise_picture, preset_name
+):
+    # No frame has so much evidence for a claim that nothing was known of.
+    demanding = preset(preset_name).replaced({"evidence_to_track": 100.0})
+    tracker = make_tracker(demanding)
+    tracker.initialise(GivenState.around(CableState(-45.0, 0.6, 20.0)))
+    elsewhere = draw_strip(CableState(30.0, -0.2, 24.0), (160, 120))
+    pictures = [noise_picture(k) for k in range(60)] + [elsewhere] * 20
+    frames = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
+    assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
+
+
 def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noise_picture):
     parameters = TrackerParameters()
     tracker = make_tracker(parameters)

@@ -92,6 +92,7 @@ def belief_summary(
         and belief.presence >= parameters.presence_to_lose
         and belief.evidence >= parameters.evidence_to_lose,
         is_another=belief.memory is not None and not familiar,
+        follows_given=belief.is_given,
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )
