@@ -12,7 +12,11 @@ from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    HIGHEST_THRESHOLD,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError, ParameterError
@@ -334,13 +338,24 @@ def test_what_nothing_was_known_of_needs_more_evidence_than_what_was_given(draw_
 
 def test_a_given_cable_is_claimed_by_what_suffices_to_keep_one(draw_strip):
     picture = draw_strip(STRIP, (160, 120))
-    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=1.0)
+    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=HIGHEST_THRESHOLD)
     told_surely, guessed = make_tracker(demanding), make_tracker(demanding)
     told_surely.initialise(GivenState.around(STRIP))
     guessed.initialise(GivenState.around(STRIP, is_guess=True))
     frames = repeated(picture, 20)
     assert {estimate.status for estimate in run(told_surely, frames)} == {TRACKING}
     assert {estimate.status for estimate in run(guessed, frames)} == {INITIALISING}
+
+
+@pytest.mark.parametrize("name", ["presence_to_track", "sample_spacing"])
+@pytest.mark.parametrize("size", [(160, 120), (160, 90)])
+def test_at_the_upper_end_of_its_range_a_parameter_still_lets_a_cable_be_claimed(
+    draw_strip, name, size
+):
+    most = PARAMETERS_BY_NAME[name].maximum
+    tracker = make_tracker(TrackerParameters().replaced({name: most}))
+    frames = repeated(draw_strip(STRIP, size), 25)
+    assert run(tracker, frames)[-1].status is TRACKING
 
 
 def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_strip, noise_picture):
