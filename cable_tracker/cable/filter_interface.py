@@ -51,6 +51,9 @@ class BeliefSummary:
     contradicts_claim : bool
         Whether the frame speaks against the cable that was tracked last: the estimate is of
         something else, or no cable is in view.
+    follows_given : bool
+        Whether the estimate is of what an operator or planner gave, if something was given; True if
+        the filter cannot tell.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis
@@ -65,6 +68,7 @@ class BeliefSummary:
     supports_keeping: bool
     supports_new_claim: bool
     contradicts_claim: bool = False
+    follows_given: bool = True
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 

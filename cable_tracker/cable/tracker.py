@@ -227,6 +227,8 @@ class CableTracker:
     def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
         converged = self._has_converged(summary.covariance, self._frame.size[0])
+        if not summary.follows_given:
+            self._status = self._status.without_given()
         self._status = self._status.after(
             supports_claim=converged and self._supports_claim(summary),
             supports_keeping=converged and summary.supports_keeping,
@@ -250,7 +252,8 @@ class CableTracker:
     def _supports_claim(self, summary: BeliefSummary) -> bool:
         """Tell whether a frame speaks for claiming a cable.
 
-        What an operator or planner gave is claimed by what suffices to keep a claim.
+        What an operator or planner gave is claimed by what suffices to keep a claim, as long as the
+        filter follows it.
         """
         if self._status.is_given_with_certainty:
             return summary.supports_keeping

@@ -52,8 +52,8 @@ class StatusMachine:
     unclaimed_time : float
         Time since a target was last claimed, or since the search last began anew [s].
     is_given_with_certainty : bool
-        Whether a target was given by an operator or planner, not guessed, and none has been claimed
-        since.
+        Whether a target was given by an operator or planner, not guessed, and is followed since,
+        without a claim yet.
     """
 
     status: TrackingStatus = TrackingStatus.INITIALISING
@@ -144,5 +144,9 @@ class StatusMachine:
         return replace(self, time_towards_change=math.inf, is_given_with_certainty=is_certain)
 
     def searched(self) -> StatusMachine:
-        """Return the same status with the search begun anew."""
-        return replace(self, time_towards_change=0.0, unclaimed_time=0.0)
+        """Return the same status with the search begun anew: nothing that was given is followed."""
+        return replace(self.without_given(), time_towards_change=0.0, unclaimed_time=0.0)
+
+    def without_given(self) -> StatusMachine:
+        """Return the same status once what was given is no longer followed."""
+        return replace(self, is_given_with_certainty=False)

@@ -12,7 +12,11 @@ from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    HIGHEST_THRESHOLD,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError, ParameterError
@@ -334,13 +338,24 @@ def test_what_nothing_was_known_of_needs_more_evidence_than_what_was_given(draw_
 
 def test_a_given_cable_is_claimed_by_what_suffices_to_keep_one(draw_strip):
     picture = draw_strip(STRIP, (160, 120))
-    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=1.0)
+    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=HIGHEST_THRESHOLD)
     told_surely, guessed = make_tracker(demanding), make_tracker(demanding)
     told_surely.initialise(GivenState.around(STRIP))
     guessed.initialise(GivenState.around(STRIP, is_guess=True))
     frames = repeated(picture, 20)
     assert {estimate.status for estimate in run(told_surely, frames)} == {TRACKING}
     assert {estimate.status for estimate in run(guessed, frames)} == {INITIALISING}
+
+
+@pytest.mark.parametrize("name", ["presence_to_track", "sample_spacing"])
+@pytest.mark.parametrize("size", [(160, 120), (160, 90)])
+def test_at_the_upper_end_of_its_range_a_parameter_still_lets_a_cable_be_claimed(
+    draw_strip, name, size
+):
+    most = PARAMETERS_BY_NAME[name].maximum
+    tracker = make_tracker(TrackerParameters().replaced({name: most}))
+    frames = repeated(draw_strip(STRIP, size), 25)
+    assert run(tracker, frames)[-1].status is TRACKING
 
 
 def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_strip, noise_picture):
@@ -357,6 +372,20 @@ def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_stri
 def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
     tracker = told(STRIP)
     frames = [(noise_picture(k), START + k * FRAME, None) for k in range(30)]
+    assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
+
+
+@pytest.mark.parametrize("preset_name", ["default", "thesis"])
+def test_another_strip_gains_nothing_from_a_given_state_that_no_frame_showed(
+    draw_strip, noise_picture, preset_name
+):
+    # No frame has so much evidence for a claim that nothing was known of.
+    demanding = preset(preset_name).replaced({"evidence_to_track": 100.0})
+    tracker = make_tracker(demanding)
+    tracker.initialise(GivenState.around(CableState(-45.0, 0.6, 20.0)))
+    elsewhere = draw_strip(CableState(30.0, -0.2, 24.0), (160, 120))
+    pictures = [noise_picture(k) for k in range(60)] + [elsewhere] * 20
+    frames = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
     assert {estimate.status for estimate in run(tracker, frames)} == {INITIALISING}
 
 

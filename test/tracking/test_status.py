@@ -128,6 +128,13 @@ def test_what_was_given_is_known_and_what_was_guessed_is_not():
     assert guessed.is_first_claim(4.0)
 
 
+@pytest.mark.parametrize("leave", [StatusMachine.searched, StatusMachine.without_given])
+def test_what_was_given_is_no_longer_so_once_it_is_not_followed(leave):
+    told = StatusMachine().confirm_with_next_frame()
+    assert not leave(told).is_given_with_certainty
+    assert leave(told).is_first_claim(4.0)
+
+
 def test_what_has_not_been_seen_for_long_is_forgotten():
     machine = StatusMachine(LOST)
     for _ in range(5):

@@ -1,4 +1,23 @@
-"""What the filter of several hypotheses believes after a frame."""
+"""What the filter of several hypotheses believes after a frame.
+
+What is said of the leading hypothesis, from what the belief holds to what the summary makes of it:
+
+====================  ==============================================================================
+`presence`            How likely it is a cable.
+`is_given`            It was given, and every frame since has held it for a cable.
+`known_time`          For how long it has been held for one and been clear enough to claim.
+`is_followed`         It is given, or has such a time: frames before have held it for a cable.
+`is_known`            It is given, or has been followed for `known_after`.
+`refused_time`        For how long it has been present but too faint; at `search_time` it goes.
+`is_clear`            Its borders are clear enough to claim it where nothing was known of it.
+`is_familiar`         It is followed, or where the remembered cable may be, and about as wide.
+`supports_keeping`    Visible, clear or familiar, presence and evidence not below `*_to_lose`.
+`supports_claim`      The same, not below `*_to_track`.
+`supports_new_claim`  The same, and clear.
+====================  ==============================================================================
+
+`is_familiar` and what a frame supports are those of `belief_summary`.
+"""
 
 from __future__ import annotations
 
@@ -43,8 +62,10 @@ class Belief:
         Whether the leading hypothesis is clear enough to claim it where nothing was known of it.
     known_time : float
         Time for which consecutive frames held the leading hypothesis for a cable, counted while its
-        borders are clear enough to claim it [s]; infinite where an operator or planner gave it.
-        From the parameter `known_after` on it is known.
+        borders are clear enough to claim it [s]. From the parameter `known_after` on it is known.
+    is_given : bool
+        Whether an operator or planner gave the leading hypothesis, and every frame since has held
+        it for a cable: it is known from the beginning.
     """
 
     particles: Particles
@@ -57,13 +78,19 @@ class Belief:
     evidence: float = 0.0
     is_clear: bool = False
     known_time: float = 0.0
+    is_given: bool = False
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether the leading hypothesis was given, or a frame before has held it for a cable."""
+        return self.is_given or self.known_time > 0.0
 
     def is_known(self, known_after: float) -> bool:
         """Tell whether the leading hypothesis is known; `known_after` is the parameter [s].
 
         What no frame has held for a cable is not, however soon that may be.
         """
-        return self.known_time > 0.0 and self.known_time >= known_after
+        return self.is_given or (self.is_followed and self.known_time >= known_after)
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:

@@ -93,6 +93,7 @@ def belief_summary(
         and is_present
         and belief.evidence >= parameters.evidence_to_lose,
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
+        follows_given=belief.is_given,
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )
@@ -103,7 +104,7 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int)
 
     It is the one of the frames before, or lies where that may be by now, and is about as wide.
     """
-    if belief.known_time > 0.0:
+    if belief.is_followed:
         return True
     memory = belief.memory
     if memory is None:

@@ -70,6 +70,7 @@ def updated_belief(
         evidence=evidence,
         is_clear=is_clear,
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,
+        is_given=before.is_given and goes_on,
     )
 
 

@@ -2,28 +2,32 @@
 
 Per frame, the particles stand for the density
 
-    f(x) = P(survived) (sum_j W_j K(x | x_j) + r J(x)) + P(born) b(x)
+    f(x) = P(survived) (sum_j W_j K(x | x_j) + r S(x)) + P(born) b(x)
 
 of a cable in view, where K is the movement with its heavy tails about the particles x_j of the
-frame before, J the density of cables that share one border with the leading hypothesis, seldom (r)
-the right one, and b that of cables that come into view. They are not drawn from f alone but
-from a mixture of proposals: from f, about what a detector sees, and, in rounds, about the best
-particles of the same frame. A particle weighs f(x) L(x) / q(x), where q is the density of the whole
-mixture and L the likelihood ratio of the frame: no proposal is a second prior, wherever it comes
-from. Whether a hypothesis is a cable at all is judged against strips drawn at random in the same
-frame, see `background` and `score_likelihood`.
+frame before, S that of border switches, to cables that share one border with the leading
+hypothesis, seldom (r) the right one, and b that of cables that come into view. They are not drawn
+from f alone but from a mixture of proposals: from f, about what a detector sees, and, in rounds,
+about the best particles of the same frame. A particle weighs f(x) L(x) / q(x), where q is the
+density of the whole mixture and L the likelihood ratio of the frame: no proposal is a second prior,
+wherever it comes from.
+
+Whether a hypothesis is a cable at all is judged against strips drawn at random in the same frame,
+see `background` and `score_likelihood`. Presence is the logistic of such a score of the leading
+hypothesis, summed over its frames (`presence`); it is not the integral of f(x) L(x), as in a
+Bernoulli filter. That filter's prediction alone is used (`predict_existence`): it gives P(survived)
+and P(born), by which the parts of f are weighed and particles are shared out.
 
 References
 ----------
 M. Klaas, N. de Freitas and A. Doucet (2005), "Toward practical N^2 Monte Carlo: the marginal
 particle filter": weights by the density of the whole mixture.
 O. Cappe, A. Guillin, J.-M. Marin and C. Robert (2004), "Population Monte Carlo": the rounds.
-B. Ristic et al. (2013), "A tutorial on Bernoulli filters": the probability of existence.
+B. Ristic et al. (2013), "A tutorial on Bernoulli filters": the prediction of existence.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -111,7 +115,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def given_belief(self, states: FloatArray) -> Belief:
         """Return the belief after states (N, 8) of the cable were given."""
-        return replace(self.guessed_belief(states), known_time=math.inf)
+        return replace(self.guessed_belief(states), is_given=True)
 
     def guessed_belief(self, states: FloatArray) -> Belief:
         """Return the belief after states (N, 8) were given that may be of something else."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density
-from cable_tracker.cable.hypotheses.border_jump import BorderJump, jump_density
+from cable_tracker.cable.hypotheses.border_switch import BorderSwitch, switch_density
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.remembered_cable import width_penalty
 from cable_tracker.cable.model.initial_state import between
@@ -42,10 +42,10 @@ class PredictedDensity(NamedTuple):
         The width prior; its spread is infinite where there is none.
     births : BirthDensity
         The density b.
-    mass_jumped : float
-        Probability mass of the border-error jump density.
-    jump : BorderJump
-        The border-error jump density J.
+    mass_switched : float
+        Probability mass of the border-switch density.
+    border_switch : BorderSwitch
+        The border-switch density S.
     """
 
     kernels: KernelMixture
@@ -56,8 +56,8 @@ class PredictedDensity(NamedTuple):
     log_width: float
     width_spread: float
     births: BirthDensity
-    mass_jumped: float
-    jump: BorderJump
+    mass_switched: float
+    border_switch: BorderSwitch
 
 
 class DensityValues(NamedTuple):
@@ -72,8 +72,8 @@ class DensityValues(NamedTuple):
     survivor_proposal : FloatArray
         Density that survivors are drawn from: the kernels of f, equally weighted; it integrates to
         one.
-    birth, jump : FloatArray
-        The birth density b and the border-error jump density J, without their masses.
+    birth, border_switch : FloatArray
+        The birth density b and the border-switch density S, without their masses.
     width_penalties : FloatArray
         Log-density of the width over its peak, by the width prior, at most 0 [nats].
     """
@@ -82,7 +82,7 @@ class DensityValues(NamedTuple):
     prior_survival: FloatArray
     survivor_proposal: FloatArray
     birth: FloatArray
-    jump: FloatArray
+    border_switch: FloatArray
     width_penalties: FloatArray
 
 
@@ -115,15 +115,16 @@ def choose_rates(
 ) -> None:
     """Fill in the densities at states whose poses were proposed, and draw their rates.
 
-    An ancestor is drawn by how likely it would have moved there, and births and jumps by how likely
-    they are there: those have the rates of the search.
+    An ancestor is drawn by how likely it would have moved there, and births and border switches by
+    how likely they are there: those have the rates of the search.
     """
     births = predicted.births
     for row in range(start, stop):
         state = states[row]
         _fill_densities_of(state, row, predicted, densities)
         new = (
-            predicted.mass_born * densities.birth[row] + predicted.mass_jumped * densities.jump[row]
+            predicted.mass_born * densities.birth[row]
+            + predicted.mass_switched * densities.border_switch[row]
         )
         total = densities.prior_survival[row] + new
         position = noise.uniform[row, 0] * total
@@ -158,13 +159,13 @@ def _fill_densities_of(
     target, proposal = weighted_sums(kernels)
     births = birth_density(state, predicted.births)
     penalty = width_penalty(state[WIDTH], predicted.log_width, predicted.width_spread)
-    jumps = jump_density(state, predicted.jump)
+    switches = switch_density(state, predicted.border_switch)
     densities.prior_survival[row] = predicted.mass_survived * kernels.peak * target
     densities.survivor_proposal[row] = kernels.peak * proposal
     densities.birth[row] = births
-    densities.jump[row] = jumps
+    densities.border_switch[row] = switches
     densities.width_penalties[row] = penalty
     # Births get the width penalty twice, here in the prior and again in `fill_log_likelihoods`.
     # With it once, strips beside a tracked cable took over more often (S4, S6).
-    new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_jumped * jumps
+    new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_switched * switches
     densities.prior[row] = densities.prior_survival[row] + new

@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.births import birth_density_of
-from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, jump_from
+from cable_tracker.cable.hypotheses.border_switch import BORDER_SWITCH_RATE, switch_from
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence
@@ -151,7 +151,7 @@ class Predictor:
         # Without movement the kernel would be a point: the first frame after a given prior.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
         sigmas = self._movement.diffusion_sigmas(time, motion)
-        jumped = existence.survived * event_probability(BORDER_ERROR_RATE, dt)
+        switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
@@ -166,8 +166,8 @@ class Predictor:
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
             births=birth_density_of(self._box, memory, parameters.memory_time, self._image_size),
-            mass_jumped=max(jumped, LEAST_PROBABILITY),
-            jump=jump_from(leader, *self._widths, float(self._image_size[0])),
+            mass_switched=max(switched, LEAST_PROBABILITY),
+            border_switch=switch_from(leader, *self._widths, float(self._image_size[0])),
         )
 
     def _draw_ancestors(

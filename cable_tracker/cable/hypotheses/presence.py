@@ -15,6 +15,7 @@ from cable_tracker.cable.hypotheses.score_likelihood import (
     ScoreModel,
     frame_log_likelihood_ratio,
 )
+from cable_tracker.cable.parameters.parameters import HIGHEST_PRESENCE_LOG_ODDS
 from cable_tracker.compilation import compiled_loop
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
@@ -24,7 +25,7 @@ NEW_LOG_ODDS = math.log(0.02 / 0.98)
 LIKELY_PRESENCE = 0.5
 """From this probability on it is more likely than not that there is a cable."""
 
-LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), 5.0
+LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), HIGHEST_PRESENCE_LOG_ODDS
 """Limits of the log-odds of a hypothesis [nats], so that later frames can turn them."""
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.births import place_births
-from cable_tracker.cable.hypotheses.border_jump import place_jumps
+from cable_tracker.cable.hypotheses.border_switch import place_switches
 from cable_tracker.cable.hypotheses.candidates import (
     CANDIDATE_NARROWING,
     CANDIDATE_SHARE,
@@ -201,11 +201,11 @@ def _draw_first(
     )
     for row in range(first):
         state_in_chart(states[row], inputs.reference_angle, states[row])
-    jumped = first + counts.jumps
-    place_jumps(states, first, jumped, predicted.jump, noise)
-    end = jumped + counts.detections
-    for row in range(jumped, end):
-        centre, stretch = centres[(row - jumped) % len(centres)], noise.stretches[row, 0]
+    switched = first + counts.switches
+    place_switches(states, first, switched, predicted.border_switch, noise)
+    end = switched + counts.detections
+    for row in range(switched, end):
+        centre, stretch = centres[(row - switched) % len(centres)], noise.stretches[row, 0]
         for column in range(POSE_SIZE):
             spread = noise.normal[row, column] * stretch * config.detection_sigmas[column]
             states[row, column] = centre[column] + spread
@@ -283,7 +283,7 @@ def _fill_proposal_density(
         sample.proposal_density[row] = (
             survivors * sample.densities.survivor_proposal[row]
             + births * sample.densities.birth[row]
-            + counts.jumps * sample.densities.jump[row]
+            + counts.switches * sample.densities.border_switch[row]
         )
     if counts.detections:
         add_detection_density(

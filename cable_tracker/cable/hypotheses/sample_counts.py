@@ -14,7 +14,7 @@ from cable_tracker.particle_filter.existence import PredictedExistence
 LOST_DETECTOR_SHARE = 0.3
 """Share of the particles about detections while it is more likely than not that there is none."""
 
-JUMP_SHARE = 0.06
+BORDER_SWITCH_SHARE = 0.06
 """Share of the particles that share a border with the hypothesis that leads, and no more."""
 
 LARGEST_BIRTH_SHARE = 0.8
@@ -26,8 +26,8 @@ class SampleCounts(NamedTuple):
 
     Attributes
     ----------
-    survivors, births, jumps, detections : int
-        Drawn about ancestors, from the birth density, from the border-error jump density, and about
+    survivors, births, switches, detections : int
+        Drawn about ancestors, from the birth density, from the border-switch density, and about
         what the detector sees.
     births_near_memory : int
         Those of the births that are drawn about the remembered cable.
@@ -38,7 +38,7 @@ class SampleCounts(NamedTuple):
     survivors: int
     births: int
     births_near_memory: int
-    jumps: int
+    switches: int
     detections: int
     refined: IndexArray
 
@@ -51,8 +51,11 @@ def sample_counts(
     refined: IndexArray,
 ) -> SampleCounts:
     """Share out the particles of a frame with some detections; `refined` of each round."""
-    count, jumps = parameters.particle_count, int(parameters.particle_count * JUMP_SHARE)
-    first = count - int(refined.sum()) - jumps
+    count, switches = (
+        parameters.particle_count,
+        int(parameters.particle_count * BORDER_SWITCH_SHARE),
+    )
+    first = count - int(refined.sum()) - switches
     share = parameters.detector_share if detections else 0.0
     existing = existence.total
     if share > 0.0 and existing < LIKELY_PRESENCE:
@@ -65,7 +68,7 @@ def sample_counts(
         survivors=rest - births,
         births=births,
         births_near_memory=birth_density.remembered_of(births),
-        jumps=jumps,
+        switches=switches,
         detections=detected,
         refined=refined,
     )

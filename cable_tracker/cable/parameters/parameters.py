@@ -7,6 +7,7 @@ Lengths are for an image 320 px wide and scale with the image. Variances and rat
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,12 @@ __all__ = [
 ]
 
 MAXIMUM_PARTICLES = 1_000_000
+
+HIGHEST_PRESENCE_LOG_ODDS = 5.0
+"""Upper limit of the log-odds that there is a cable [nats]: more could not turn again in time."""
+
+HIGHEST_THRESHOLD = math.floor(1e3 / (1.0 + math.exp(-HIGHEST_PRESENCE_LOG_ODDS))) / 1e3
+"""Largest threshold of presence that presence can reach: its upper limit, rounded down."""
 
 MAXIMUM_SHARES = 0.95
 """Largest share of the particles that does not come from those of the frame before."""
@@ -166,8 +173,8 @@ class TrackerParameters(ParameterSet):
         8.0,
         "px",
         1.0,
-        200.0,
-        "Distance between the scan lines.",
+        60.0,
+        "Distance between the scan lines; a border must cross three of them for a claim.",
     )
     filter_sigma: float = number(
         1.6,
@@ -362,9 +369,11 @@ class TrackerParameters(ParameterSet):
         1e4,
         "Time without a cable in which the spread of the width prior grows by `width_spread`.",
     )
-    presence_to_track: float = number(0.8, "", 0.0, 1.0, "Presence above which a cable is claimed.")
+    presence_to_track: float = number(
+        0.8, "", 0.0, HIGHEST_THRESHOLD, "Presence above which a cable is claimed."
+    )
     presence_to_lose: float = number(
-        0.42, "", 0.0, 1.0, "Presence below which a cable is given up."
+        0.42, "", 0.0, HIGHEST_THRESHOLD, "Presence below which a cable is given up."
     )
 
     evidence_to_track: float = number(

@@ -25,7 +25,7 @@ from cable_tracker.evaluation.trace import Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.split import Split
 
-PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.995)
+PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98)
 """Values of `presence_to_track`, with the evidence asked for as in `default`."""
 
 EVIDENCES = (-5.0, -1.0, 0.0, 0.2, 1.0, 2.0)

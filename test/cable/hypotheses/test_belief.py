@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -25,18 +24,22 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
 
 
 @pytest.mark.parametrize(
-    ("known_time", "known_after", "is_known"),
+    ("known_time", "is_given", "known_after", "is_known"),
     [
-        (0.0, 1.0, False),
-        (1.0, 1.0, True),
-        (math.inf, 1e6, True),
-        (0.04, 0.0, True),
-        (0.0, 0.0, False),
+        (0.0, False, 1.0, False),
+        (1.0, False, 1.0, True),
+        (0.0, True, 1e6, True),
+        (0.04, False, 0.0, True),
+        (0.0, False, 0.0, False),
     ],
 )
-def test_only_what_was_held_for_a_cable_is_known(known_time, known_after, is_known, rng):
-    belief = replace(initial_belief(rng.normal(0.0, 0.1, (5, 8)), 0.9), known_time=known_time)
+def test_only_what_was_given_or_held_for_a_cable_is_known(
+    known_time, is_given, known_after, is_known, rng
+):
+    belief = initial_belief(rng.normal(0.0, 0.1, (5, 8)), 0.9)
+    belief = replace(belief, known_time=known_time, is_given=is_given)
     assert belief.is_known(known_after) == is_known
+    assert belief.is_followed == (is_given or known_time > 0.0)
 
 
 def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):

@@ -67,6 +67,14 @@ def test_another_hypothesis_or_an_absent_one_is_not_known():
     assert updated(concluded(log_odds=-2.0)).known_time == 0.0
 
 
+def test_what_was_given_stays_so_while_frames_hold_it_for_a_cable():
+    given = replace(BEFORE, is_given=True)
+    assert updated(concluded(), given).is_given
+    assert not updated(concluded(goes_on=False), given).is_given
+    assert not updated(concluded(log_odds=-2.0), given).is_given
+    assert not updated(concluded()).is_given
+
+
 def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_is_clear():
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
     faint, clear = (updated(concluded(c, goes_on=False), known) for c in (FAINT, CLEAR))

@@ -217,9 +217,7 @@ def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture
 
 def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     cable_filter = make_filter()
-    assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].known_time == (
-        np.inf
-    )
+    assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].is_given
     guess = cable_filter.guessed_belief(cloud(STRIP))
     followed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert followed.known_time == pytest.approx(10 * FRAME)
@@ -233,7 +231,7 @@ def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
     guess = cable_filter.guessed_belief(cloud(STRIP))
     assert run(cable_filter, guess, [strip] * 10, FOUND)[-1].known_time == 0.0
     given = cable_filter.given_belief(cloud(STRIP))
-    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].known_time == np.inf
+    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].is_given
 
 
 def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
@@ -269,7 +267,7 @@ def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     # Of what survives, nothing is as wide as it has to be, and there is nothing else.
-    monkeypatch.setattr(sample_counts, "JUMP_SHARE", 0.0)
+    monkeypatch.setattr(sample_counts, "BORDER_SWITCH_SHARE", 0.0)
     cable_filter = make_filter(
         width_minimum=150.0, appearance_rate=0.0, search_share=0.0, detector_share=0.0,
         diffusion_degrees_of_freedom=0.0,
@@ -482,21 +480,21 @@ def test_any_resampling_scheme_follows_the_cable(strip, scheme):
 
 
 @pytest.mark.parametrize(
-    ("looks", "known_time", "evidence", "is_mapped"),
+    ("looks", "is_given", "evidence", "is_mapped"),
     [
-        ("network", 0.0, 2.0, True),
-        ("network", np.inf, 2.0, False),
-        ("network", np.inf, 0.1, True),
-        ("borders", 0.0, 2.0, False),
+        ("network", False, 2.0, True),
+        ("network", True, 2.0, False),
+        ("network", True, 0.1, True),
+        ("borders", False, 2.0, False),
     ],
     ids=["no cable known", "known", "known but faint", "by borders"],
 )
 def test_the_map_has_a_say_unless_a_clear_cable_is_known(
-    strip, looks, known_time, evidence, is_mapped
+    strip, looks, is_given, evidence, is_mapped
 ):
     belief = initial_belief(cloud(STRIP), GIVEN_PRESENCE)
     hypotheses = belief.hypotheses._replace(weaker_border_mean=evidence)
-    belief = replace(belief, known_time=known_time, hypotheses=hypotheses)
+    belief = replace(belief, is_given=is_given, hypotheses=hypotheses)
     after = make_filter(looks=looks).step(belief, strip, FRAME, NO_DETECTIONS)
     assert after.hypotheses.is_mapped == is_mapped
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.births import birth_density, birth_density_of
-from cable_tracker.cable.hypotheses.border_jump import jump_density, jump_from
+from cable_tracker.cable.hypotheses.border_switch import switch_density, switch_from
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predicted_density import (
     DensityValues,
@@ -21,13 +21,13 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 
 PARAMETERS = TrackerParameters()
 CENTRES = np.array([[-40.0, 0.0, 30.0, 0.0], [40.0, 0.1, 30.0, 0.0]])
-JUMP = jump_from(CENTRES[0], 3.0, 240.0, 320.0)
+SWITCH = switch_from(CENTRES[0], 3.0, 240.0, 320.0)
 RATES = np.array([[-100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]])
 SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
 
 def make_predicted(
-    mass_survived=0.8, mass_born=0.1, mass_jumped=1e-12, log_width=0.0, width_spread=math.inf
+    mass_survived=0.8, mass_born=0.1, mass_switched=1e-12, log_width=0.0, width_spread=math.inf
 ) -> PredictedDensity:
     return PredictedDensity(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
@@ -38,8 +38,8 @@ def make_predicted(
         log_width=log_width,
         width_spread=width_spread,
         births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240)),
-        mass_jumped=mass_jumped,
-        jump=JUMP,
+        mass_switched=mass_switched,
+        border_switch=SWITCH,
     )
 
 
@@ -79,10 +79,10 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
 
 def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
     states = states_at([-15.0, 0.0, 80.0, 0.0], [-15.0, 0.9, 80.0, 0.0])
-    predicted = make_predicted(mass_jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
+    predicted = make_predicted(mass_switched=0.05, log_width=math.log(30.0), width_spread=0.3)
     shared, crossing = densities_at(predicted, states).prior
-    jumps = jump_density(states[0], JUMP)
-    assert shared == pytest.approx(0.05 * jumps, rel=0.1)
+    switches = switch_density(states[0], SWITCH)
+    assert shared == pytest.approx(0.05 * switches, rel=0.1)
     assert shared > 1e3 * crossing
 
 

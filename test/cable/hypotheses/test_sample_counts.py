@@ -27,7 +27,7 @@ def counts_of(count, survived, born, detections, refined=NO_ROUNDS):
 def test_every_particle_is_drawn_from_something(count, survived, born, detections, refined):
     rounds = np.array([int(0.4 * refined * count), int(0.6 * refined * count)], np.int64)
     counts = counts_of(count, survived, born, detections, rounds)
-    parts = (counts.survivors, counts.births, counts.jumps, counts.detections)
+    parts = (counts.survivors, counts.births, counts.switches, counts.detections)
     assert sum(parts) + rounds.sum() == count
     assert min(parts) >= 0
     assert counts.births_near_memory <= counts.births

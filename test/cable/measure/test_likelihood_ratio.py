@@ -214,6 +214,17 @@ def test_denser_scan_lines_say_about_as_much(strip):
     assert dense == pytest.approx(sparse, rel=0.25)
 
 
+@pytest.mark.parametrize(
+    ("tempering", "spacing", "power"),
+    [(0.1875, 8.0, 0.3), (0.1875, 40.0, 1.0), (1.0, 8.0, 1.0), (0.5, 4.0, 0.4)],
+)
+def test_points_far_apart_count_as_independent_ones_and_no_more(strip, tempering, spacing, power):
+    image = make_working_image(strip, 320, sample_spacing=spacing)
+    ratio = BorderLikelihoodRatio(TrackerParameters(tempering=tempering))
+    assert image.line_spacing / image.scale == pytest.approx(spacing, abs=1.0)
+    assert ratio.model_for(image).tempering == pytest.approx(power)
+
+
 def test_no_cable_at_all_is_measured_as_none(strip):
     found = MODEL.measure(np.empty((0, 8)), working(strip))
     assert found.log_ratios.shape == found.weaker_border_mean.shape == (0, 2)

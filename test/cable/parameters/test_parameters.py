@@ -118,6 +118,17 @@ def test_a_contradiction_with_a_value_that_stays_is_refused():
     assert both.width_maximum == 300.0
 
 
+@pytest.mark.parametrize("name", ["presence_to_track", "presence_to_lose"])
+def test_a_presence_that_is_never_reached_is_no_threshold(name):
+    with pytest.raises(ParameterError, match=rf"{name}: 0\.994 is outside 0 \.\. 0\.993"):
+        TrackerParameters().replaced({"presence_to_track": 0.993, name: 0.994})
+
+
+def test_scan_lines_that_no_border_crosses_three_of_are_refused():
+    with pytest.raises(ParameterError, match=r"sample_spacing: 61\.0 is outside 1 \.\. 60 px"):
+        TrackerParameters(sample_spacing=61.0)
+
+
 def test_replacing_is_all_or_nothing():
     before = TrackerParameters()
     with pytest.raises(ParameterError, match="epsilon"):

@@ -1,8 +1,8 @@
-"""The other border of a cable may be another one: the density of jumps.
+"""The other border of a cable may be another one: the density of border switches.
 
 A hypothesis often holds one border of the cable and takes a furrow, a shadow or another cable's
 border for the other one. So the cable may be, with a small probability in each frame, any strip
-that shares a border with the hypothesis that leads, on either side of it.
+that shares a border with the hypothesis that leads, on either side of it: a border switch.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from cable_tracker.cable.model.state import (
 from cable_tracker.compilation import compiled_inside, compiled_loop
 from cable_tracker.tracking.parameter_table import pixel_scale
 
-BORDER_ERROR_RATE = 0.7
+BORDER_SWITCH_RATE = 0.7
 """Rate at which a hypothesis turns out to have one border wrong [1/s]."""
 
 OFFSET_SIGMA, ANGLE_SIGMA, SKEW_SIGMA = 4.0, math.radians(2.0), math.radians(6.0)
@@ -36,7 +36,7 @@ COMBINATIONS = 4
 """The left or the right border of the hypothesis is the left or the right one of the strip."""
 
 
-class BorderJump(NamedTuple):
+class BorderSwitch(NamedTuple):
     """Density of strips that share a border with a hypothesis.
 
     Attributes
@@ -62,12 +62,12 @@ class BorderJump(NamedTuple):
     offset_sigma: float
 
 
-def jump_from(
+def switch_from(
     leader: FloatArray, narrowest: float, widest: float, image_width: float
-) -> BorderJump:
-    """Return the density of jumps from a hypothesis, shape (4 or more,), in its chart."""
+) -> BorderSwitch:
+    """Return the density of border switches from a hypothesis, shape (4 or more,), in its chart."""
     distance, angle, width, skew = leader[:POSE_SIZE].tolist()
-    return BorderJump(
+    return BorderSwitch(
         np.array([distance - 0.5 * width, distance + 0.5 * width]),
         np.array([angle - skew, angle + skew]),
         skew,
@@ -78,18 +78,18 @@ def jump_from(
 
 
 @compiled_loop
-def place_jumps(
-    states: FloatArray, start: int, stop: int, jump: BorderJump, noise: FrameNoise
+def place_switches(
+    states: FloatArray, start: int, stop: int, switch: BorderSwitch, noise: FrameNoise
 ) -> None:
     """Draw the poses of strips into the rows from `start` to `stop`."""
     for row in range(start, stop):
         combination = (row - start) % COMBINATIONS
         shared, side = combination // 2, border_side(combination % 2)
-        offset = jump.crossings[shared] + jump.offset_sigma * noise.normal[row, DISTANCE]
-        angle = jump.angles[shared] + ANGLE_SIGMA * noise.normal[row, ANGLE]
-        ratio = jump.widest / jump.narrowest
-        width = jump.narrowest * math.pow(ratio, noise.uniform[row, WIDTH])
-        skew = jump.skew + SKEW_SIGMA * noise.normal[row, SKEW]
+        offset = switch.crossings[shared] + switch.offset_sigma * noise.normal[row, DISTANCE]
+        angle = switch.angles[shared] + ANGLE_SIGMA * noise.normal[row, ANGLE]
+        ratio = switch.widest / switch.narrowest
+        width = switch.narrowest * math.pow(ratio, noise.uniform[row, WIDTH])
+        skew = switch.skew + SKEW_SIGMA * noise.normal[row, SKEW]
         states[row, DISTANCE] = offset - 0.5 * side * width
         states[row, ANGLE] = angle - side * skew
         states[row, WIDTH] = width
@@ -97,20 +97,20 @@ def place_jumps(
 
 
 @compiled_inside
-def jump_density(state: FloatArray, jump: BorderJump) -> float:
-    """Return the density of jumps at d, alpha, w, beta of a state."""
+def switch_density(state: FloatArray, switch: BorderSwitch) -> float:
+    """Return the density of border switches at d, alpha, w, beta of a state."""
     width = state[WIDTH]
-    if not jump.narrowest <= width <= jump.widest:
+    if not switch.narrowest <= width <= switch.widest:
         return 0.0
     total = 0.0
-    turn = (state[SKEW] - jump.skew) / SKEW_SIGMA
+    turn = (state[SKEW] - switch.skew) / SKEW_SIGMA
     for combination in range(COMBINATIONS):
         shared, side = combination // 2, border_side(combination % 2)
-        a = (state[DISTANCE] + 0.5 * side * width - jump.crossings[shared]) / jump.offset_sigma
-        b = (state[ANGLE] + side * state[SKEW] - jump.angles[shared]) / ANGLE_SIGMA
+        a = (state[DISTANCE] + 0.5 * side * width - switch.crossings[shared]) / switch.offset_sigma
+        b = (state[ANGLE] + side * state[SKEW] - switch.angles[shared]) / ANGLE_SIGMA
         squared = a * a + b * b + turn * turn
         if squared < 50.0:
             total += math.exp(-0.5 * squared)
-    scales = jump.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
-    log_range = math.log(jump.widest / jump.narrowest)
+    scales = switch.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
+    log_range = math.log(switch.widest / switch.narrowest)
     return float(total / (COMBINATIONS * scales * width * log_range))

@@ -3,24 +3,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.border_jump import (
+from cable_tracker.cable.hypotheses.border_switch import (
     ANGLE_SIGMA,
     COMBINATIONS,
     OFFSET_SIGMA,
-    jump_density,
-    jump_from,
-    place_jumps,
+    place_switches,
+    switch_density,
+    switch_from,
 )
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.model.geometry import project_borders
 
 LEADER = np.array([20.0, 0.3, 40.0, 0.05])
-JUMP = jump_from(LEADER, 3.0, 240.0, 320.0)
+SWITCH = switch_from(LEADER, 3.0, 240.0, 320.0)
 
 
 def drawn(rng, count) -> np.ndarray:
     states = np.full((count, 8), np.nan)
-    place_jumps(states, 0, count, JUMP, draw_frame_noise(rng, count, 0, 4.0))
+    place_switches(states, 0, count, SWITCH, draw_frame_noise(rng, count, 0, 4.0))
     return states
 
 
@@ -33,7 +33,7 @@ def test_every_strip_shares_a_border_on_one_side_or_the_other(rng):
         rows = slice(combination, None, COMBINATIONS)
         angles = borders.angles[rows, side] - own.angles[0, shared]
         assert np.abs(angles).max() < 5.0 * ANGLE_SIGMA
-        distances = states[rows, 0] + (side - 0.5) * states[rows, 2] - JUMP.crossings[shared]
+        distances = states[rows, 0] + (side - 0.5) * states[rows, 2] - SWITCH.crossings[shared]
         assert np.abs(distances).max() < 5.0 * OFFSET_SIGMA
 
 
@@ -53,10 +53,10 @@ def test_the_density_is_that_of_what_is_drawn(rng):
     box = np.zeros((40_000, 8))
     box[:, :4] = rng.uniform(low, high, (40_000, 4))
     volume = float(np.prod(high - low))
-    mass = volume * np.mean([jump_density(state, JUMP) for state in box])
+    mass = volume * np.mean([switch_density(state, SWITCH) for state in box])
     assert inside.mean() == pytest.approx(mass, rel=0.1)
 
 
 def test_widths_beyond_the_limits_are_impossible():
-    assert jump_density(np.array([20.0, 0.3, 250.0, 0.05]), JUMP) == 0.0
-    assert jump_density(np.array([20.0, 0.3, 2.0, 0.05]), JUMP) == 0.0
+    assert switch_density(np.array([20.0, 0.3, 250.0, 0.05]), SWITCH) == 0.0
+    assert switch_density(np.array([20.0, 0.3, 2.0, 0.05]), SWITCH) == 0.0
