@@ -97,17 +97,20 @@ class ImageFolderSource(Source):
             )
         self._rate = rate or USUAL_RATE
         self._positions = positions_by_number([picture.name for picture in self.pictures])
-        self._gap_note = self._say_gaps()
-        self.note = self._gap_note
+        self._times_note = "; ".join(filter(None, (self._say_gaps(), self._say_rate())))
+        self.note = self._times_note
         if (path / SEQUENCE_NAME).is_file():
             unused = f"its labels in {SEQUENCE_NAME} are not used; name that file instead"
-            self.note = "; ".join(note for note in (self._gap_note, unused) if note)
+            self.note = f"{self._times_note}; {unused}"
         self.frame_count = len(self.pictures)
 
     def label(self, labels: Mapping[int, CableState]) -> None:
         """Attach ground truth; then nothing need be said of labels that are not used."""
         super().label(labels)
-        self.note = self._gap_note
+        self.note = self._times_note
+
+    def _say_rate(self) -> str:
+        return f"pictures have no times and are taken to be {self._rate:g} a second (--rate)"
 
     def _say_gaps(self) -> str:
         """Say which numbers are missing between the pictures, if there are any."""

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Any, ClassVar, Self, TypeAlias, TypeVar, cast
 
@@ -174,7 +175,8 @@ class ParameterSet:
         unknown = sorted(set(values) - set(specs))
         if unknown:
             raise ParameterError(
-                f"unknown parameter {', '.join(unknown)}; docs/parameters.md lists them all"
+                f"unknown parameter {', '.join(unknown)}{_similar_name(unknown[0], specs)};"
+                " docs/parameters.md lists them all"
             )
         coerced = {name: specs[name].coerce(value) for name, value in values.items()}
         return dataclasses.replace(self, **cast(dict[str, Any], coerced))
@@ -182,6 +184,12 @@ class ParameterSet:
     def as_mapping(self) -> dict[str, ParameterValue]:
         """Return the values by name, in the order of the table."""
         return {spec.name: getattr(self, spec.name) for spec in parameter_table(type(self))}
+
+
+def _similar_name(unknown: str, known: Iterable[str]) -> str:
+    """Return a question whether a known name was meant; empty where none is similar."""
+    similar = get_close_matches(unknown, known, n=1)
+    return f" (did you mean {similar[0]}?)" if similar else ""
 
 
 def parameter_table(kind: type[ParameterSet]) -> tuple[ParameterSpec, ...]:

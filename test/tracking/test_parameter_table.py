@@ -55,6 +55,11 @@ def test_unknown_names_are_refused():
         LampParameters().replaced({"smell": 1})
 
 
+def test_a_misspelled_name_is_met_with_the_right_one():
+    with pytest.raises(ParameterError, match=r"unknown parameter colur \(did you mean colour\?\);"):
+        LampParameters().replaced({"colur": "red"})
+
+
 def test_a_preset_is_found_by_its_name():
     presets = {"day": LampParameters(), "night": LampParameters(brightest=1.0)}
     assert preset_of(presets, "night").brightest == 1.0
