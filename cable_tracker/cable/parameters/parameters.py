@@ -45,8 +45,14 @@ HIGHEST_PRESENCE_LOG_ODDS = 5.0
 HIGHEST_THRESHOLD = math.floor(1e3 / (1.0 + math.exp(-HIGHEST_PRESENCE_LOG_ODDS))) / 1e3
 """Largest threshold of presence that presence can reach: its upper limit, rounded down."""
 
-MAXIMUM_SHARES = 0.95
-"""Largest share of the particles that does not come from those of the frame before."""
+BORDER_SWITCH_SHARE = 0.06
+"""Share of the particles that share a border with the hypothesis that leads, and no more."""
+
+LEAST_SURVIVOR_SHARE = 0.04
+"""Least share of the particles that is drawn about those of the frame before."""
+
+ROUNDING = 1e-9
+"""By which a sum of shares may be off."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -254,7 +260,12 @@ class TrackerParameters(ParameterSet):
         " faint: its borders and its texture alone, or also a network that has seen many cables.",
     )
     detector_share: float = number(
-        0.2, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
+        0.2,
+        "share of N",
+        0.0,
+        0.9,
+        "Particles drawn about what the detector proposes; at least 0.3 while no cable is tracked,"
+        " but none for 0.",
     )
     search_share: float = number(
         0.06,
@@ -439,12 +450,20 @@ class TrackerParameters(ParameterSet):
                 "diffusion_degrees_of_freedom must be 0 (Gaussian) or at least 1, not"
                 f" {self.diffusion_degrees_of_freedom:g}"
             )
-        shares = self.detector_share + self.search_share + self.refinement_share
-        if shares > MAXIMUM_SHARES:
+        survivors = self._survivor_share()
+        if survivors < LEAST_SURVIVOR_SHARE - ROUNDING:
             raise ParameterError(
-                "detector_share + search_share + refinement_share must not exceed"
-                f" {MAXIMUM_SHARES:g}, not {shares:g}: the rest follows the cable"
+                f"detector_share = {self.detector_share:g} and refinement_share ="
+                f" {self.refinement_share:g} of the particles, and search_share ="
+                f" {self.search_share:g} of what they leave, leave"
+                f" {max(survivors, 0.0):.2g} of the particles to follow the cable; leave at least"
+                f" {LEAST_SURVIVOR_SHARE:g} ({BORDER_SWITCH_SHARE:g} go to its borders)"
             )
+
+    def _survivor_share(self) -> float:
+        """Return the share of the particles about those of the frame before, beside a cable."""
+        rest = 1.0 - BORDER_SWITCH_SHARE - self.detector_share - self.refinement_share
+        return rest * (1.0 - self.search_share)
 
     def remarks(self) -> tuple[str, ...]:
         """Say which values are accepted but hardly meant, one sentence each.
