@@ -106,38 +106,43 @@ class TrackerParameters(ParameterSet):
     )
 
     distance_variance: float = number(
-        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of d (thesis, Table 5.1)."
+        2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of d (thesis, Table 5.1)."
     )
     angle_variance: float = number(
-        0.3, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
+        0.3, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of alpha (Table 5.1)."
     )
     width_variance: float = number(
-        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
+        1.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of w (Table 5.1)."
     )
     skew_variance: float = number(
-        0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of beta (Table 5.1)."
+        0.1, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of beta (Table 5.1)."
     )
     distance_rate_variance: float = number(
-        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_d, a rate in px per frame."
+        2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of v_d, a rate in px per frame."
     )
     angle_rate_variance: float = number(
         0.05,
         "deg²/frame",
         0.0,
         1e3,
-        "Variance of the diffusion of v_alpha, a rate in deg per frame.",
+        "Squared scale of the diffusion of v_alpha, a rate in deg per frame.",
     )
     width_rate_variance: float = number(
-        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_w (thesis, section 6.1)."
+        1.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of v_w (thesis, section 6.1)."
     )
     skew_rate_variance: float = number(
-        0.02, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of v_beta (section 6.1)."
+        0.02, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of v_beta (section 6.1)."
     )
     rate_damping: float = number(
         0.9, "per frame", 0.0, 1.0, "Factor on all rates per frame; 1 keeps them for ever."
     )
     diffusion_degrees_of_freedom: float = number(
-        4.0, "", 0.0, 1000.0, "Heavy tails: of the diffusion's Student-t; 0 makes it Gaussian."
+        4.0,
+        "",
+        0.0,
+        1000.0,
+        "Heavy tails: of the diffusion's Student-t, nu: its variances are nu / (nu - 2) times the"
+        " squared scales, twice for 4; 0 makes it Gaussian, and they are the variances.",
     )
 
     distance_limit: float = number(
