@@ -102,7 +102,9 @@ METRIC_TABLE: tuple[MetricSpec, ...] = (
     MetricSpec("unrecovered", "losses never recovered", "", lambda m: m.loss.unrecovered),
     MetricSpec("false_tracking", "false tracking", "%", lambda m: 100.0 * m.claims.false_tracking),
     MetricSpec("silence", "silence", "%", lambda m: 100.0 * m.claims.silence),
-    MetricSpec("wrong_claims", "wrong claims", "%", lambda m: 100.0 * m.claims.wrong_claims),
+    MetricSpec(
+        "wrong_claims", "wrong claims, of all claims", "%", lambda m: 100.0 * m.claims.wrong_claims
+    ),
     MetricSpec("start_right", "right start", "%", _start_flag(StartOutcome.RIGHT)),
     MetricSpec("start_wrong", "wrong lock", "%", _start_flag(StartOutcome.WRONG)),
     MetricSpec("frames_to_right", "frames until the cable is claimed", "", _frames_to_right),

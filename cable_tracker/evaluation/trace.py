@@ -13,7 +13,7 @@ from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import turned_covariance
-from cable_tracker.evaluation.failure_criteria import is_off_cable
+from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
 
 UNKNOWN_VISIBILITY = float("nan")
 """Visibility of a frame that has no label; it is not judged."""
@@ -134,7 +134,9 @@ class Trace:
         The mean counts whether or not it is claimed.
         """
         widths = self.truths[:, StateColumn.WIDTH]
-        return self.visible & is_off_cable(self.errors, widths, self.image_width)
+        return self.visible & is_off_cable(
+            self.errors, widths, forgiven=forgiven_distance(self.image_width)
+        )
 
     def part(self, start: int, stop: int) -> Trace:
         """Return the frames from `start` to before `stop`, counted from the run's first."""

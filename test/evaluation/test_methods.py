@@ -7,7 +7,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.failure_criteria import is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.sequences.encodings import decode_grey
@@ -38,7 +38,7 @@ def share_lost(estimates, dive) -> float:
     pairs = list(zip(estimates, truths, strict=True))
     silent = np.array([each.status is not TrackingStatus.TRACKING for each in estimates])
     errors = np.array([state_errors(each.state, truth) for each, truth in pairs])
-    off = is_outside_borders(errors, np.array([truth.width for truth in truths]))
+    off = is_off_cable(errors, np.array([truth.width for truth in truths]), forgiven=0.0)
     return float(np.mean(silent | off))
 
 

@@ -11,7 +11,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.evaluation.failure_criteria import is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
@@ -45,7 +45,7 @@ def test_a_strip_is_followed_from_its_first_label():
     assert all(estimate.status is TrackingStatus.TRACKING for estimate, _ in followed)
     labelled = [(estimate.state, truth) for estimate, truth in followed if truth is not None]
     errors = np.array([state_errors(state, truth) for state, truth in labelled])
-    off = is_outside_borders(errors, np.array([truth.width for _, truth in labelled]))
+    off = is_off_cable(errors, np.array([truth.width for _, truth in labelled]), forgiven=0.0)
     assert len(labelled) > 60
     # The quick turn of the first second is what the filter lags behind.
     assert off.mean() < 0.15

@@ -233,7 +233,9 @@ def _draw_rates_and_measure(
 def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
-    fill_log_ratios(sample.states, start, stop, inputs.scan, inputs.model, sample.measured)
+    fill_log_ratios(
+        sample.states, start, stop, inputs.scan, inputs.model, inputs.scan.expected, sample.measured
+    )
     fill_map_log_ratios(sample, start, stop, inputs.cable_map)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0

@@ -8,14 +8,15 @@ from cable_tracker.arrays import IndexArray
 from cable_tracker.cable.hypotheses.births import BirthDensity
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    BORDER_SWITCH_SHARE,
+    LEAST_SURVIVOR_SHARE,
+    TrackerParameters,
+)
 from cable_tracker.particle_filter.existence import PredictedExistence
 
 LOST_DETECTOR_SHARE = 0.3
 """Share of the particles about detections while it is more likely than not that there is none."""
-
-BORDER_SWITCH_SHARE = 0.06
-"""Share of the particles that share a border with the hypothesis that leads, and no more."""
 
 LARGEST_BIRTH_SHARE = 0.8
 """Share of the particles of the prior that are born at most."""
@@ -60,7 +61,9 @@ def sample_counts(
     existing = existence.total
     if share > 0.0 and existing < LIKELY_PRESENCE:
         share = max(share, LOST_DETECTOR_SHARE)
-    detected = min(int(count * share), max(first - 1, 0))
+    # The raised share, too, leaves something for survivors and births.
+    least = max(int(count * LEAST_SURVIVOR_SHARE), 1)
+    detected = min(int(count * share), max(first - least, 0))
     rest = first - detected
     born = existence.born / max(existing, LEAST_PROBABILITY)
     births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))

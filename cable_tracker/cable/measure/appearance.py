@@ -110,7 +110,7 @@ def appearances_of(
     """
     count = len(states)
     found, measured = np.empty(count), allocate_log_ratios(count)
-    fill_log_ratios(states, 0, count, scan, model, measured)
+    fill_log_ratios(states, 0, count, scan, model, scan.expected, measured)
     crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
     for row in range(count):

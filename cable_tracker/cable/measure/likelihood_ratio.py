@@ -72,6 +72,9 @@ JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APA
 """Prior probability of the classes of the left and the right border, shape (4, 4)."""
 
 
+ONE_POINT = 1.0
+"""Expected length of borders whose parts beyond the edge are neither paid for nor counted."""
+
 BRIGHT, DARK = 0, 1
 """Columns of what is said of cables that are brighter, and darker, than the bottom."""
 
@@ -213,7 +216,7 @@ def power_of_a_point(tempering: float, line_spacing: float, scale: float) -> flo
 def _measure_all(
     states: FloatArray, scan: ScanInputs, model: RatioModel, measured: CableLogRatios
 ) -> None:
-    fill_log_ratios(states, 0, len(states), scan, model, measured)
+    fill_log_ratios(states, 0, len(states), scan, model, scan.expected, measured)
 
 
 @compiled_part
@@ -223,9 +226,14 @@ def fill_log_ratios(
     stop: int,
     scan: ScanInputs,
     model: RatioModel,
+    expected: float,
     measured: CableLogRatios,
 ) -> None:
-    """Fill in the log-likelihood ratios of the states from `start` to `stop`."""
+    """Fill in the log-likelihood ratios of the states from `start` to `stop`.
+
+    A border with less than the `expected` length in view pays for what it lacks, see
+    `ScanInputs.expected`, and means per point are taken over at least that length.
+    """
     visible = measured.visible_lengths
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
@@ -234,7 +242,7 @@ def fill_log_ratios(
         state = states[cable]
         width = width_across(state, scan.reduction)
         depths = contrast_depths(width, scan.scale)
-        visible[cable], longest = np.inf, scan.expected
+        visible[cable], longest = np.inf, expected
         for border in range(2):
             side = border_side(border)
             steep, along, line = border_on_scan(state, side, scan, -side, depths, True)
@@ -245,7 +253,7 @@ def fill_log_ratios(
                 lines, line, windows, model, crossings, sums[border], texture
             )
             smoother[border] = smoothness(texture)
-            _add_missing_points(max(scan.expected - length, 0.0), model, sums[border])
+            _add_missing_points(max(expected - length, 0.0), model, sums[border])
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
@@ -323,11 +331,7 @@ def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) ->
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
     measured = allocate_log_ratios(count)
-    # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
-    scan_without_missing = ScanInputs(
-        scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape
-    )
-    fill_log_ratios(states, 0, count, scan_without_missing, model, measured)
+    fill_log_ratios(states, 0, count, scan, model, ONE_POINT, measured)
     for row in range(count):
         shown = min(measured.visible_lengths[row] / scan.expected, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf

@@ -57,7 +57,8 @@ class CableMovement:
     Parameters
     ----------
     parameters : TrackerParameters
-        Variances (Table 5.1), tails, damping and limits.
+        Squared scales of the diffusion, its variances if it is Gaussian (Table 5.1), tails, damping
+        and limits.
     image_width : int
         Width of the frames [px]; lengths scale with it.
 

@@ -45,8 +45,14 @@ HIGHEST_PRESENCE_LOG_ODDS = 5.0
 HIGHEST_THRESHOLD = math.floor(1e3 / (1.0 + math.exp(-HIGHEST_PRESENCE_LOG_ODDS))) / 1e3
 """Largest threshold of presence that presence can reach: its upper limit, rounded down."""
 
-MAXIMUM_SHARES = 0.95
-"""Largest share of the particles that does not come from those of the frame before."""
+BORDER_SWITCH_SHARE = 0.06
+"""Share of the particles that share a border with the hypothesis that leads, and no more."""
+
+LEAST_SURVIVOR_SHARE = 0.04
+"""Least share of the particles that is drawn about those of the frame before."""
+
+ROUNDING = 1e-9
+"""By which a sum of shares may be off."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,38 +106,43 @@ class TrackerParameters(ParameterSet):
     )
 
     distance_variance: float = number(
-        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of d (thesis, Table 5.1)."
+        2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of d (thesis, Table 5.1)."
     )
     angle_variance: float = number(
-        0.3, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
+        0.3, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of alpha (Table 5.1)."
     )
     width_variance: float = number(
-        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
+        1.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of w (Table 5.1)."
     )
     skew_variance: float = number(
-        0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of beta (Table 5.1)."
+        0.1, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of beta (Table 5.1)."
     )
     distance_rate_variance: float = number(
-        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_d, a rate in px per frame."
+        2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of v_d, a rate in px per frame."
     )
     angle_rate_variance: float = number(
         0.05,
         "deg²/frame",
         0.0,
         1e3,
-        "Variance of the diffusion of v_alpha, a rate in deg per frame.",
+        "Squared scale of the diffusion of v_alpha, a rate in deg per frame.",
     )
     width_rate_variance: float = number(
-        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_w (thesis, section 6.1)."
+        1.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of v_w (thesis, section 6.1)."
     )
     skew_rate_variance: float = number(
-        0.02, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of v_beta (section 6.1)."
+        0.02, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of v_beta (section 6.1)."
     )
     rate_damping: float = number(
         0.9, "per frame", 0.0, 1.0, "Factor on all rates per frame; 1 keeps them for ever."
     )
     diffusion_degrees_of_freedom: float = number(
-        4.0, "", 0.0, 1000.0, "Heavy tails: of the diffusion's Student-t; 0 makes it Gaussian."
+        4.0,
+        "",
+        0.0,
+        1000.0,
+        "Heavy tails: of the diffusion's Student-t, nu: its variances are nu / (nu - 2) times the"
+        " squared scales, twice for 4; 0 makes it Gaussian, and they are the variances.",
     )
 
     distance_limit: float = number(
@@ -254,7 +265,12 @@ class TrackerParameters(ParameterSet):
         " faint: its borders and its texture alone, or also a network that has seen many cables.",
     )
     detector_share: float = number(
-        0.2, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
+        0.2,
+        "share of N",
+        0.0,
+        0.9,
+        "Particles drawn about what the detector proposes; at least 0.3 while no cable is tracked,"
+        " but none for 0.",
     )
     search_share: float = number(
         0.06,
@@ -439,12 +455,20 @@ class TrackerParameters(ParameterSet):
                 "diffusion_degrees_of_freedom must be 0 (Gaussian) or at least 1, not"
                 f" {self.diffusion_degrees_of_freedom:g}"
             )
-        shares = self.detector_share + self.search_share + self.refinement_share
-        if shares > MAXIMUM_SHARES:
+        survivors = self._survivor_share()
+        if survivors < LEAST_SURVIVOR_SHARE - ROUNDING:
             raise ParameterError(
-                "detector_share + search_share + refinement_share must not exceed"
-                f" {MAXIMUM_SHARES:g}, not {shares:g}: the rest follows the cable"
+                f"detector_share = {self.detector_share:g} and refinement_share ="
+                f" {self.refinement_share:g} of the particles, and search_share ="
+                f" {self.search_share:g} of what they leave, leave"
+                f" {max(survivors, 0.0):.2g} of the particles to follow the cable; leave at least"
+                f" {LEAST_SURVIVOR_SHARE:g} ({BORDER_SWITCH_SHARE:g} go to its borders)"
             )
+
+    def _survivor_share(self) -> float:
+        """Return the share of the particles about those of the frame before, beside a cable."""
+        rest = 1.0 - BORDER_SWITCH_SHARE - self.detector_share - self.refinement_share
+        return rest * (1.0 - self.search_share)
 
     def remarks(self) -> tuple[str, ...]:
         """Say which values are accepted but hardly meant, one sentence each.

@@ -69,7 +69,7 @@ def experiment(  # noqa: PLR0917
     sequences: section 5.2.3, from the true beginning. reinitialisation: 5.2.4, a random start every
     100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of
     the preset `default` is worth. metres: errors of the metric output. motion: what odometry is
-    worth to the filter, sound or broken. roc: useful frames against wrong claims over the
+    worth to the filter, sound or broken. roc: useful frames against wrongly claimed ones over the
     thresholds. strips: crisp strips of any width from a cold start. coverage: how often the truth
     lies inside the stated covariance.
     """

@@ -22,7 +22,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.failure_criteria import is_off_cable
+from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
@@ -88,8 +88,9 @@ class _Dive:
                 row[OFFSET_IN_SIGMAS] = row[OFFSET] * vehicle.altitudes[frame.index] / sigmas[0]
                 row[HEADING_IN_SIGMAS] = row[HEADING] / sigmas[2]
                 errors = state_errors(estimate.state, frame.truth)[None, :]
-                widths, image_width = np.array([frame.truth.width]), estimate.image_size[0]
-                row[ON_CABLE] = not is_off_cable(errors, widths, image_width)[0]
+                widths = np.array([frame.truth.width])
+                forgiven = forgiven_distance(estimate.image_size[0])
+                row[ON_CABLE] = not is_off_cable(errors, widths, forgiven=forgiven)[0]
             rows.append(row)
         return np.array(rows).reshape(-1, ON_CABLE + 1)
 

@@ -1,4 +1,4 @@
-"""Useful frames against wrong claims over the thresholds, on the worlds to report on."""
+"""Useful frames against wrongly claimed ones over the thresholds, on the worlds to report on."""
 
 from __future__ import annotations
 
@@ -46,8 +46,13 @@ NOTE = (
     f" {DEFAULT.evidence_to_find:g}."
 )
 
+SHARES_NOTE = (
+    "Useful, wrongly claimed and silent are shares of the frames with a visible cable, and add up"
+    " to 100 %; *wrong claims* of the other tables are a share of the claims."
+)
+
 HEADINGS = (
-    "setting", "useful [%]", "wrong [%]", "silence [%]", "claimed without a cable [%]",
+    "setting", "useful [%]", "wrongly claimed [%]", "silence [%]", "claimed without a cable [%]",
     "started rightly [%]", "wrong lock [%]",
 )  # fmt: skip
 
@@ -114,18 +119,18 @@ class RocExperiment(CampaignExperiment):
         for threshold in THRESHOLDS:
             numbers = claim_shares(chosen(results, method=threshold.name))
             rows.append((threshold.name, *(format_number(each, "%") for each in numbers)))
-            wrong, useful = curves.setdefault(threshold.parameter, ([], []))
+            wrongly_claimed, useful = curves.setdefault(threshold.parameter, ([], []))
             useful.append(numbers[0])
-            wrong.append(numbers[1])
+            wrongly_claimed.append(numbers[1])
         figure = curves_figure(
             curves,
-            x_label="wrong claims [% of the frames with a visible cable]",
+            x_label="wrongly claimed [% of the frames with a visible cable]",
             y_label="useful [%]",
             markers=True,
         )
-        notes = (NOTE, *self._available()[1])
+        notes = (SHARES_NOTE, NOTE, *self._available()[1])
         return ExperimentResult(
-            "Useful frames against wrong claims over the thresholds, from cold starts",
+            "Useful frames against wrongly claimed ones over the thresholds, from cold starts",
             (ResultTable(HEADINGS, tuple(rows), notes=notes),),
             (FigureFile("roc.png", as_png(figure)),),
         )
@@ -137,8 +142,9 @@ def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:
     Returns
     -------
     tuple of float
-        Useful, wrong and silent of the frames with a visible cable; claimed of those without one;
-        right starts and wrong locks of the runs that show one. NaN where there is nothing to count.
+        Useful, wrongly claimed and silent of the frames with a visible cable; claimed of those
+        without one; right starts and wrong locks of the runs that show one. NaN where there is
+        nothing to count.
     """
     traces = [result.trace for result in results]
     visible, hidden = _count(traces, lambda t: t.visible), _count(traces, lambda t: t.hidden)

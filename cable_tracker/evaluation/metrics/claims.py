@@ -19,7 +19,8 @@ class ClaimStatistics:
     silence : float
         Share of the frames with a visible cable in which none is claimed, 0 to 1.
     wrong_claims : float
-        Share of the claims on frames with a visible cable that are off it, 0 to 1.
+        Share of the claims on frames with a visible cable that are off it, 0 to 1; of the claims,
+        not of the frames.
     useful : float
         Share of the frames with a visible cable in which it is claimed, and rightly, 0 to 1.
     """

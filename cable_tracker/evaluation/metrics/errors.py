@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState
-from cable_tracker.evaluation.failure_criteria import is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.sequences.estimates import EstimateRow
 
@@ -46,8 +46,8 @@ class ErrorSummary:
     errors : ErrorStatistics
         Errors of the claimed frames.
     share_off : float
-        Share of the claimed frames in which the estimate `is_outside_borders`; NaN if none was
-        claimed.
+        Share of the claimed frames in which the estimate `is_off_cable`, nothing forgiven: outside
+        the true borders; NaN if none was claimed.
     """
 
     labelled: int
@@ -86,7 +86,7 @@ def summarise_errors(rows: Sequence[EstimateRow], truths: Mapping[int, CableStat
     ]
     errors = np.array([state_errors(estimate, truth) for estimate, truth in pairs])
     errors = errors.reshape(-1, POSE_SIZE)
-    off = is_outside_borders(errors, np.array([truth.width for _, truth in pairs]))
+    off = is_off_cable(errors, np.array([truth.width for _, truth in pairs]), forgiven=0.0)
     return ErrorSummary(
         labelled=len(truths),
         claimed=len(pairs),

@@ -149,6 +149,13 @@ def test_particles_spread_with_the_variances_of_the_diffusion(dt, rng):
     np.testing.assert_allclose(spread, expected, rtol=5 * np.sqrt(2 / COUNT), atol=1e-15)
 
 
+@pytest.mark.parametrize(("tail", "factor"), [(0.0, 1.0), (10.0, 1.25)])
+def test_the_variances_of_heavy_tails_exceed_the_squared_scales(tail, factor, rng):
+    still = {**STILL, "distance_variance": 4.0, "diffusion_degrees_of_freedom": tail}
+    distances = moved(thesis(**still), FRAME, rng)[:, 0]
+    assert distances.var() == pytest.approx(4.0 * factor, rel=0.06)
+
+
 def test_heavy_tails_keep_the_middle_and_throw_a_few_far(rng):
     heavy, light = (
         np.abs(moved(thesis(diffusion_degrees_of_freedom=tail), FRAME, rng)[:, 0] - START[0] - 1.2)

@@ -124,6 +124,17 @@ def test_a_presence_that_is_never_reached_is_no_threshold(name):
         TrackerParameters().replaced({"presence_to_track": 0.993, name: 0.994})
 
 
+@pytest.mark.parametrize(
+    ("shares", "left"),
+    [((0.04, 0.0, 0.9), "0"), ((0.05, 0.0, 0.9), "0"), ((0.2, 0.9, 0.5), "0.024")],
+)
+def test_shares_that_leave_too_few_particles_to_follow_the_cable_are_refused(shares, left):
+    detector, search, refinement = shares
+    values = {"detector_share": detector, "search_share": search, "refinement_share": refinement}
+    with pytest.raises(ParameterError, match=rf"leave {left} of the particles .* at least 0\.04"):
+        TrackerParameters(**values)
+
+
 def test_scan_lines_that_no_border_crosses_three_of_are_refused():
     with pytest.raises(ParameterError, match=r"sample_spacing: 61\.0 is outside 1 \.\. 60 px"):
         TrackerParameters(sample_spacing=61.0)

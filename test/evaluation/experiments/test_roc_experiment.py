@@ -38,6 +38,8 @@ def test_the_table_says_what_changes_with_each_threshold(trace):
     results = [replace(result(trace("hhs")), method=each.name) for each in THRESHOLDS]
     (table,) = RocExperiment((0,), sequences=()).result_of(results).tables
     told = " ".join(table.notes)
+    assert "wrongly claimed [%]" in table.headings
+    assert "wrongly claimed and silent are shares of the frames with a visible cable" in told
     usual = preset("default").as_mapping()
     for threshold in THRESHOLDS:
         values = threshold.filter().parameters.as_mapping()
