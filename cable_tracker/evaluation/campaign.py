@@ -29,6 +29,8 @@ class Campaign:
         Seeds; each makes one run of every method on every sequence.
     start : Start
         Start that the methods are told.
+    restart_every : int or None
+        See `MethodRun`.
     with_sheets : bool
         Draw contact sheets of the first seed.
     filters : tuple of ConfiguredFilter
@@ -39,6 +41,7 @@ class Campaign:
     sequences: tuple[EvaluationSequence, ...]
     seeds: tuple[int, ...]
     start: Start = Start.TRUTH
+    restart_every: int | None = None
     with_sheets: bool = False
     filters: tuple[ConfiguredFilter, ...] = ()
 
@@ -99,6 +102,7 @@ class _Task:
                 make,
                 self.seed,
                 campaign.start,
+                restart_every=campaign.restart_every,
                 with_sheet=self.with_sheet,
             )
             for name, make in campaign.makers()

@@ -73,6 +73,8 @@ class MethodRun:
         Makes the method from a seed.
     start : Start
         Start that the method is told.
+    restart_every : int or None
+        Number of frames after which the method begins anew, with another seed; None: never.
     with_sheet : bool
         Draw a contact sheet.
     """
@@ -84,11 +86,14 @@ class MethodRun:
         seed: int,
         start: Start,
         *,
+        restart_every: int | None = None,
         with_sheet: bool = False,
     ) -> None:
         self._name = name
+        self._make = make
         self._seed = seed
         self._start = start
+        self._restart_every = restart_every
         self._method = make(seed)
         self._outcomes: list[FrameOutcome] = []
         self._sheet = (
@@ -103,8 +108,7 @@ class MethodRun:
         FrameError
             The method cannot use it; the message names the frame.
         """
-        if not self._outcomes:
-            self._tell_start(frame)
+        self._begin_if_due(frame)
         begin = time.thread_time()
         try:
             estimate = self._method.process(frame.image, frame.stamp)
@@ -118,7 +122,13 @@ class MethodRun:
         if self._sheet is not None:
             self._add_picture(self._sheet, frame, estimate)
 
-    def _tell_start(self, frame: EvaluationFrame) -> None:
+    def _begin_if_due(self, frame: EvaluationFrame) -> None:
+        count = len(self._outcomes)
+        restart = self._restart_every is not None and count % self._restart_every == 0
+        if count and not restart:
+            return
+        if count:
+            self._method = self._make(self._seed + count)
         if self._start is Start.TRUTH and frame.truth is not None:
             truth = frame.truth
             # A label file has no rates, so the simulator's are not told either.

@@ -50,6 +50,13 @@ def test_nothing_is_told_at_a_random_start(make, made, stripe):
     assert made[0].told == []
 
 
+def test_a_restart_makes_another_method_with_another_seed(make, made, stripe):
+    run = MethodRun("m", make, 7, Start.RANDOM, restart_every=5)
+    run_together([run], stripe.frames(0), "stripe")
+    assert [len(method.seen) for method in made] == [5, 5, 2]
+    assert len({method.seed for method in made}) == 3
+
+
 def test_all_methods_see_the_same_frames_once(make, made, stripe):
     runs = [MethodRun(name, make, 0, Start.TRUTH) for name in "ab"]
     results = run_together(runs, stripe.frames(0), "stripe")
