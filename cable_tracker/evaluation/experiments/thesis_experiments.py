@@ -143,7 +143,13 @@ class ReinitialisationExperiment(CampaignExperiment):
 
     def campaign(self) -> Campaign:
         """Return what is run."""
-        return Campaign(self.methods, self.sequences, self.seeds, Start.RANDOM, RESTART_FRAMES)
+        return Campaign(
+            self.methods,
+            self.sequences,
+            self.seeds,
+            Start.RANDOM,
+            restart_every=RESTART_FRAMES,
+        )
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
