@@ -271,6 +271,7 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
     statuses = [row.status for row in read_estimates(Path("pictures_tracked/estimates.csv"))]
     assert [status == "REFUSED" for status in statuses] == [False, True, False]
     assert "1 of 3 frames refused; the first, frame 1: " in outcome.err
+    assert "taken to be 25 a second (--rate)" in outcome.out
 
 
 def test_a_recording_without_a_usable_frame_is_refused(run, unlabelled):

@@ -10,10 +10,11 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.commands.terminal import messages
+from cable_tracker.commands.terminal import console, messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
+from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
 
@@ -162,6 +163,15 @@ def open_recording(recording: ChosenRecording) -> Source:
     source = recording.open()
     print_notes(recording.path, [source.note] if source.note else [])
     return source
+
+
+def print_taken_rate(source: Source) -> None:
+    """Say at which rate pictures are taken, which have no times of their own."""
+    if isinstance(source, ImageFolderSource):
+        console.print(
+            f"pictures have no times and were taken to be {source.rate:g} a second (--rate)",
+            soft_wrap=True,
+        )
 
 
 def print_notes(path: Path, notes: Iterable[str]) -> None:

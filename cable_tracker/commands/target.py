@@ -30,6 +30,7 @@ from cable_tracker.commands.options import (
     find_vehicle,
     open_recording,
     print_notes,
+    print_taken_rate,
 )
 from cable_tracker.commands.results import (
     folder_beside,
@@ -149,6 +150,7 @@ def target(  # noqa: PLR0917
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print(results)
+    print_taken_rate(recording)
     if damage is not None:
         raise damage
 

@@ -36,6 +36,7 @@ from cable_tracker.commands.options import (
     find_vehicle,
     open_recording,
     print_notes,
+    print_taken_rate,
 )
 from cable_tracker.commands.results import (
     folder_beside,
@@ -136,6 +137,7 @@ def track(  # noqa: PLR0917
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print_results(results, wants_metres=described.wants_metres)
+    print_taken_rate(recording)
     for line in advice(results.rows, results.widths, parameters):
         console.print(line, soft_wrap=True)
     if damage is not None:

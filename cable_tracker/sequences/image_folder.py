@@ -77,6 +77,13 @@ class ImageFolderSource(Source):
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
 
+    Attributes
+    ----------
+    pictures : list of Path
+        The pictures.
+    rate : float
+        Frames per second.
+
     Raises
     ------
     RecordingError
@@ -95,22 +102,19 @@ class ImageFolderSource(Source):
             raise RecordingError(
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
-        self._rate = rate or USUAL_RATE
+        self.rate = rate or USUAL_RATE
         self._positions = positions_by_number([picture.name for picture in self.pictures])
-        self._times_note = "; ".join(filter(None, (self._say_gaps(), self._say_rate())))
-        self.note = self._times_note
+        self._gap_note = self._say_gaps()
+        self.note = self._gap_note
         if (path / SEQUENCE_NAME).is_file():
             unused = f"its labels in {SEQUENCE_NAME} are not used; name that file instead"
-            self.note = f"{self._times_note}; {unused}"
+            self.note = "; ".join(note for note in (self._gap_note, unused) if note)
         self.frame_count = len(self.pictures)
 
     def label(self, labels: Mapping[int, CableState]) -> None:
         """Attach ground truth; then nothing need be said of labels that are not used."""
         super().label(labels)
-        self.note = self._times_note
-
-    def _say_rate(self) -> str:
-        return f"pictures have no times and are taken to be {self._rate:g} a second (--rate)"
+        self.note = self._gap_note
 
     def _say_gaps(self) -> str:
         """Say which numbers are missing between the pictures, if there are any."""
@@ -134,7 +138,7 @@ class ImageFolderSource(Source):
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         for index, path in enumerate(self.pictures[start:], start):
-            stamp = stamp_of_frame(self._positions[index], self._rate)
+            stamp = stamp_of_frame(self._positions[index], self.rate)
             try:
                 yield Frame(index, stamp, load_picture(path))
             except FrameError as error:

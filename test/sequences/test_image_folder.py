@@ -50,11 +50,6 @@ def test_missing_numbers_are_said_and_the_time_is_kept(folder):
     assert "missing" in source.note
 
 
-def test_the_rate_that_pictures_are_taken_to_have_is_said(folder):
-    assert "25 a second (--rate)" in ImageFolderSource(folder).note
-    assert "10 a second (--rate)" in ImageFolderSource(folder, rate=10.0).note
-
-
 def test_other_and_hidden_files_are_left_out(folder):
     (folder / "notes.txt").write_text("x")
     (folder / ".hidden.png").write_bytes(b"x")
