@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.offline.results import ESTIMATES, EVERYTHING, Results, WantedResults
+from cable_tracker.offline.results import ESTIMATES, Results
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
@@ -41,23 +40,13 @@ class ResultFolder(Results):
         Widths of the leading hypothesis and of the image, of the frames that have one [px].
     """
 
-    def __init__(
-        self,
-        path: Path,
-        *,
-        overwrite: bool = False,
-        timing: bool = True,
-        wanted: WantedResults = EVERYTHING,
-    ) -> None:
-        super().__init__(path, overwrite=overwrite, timing=timing, wanted=wanted)
-        self.truths: dict[int, CableState] = {}
-
     @property
     def plots(self) -> tuple[str, ...]:
         """Names of the plots."""
         return (PLOTS,)
 
     def _open_writers(self, stack: ExitStack) -> None:
+        self.truths: dict[int, CableState] = {}
         self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
         self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
         self._open_video(stack)

@@ -73,7 +73,14 @@ class Results(ABC):
         The path is taken, or the disk does not let us write.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool, timing: bool, wanted: WantedResults) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        overwrite: bool = False,
+        timing: bool = True,
+        wanted: WantedResults = EVERYTHING,
+    ) -> None:
         self.path = path
         self.bag: MessageSink = NoMessages()
         self._overwrite = overwrite

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
-from pathlib import Path
 
 from cable_tracker.arrays import Image
 from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
-from cable_tracker.offline.results import ESTIMATES, EVERYTHING, Results, WantedResults
+from cable_tracker.offline.results import ESTIMATES, Results
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.csv_tables import write_csv
 from cable_tracker.sequences.frame import Frame
@@ -26,16 +25,6 @@ class TargetFolder(Results):
     metres : StoredRows of tuple of str
         The table in metres so far; it is written if it has rows.
     """
-
-    def __init__(
-        self,
-        path: Path,
-        *,
-        overwrite: bool = False,
-        timing: bool = True,
-        wanted: WantedResults = EVERYTHING,
-    ) -> None:
-        super().__init__(path, overwrite=overwrite, timing=timing, wanted=wanted)
 
     @property
     def tables(self) -> tuple[str, ...]:

@@ -9,13 +9,14 @@ from typing import Literal
 import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
+from cable_tracker.metric.recorded import VEHICLE_FILE
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.flight import motions_at
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
-from cable_tracker.simulation.survey_bag import VEHICLE, InstrumentWriter, vehicle_text
+from cable_tracker.simulation.survey_bag import InstrumentWriter, vehicle_text
 from cable_tracker.simulation.survey_dive import FIX_SIGMA, Tick
 
 READING_RATE = 50.0
@@ -87,5 +88,5 @@ def write_instrumented_bag(
                 writer.write(Tick(float(seconds), motion, odometry, imu, altitude, fix))
             write_frame(bag, frame)
             count += 1
-    write_bytes(path / VEHICLE, vehicle_text(dive.tube.height).encode())
+    write_bytes(path / VEHICLE_FILE, vehicle_text(dive.tube.height).encode())
     return count

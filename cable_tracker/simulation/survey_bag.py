@@ -19,6 +19,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.metric.local_frame import LocalFrame
+from cable_tracker.metric.recorded import VEHICLE_FILE
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
@@ -64,7 +65,7 @@ BEARING = math.radians(25.0)
 DEPTH = 30.0
 """Depth of the sea bed below the ellipsoid [m]."""
 
-TRUTH, VEHICLE = "truth.json", "vehicle.yaml"
+TRUTH = "truth.json"
 COURSE_STEP = 0.25
 """Distance between two points of the true course [m]."""
 
@@ -134,7 +135,7 @@ def write_survey_bag(
             if tick.picture is not None:
                 frames += 1
                 advance(float(tick.motion.position[0]))
-    write_bytes(path / VEHICLE, vehicle_text(dive.cable_height).encode())
+    write_bytes(path / VEHICLE_FILE, vehicle_text(dive.cable_height).encode())
     write_bytes(path / TRUTH, json.dumps(truth_of(settings)).encode())
     return WrittenDive(frames, seconds)
 
