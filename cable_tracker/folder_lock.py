@@ -1,7 +1,7 @@
 """A folder that one process has for itself, as long as it lives.
 
 The lock lies on the folder, so that it leaves nothing, and the kernel takes it away with the
-process. File systems that know no such locks let everybody in.
+process. File systems that know no such locks let every process in.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class FolderLock:
     Raises
     ------
     BlockingIOError
-        Somebody else has the lock.
+        Another process has the lock.
     OSError
         The folder cannot be made.
     """

@@ -74,8 +74,9 @@ def print_statuses(statuses: Sequence[str]) -> None:
 
 def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:
     """Say why frames were refused, and what else happened: a new start of the tracker, a notice."""
-    refused = [row for row in rows if row.status == REFUSED]
-    others = [row for row in rows if row.status != REFUSED and row.event]
+    told = [row for row in rows if row.status == REFUSED or row.event]
+    refused = [row for row in told if row.status == REFUSED]
+    others = [row for row in told if row.status != REFUSED]
     notes = []
     if refused:
         first = refused[0]

@@ -281,7 +281,7 @@ class BagSource(Source):
 
         The clocks of the camera and the recorder may differ by years.
         """
-        # Whoever reads the frames will meet the damage.
+        # Reading the frames will meet the damage, and says so.
         with suppress(RecordingError), closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
                 if (header := self._header(message)) is not None:

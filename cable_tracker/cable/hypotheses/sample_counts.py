@@ -52,10 +52,8 @@ def sample_counts(
     refined: IndexArray,
 ) -> SampleCounts:
     """Share out the particles of a frame with some detections; `refined` of each round."""
-    count, switches = (
-        parameters.particle_count,
-        int(parameters.particle_count * BORDER_SWITCH_SHARE),
-    )
+    count = parameters.particle_count
+    switches = int(count * BORDER_SWITCH_SHARE)
     first = count - int(refined.sum()) - switches
     share = parameters.detector_share if detections else 0.0
     existing = existence.total

@@ -389,7 +389,7 @@ class TrackerParameters(ParameterSet):
         0.8, "", 0.0, HIGHEST_THRESHOLD, "Presence above which a cable is claimed."
     )
     presence_to_lose: float = number(
-        0.42, "", 0.0, HIGHEST_THRESHOLD, "Presence below which a cable is given up."
+        0.42, "", 0.0, HIGHEST_THRESHOLD, "Presence below which a cable is given up at once."
     )
 
     evidence_to_track: float = number(

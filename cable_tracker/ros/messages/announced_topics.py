@@ -1,7 +1,7 @@
 """Topics on which a tracker publishes about a frame, as its report of the frame announces them.
 
-Topics overtake each other. Whoever puts together what was said of one frame reads here what there
-is to wait for.
+Topics overtake each other. A reader that puts together what was said of one frame learns here what
+there is to wait for.
 """
 
 from __future__ import annotations
