@@ -272,22 +272,23 @@ class LiveSession(SnapshotFeed):
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""
         self._frames.hand_on_what_is_due()
+        topics = find_topics(self._node, self.name, self.start_type[0])
+        self._is_there = topics is not None
+        self._others = self._other_trackers()
+        self._connection.change(topics)
+        if topics is None:
+            self._silent_since = None
+        elif self._silent_since is None:
+            self._silent_since = time.monotonic()
+
+    def _other_trackers(self) -> list[str]:
+        """Return the full names of trackers in other namespaces."""
         found = {
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
             if name == self.subject.node
         }
-        # The graph may keep the name of a process that is gone; its topics go with it.
-        is_alive = bool(self._node.count_publishers(node_topics.FRAME_REPORT.of_node(self.name)))
-        self._is_there = self.name in found and is_alive
-        self._others = sorted(found - {self.name})
-        if not self._is_there:
-            self._silent_since = None
-            self._connection.change(None)
-            return
-        if self._silent_since is None:
-            self._silent_since = time.monotonic()
-        self._connection.change(find_topics(self._node, self.name, self.start_type[0]))
+        return sorted(found - {self.name})
 
 
 class LiveTargetSession(LiveSession):

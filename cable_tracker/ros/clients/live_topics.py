@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,16 +12,23 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.ros.qos import endpoint_name
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
+
+PUBLISHED_TYPES = {
+    topic.type_name
+    for topic in (node_topics.STATE, node_topics.PARTICLES, node_topics.CONTOUR, node_topics.BOX)
+}
 
 IMAGE_TYPES = {
     node_topics.IMAGE.type_name: Image,
@@ -44,7 +51,11 @@ class LiveTopics:
 
 
 def find_topics(watcher: Node, name: str, start_type: str) -> LiveTopics | None:
-    """Return the topics of a node by what it publishes and subscribes to; None if it has gone.
+    """Return the topics of a node by what it publishes and subscribes to; None if it is not there.
+
+    A node is there while its reports have a publisher. Its endpoints are asked for by topic: the
+    graph may keep the name of a process that is gone, and answers a question by that name with the
+    topics of either, also when a new process bears it.
 
     Parameters
     ----------
@@ -55,28 +66,48 @@ def find_topics(watcher: Node, name: str, start_type: str) -> LiveTopics | None:
     start_type : str
         Message type of the topic that takes a start.
     """
-    namespace, _, node = name.rpartition("/")
-    try:
-        published = watcher.get_publisher_names_and_types_by_node(node, namespace or "/")
-        read = watcher.get_subscriber_names_and_types_by_node(node, namespace or "/")
-    except RuntimeError:
-        return None  # It has gone since it was seen.
+    report = node_topics.FRAME_REPORT.of_node(name)
+    if not _is_among(name, watcher.get_publishers_info_by_topic(report)):
+        return None
+    topics = watcher.get_topic_names_and_types()
+    published = _of_node(name, topics, PUBLISHED_TYPES, watcher.get_publishers_info_by_topic)
+    read_types = {*IMAGE_TYPES, start_type}
+    read = _of_node(name, topics, read_types, watcher.get_subscriptions_info_by_topic)
     image, image_type = _of_types(read, IMAGE_TYPES)
     # Ground truth is beside the image or the node, if it is published.
     beside = [
         f"{place}{node_topics.GROUND_TRUTH.global_name}"
-        for place in (image.rpartition("/")[0], namespace)
+        for place in (image.rpartition("/")[0], name.rpartition("/")[0])
     ]
     return LiveTopics(
         image=image,
         image_type=image_type,
         state=_of_types(published, [node_topics.STATE.type_name])[0],
         particles=_of_types(published, [node_topics.PARTICLES.type_name])[0],
-        report=node_topics.FRAME_REPORT.of_node(name),
+        report=report,
         truth=next((topic for topic in beside if watcher.count_publishers(topic)), ""),
         start=_of_types(read, [start_type])[0],
         contour=_contour_of(published),
     )
+
+
+def _of_node(
+    name: str,
+    topics: list[tuple[str, list[str]]],
+    types: Container[str],
+    endpoints: Callable[[str], list[TopicEndpointInfo]],
+) -> list[tuple[str, list[str]]]:
+    """Return those topics of some types that a node has an endpoint on."""
+    return [
+        (topic, kinds)
+        for topic, kinds in topics
+        if any(kind in types for kind in kinds) and _is_among(name, endpoints(topic))
+    ]
+
+
+def _is_among(name: str, endpoints: list[TopicEndpointInfo]) -> bool:
+    """Tell whether one of some endpoints is a node's."""
+    return any(endpoint_name(endpoint) == name for endpoint in endpoints)
 
 
 def _of_types(topics: list[tuple[str, list[str]]], types: Container[str]) -> tuple[str, str]:

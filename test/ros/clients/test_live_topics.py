@@ -1,4 +1,6 @@
 import pytest
+import rclpy
+from rclpy.context import Context
 from rclpy.parameter import Parameter
 
 from cable_tracker.ros.clients.live_topics import find_topics
@@ -56,3 +58,35 @@ def test_the_contour_is_told_from_the_box_also_where_one_is_remapped(world, rema
 
 def test_a_node_that_is_gone_has_no_topics(world):
     assert find_topics(world.me, f"{world.namespace}/tracker", PRIOR) is None
+
+
+@pytest.fixture
+def bare_name(ros_environment, domain, namespace):
+    """Return a function that leaves the name of a tracker on the graph, as a gone process may."""
+    nodes = []
+
+    def leave():
+        context = Context()
+        rclpy.init(context=context, domain_id=domain)
+        nodes.append(rclpy.create_node("tracker", context=context, namespace=namespace))
+
+    yield leave
+    for node in nodes:
+        rclpy.try_shutdown(context=node.context)
+        node.destroy_node()
+
+
+@pytest.fixture
+def elder_name(bare_name):
+    bare_name()
+
+
+def test_a_node_is_found_beside_what_is_left_of_one_that_is_gone(elder_name, bare_name, world):
+    # The graph answers a question by name with what it lists first: a name may stand on each side.
+    bare_name()
+    name = f"{world.namespace}/tracker"
+    graph = world.me.get_node_names_and_namespaces
+    world.spin(lambda: graph().count(("tracker", world.namespace)) == 2)
+    assert find_topics(world.me, name, PRIOR) is None
+    world.tracker().wait_until_warm()
+    world.spin(lambda: (topics := find_topics(world.me, name, PRIOR)) and topics.image)
