@@ -22,6 +22,9 @@ LEAST_HEIGHT = 8.0
 THICKNESS = 2
 """Thickness of the thickest line [px at the reference width]: half that of the thinnest cable."""
 
+THINNEST = 2
+"""Fewest pixels across a line that can be compared with what is beside it."""
+
 LEAST_LENGTH = 40
 """Length of the shortest line, along a row or a column [px at the reference width]."""
 
@@ -64,6 +67,11 @@ class StandingLines:
 
     down: Image
     across: Image
+
+
+def has_room_for_lines(picture: Image) -> bool:
+    """Tell whether a picture is wide enough to tell a line from the thinnest cable."""
+    return _thickness(picture) >= THINNEST
 
 
 def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> StandingLines:
@@ -173,7 +181,7 @@ def _whole(mask: BoolArray, shape: tuple[int, ...]) -> BoolArray:
 
 def _thickness(picture: Image) -> int:
     """Return the thickness of the thickest line in a picture [px]."""
-    return max(_of_width(THICKNESS, picture), THICKNESS)
+    return _of_width(THICKNESS, picture)
 
 
 def _of_width(length: float, picture: Image) -> int:

@@ -18,6 +18,7 @@ from cable_tracker.cable.measure.bend import (
 )
 from cable_tracker.cable.measure.burned_in_lines import (
     StandingLines,
+    has_room_for_lines,
     standing_lines,
     without_standing_lines,
 )
@@ -137,7 +138,7 @@ class WorkingImage:
 
     @cached_property
     def _standing_lines(self) -> StandingLines | None:
-        if self.burned_in_time == 0.0:
+        if self.burned_in_time == 0.0 or not has_room_for_lines(self._reduced):
             return None
         return standing_lines(self.history.standing_lines, self._reduced, self.dt)
 

@@ -206,8 +206,8 @@ class TrackerParameters(ParameterSet):
         "s",
         0.0,
         2.0,
-        "Thin straight lines that stand still for so long, such as a crosshair, are taken out;"
-        " 0: nothing is.",
+        "Thin straight lines that stand still for so long, such as a crosshair, are taken out of"
+        " pictures at least 240 px wide; 0: nothing is.",
     )
     epsilon: float = number(
         1e-3,

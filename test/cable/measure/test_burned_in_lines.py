@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.burned_in_lines import standing_lines, without_standing_lines
+from cable_tracker.cable.measure.burned_in_lines import (
+    has_room_for_lines,
+    standing_lines,
+    without_standing_lines,
+)
 
 FRAME = 0.04
 ENOUGH = 0.04
@@ -158,3 +162,8 @@ def test_what_was_kept_before_a_picture_does_not_change_with_it():
     standing_lines(lines, second, FRAME)
     np.testing.assert_array_equal(lines.down, kept[0])
     np.testing.assert_array_equal(lines.across, kept[1])
+
+
+@pytest.mark.parametrize(("width", "has_room"), [(160, False), (240, True), (320, True)])
+def test_in_a_narrow_picture_a_line_is_as_thin_as_a_cable(width, has_room):
+    assert has_room_for_lines(np.zeros((120, width), np.uint8)) is has_room
