@@ -54,6 +54,15 @@ UNREAD = (
     ),
 )
 """Parameters of nodes that commands do not read, and where what they say is said instead."""
+READ_FROM_NODES = {"preset", "initial_state"}
+"""Parameters of nodes beside the filter's that commands read too."""
+OF_NODES_ALONE = (
+    {spec.name for spec in (*TRACKER_NODE_PARAMETERS, *TARGET_NODE_PARAMETERS)}
+    - READ_FROM_NODES
+    - OF_TARGETS
+    - VEHICLE_NAMES
+)
+"""Parameters that a file for a node holds rightly, and that do nothing in a command."""
 
 ValueOption = Annotated[
     list[str] | None,
@@ -94,7 +103,11 @@ def given_values(file: Path | None, words: Iterable[str] | None) -> dict[str, ob
         The file or a word cannot be read.
     """
     values = read_parameter_file(file) if file is not None else {}
-    return values | dict(map(parse_value, words or ()))
+    single = dict(map(parse_value, words or ()))
+    unread = sorted(single.keys() & OF_NODES_ALONE)
+    if unread:
+        messages.print(f"note: {', '.join(unread)}: only nodes read this", soft_wrap=True)
+    return values | single
 
 
 def chosen_parameters(

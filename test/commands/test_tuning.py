@@ -39,6 +39,15 @@ def test_values_on_the_command_line_win_over_those_of_the_file(tmp_path):
     assert (chosen.particle_count, chosen.seed, chosen.filter) == (300, 3, "bootstrap")
 
 
+def test_what_only_nodes_read_is_noted_on_the_command_line_alone(capsys, tmp_path):
+    file = tmp_path / "node.yaml"
+    file.write_text("input_timeout: 2.0\n")
+    given_values(file, ["initial_state=random"])
+    assert not capsys.readouterr().err
+    given_values(file, ["input_timeout=2.0", "image_transport=raw"])
+    assert "note: image_transport, input_timeout: only nodes read this" in capsys.readouterr().err
+
+
 def test_unknown_names_are_refused():
     with pytest.raises(ParameterError, match="unknown parameter wdith"):
         chosen_parameters(None, given_values(None, ["wdith=3"]), None)
