@@ -320,6 +320,7 @@ def test_pictures_become_a_bag_at_the_wanted_rate(run, unlabelled):
     with AnyReader([Path("copy")]) as reader:
         stamps = [stamp for _, stamp, _ in reader.messages()]
     assert stamps == [1_000_000_000, 1_100_000_000, 1_200_000_000]
+    assert "have times of their own" in run("convert", "copy", "again", "--rate", 10).err
 
 
 def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):

@@ -36,7 +36,6 @@ from cable_tracker.sequences.convert import ImageFormat, write_bag
 from cable_tracker.sequences.instrument_source import InstrumentSource
 from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
-from cable_tracker.stamps import USUAL_RATE
 
 
 def convert(  # noqa: PLR0917
@@ -47,7 +46,7 @@ def convert(  # noqa: PLR0917
         ImageFormat, typer.Option("--format", help="Pixels: as recorded, grey, or JPEG.")
     ] = ImageFormat.AS_IS,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,

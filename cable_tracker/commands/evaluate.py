@@ -25,6 +25,7 @@ from cable_tracker.commands.campaign_options import (
 from cable_tracker.commands.options import (
     ForceOption,
     OutsideOption,
+    RateOption,
     SkipOption,
     TopicOption,
     TruthOption,
@@ -50,7 +51,6 @@ from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.stamps import USUAL_RATE
 
 Recording = TypeVar("Recording", bound=LabelledRecording)
 
@@ -118,10 +118,7 @@ def evaluate(  # noqa: PLR0917
     dashboard: DashboardOption = False,
     resume: ResumeOption = False,
     topic: TopicOption = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(help=f"Frames per second of a folder of images.  [default: {USUAL_RATE:g}]"),
-    ] = None,
+    rate: RateOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
@@ -149,8 +146,7 @@ def evaluate(  # noqa: PLR0917
     numbers = seeds_from(seeds, first_seed)
     chosen = None
     if source is not None:
-        known_rate = USUAL_RATE if rate is None else rate
-        chosen = ChosenRecording(source, topic, known_rate, truth, skip_bad_frames, allow_outside)
+        chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     if targets:
         tuned = tuned_targets(params)
         followed = TargetCampaign(

@@ -36,7 +36,6 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_files import read_parameter_file
@@ -79,7 +78,7 @@ def gui(  # noqa: PLR0917
     params: ParamsOption = None,
     seed: SeedOption = None,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
@@ -106,7 +105,7 @@ def gui(  # noqa: PLR0917
     if ros is not None:
         of_recordings = {
             "--init": init, "--preset": preset_name, "--params": params, "--seed": seed,
-            "--topic": topic, "--rate": rate != USUAL_RATE, "--truth": truth,
+            "--topic": topic, "--rate": rate, "--truth": truth,
             "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
         }  # fmt: skip
         refuse_without_effect(of_recordings, "would not reach the node of --ros")

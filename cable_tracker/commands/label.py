@@ -25,7 +25,6 @@ from cable_tracker.commands.serving import (
 from cable_tracker.commands.terminal import console, counted, messages, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.source import ChosenRecording, Source
-from cable_tracker.stamps import USUAL_RATE
 
 
 def label(  # noqa: PLR0917
@@ -38,7 +37,7 @@ def label(  # noqa: PLR0917
         ),
     ] = None,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
     host: HostOption = "127.0.0.1",

@@ -14,9 +14,12 @@ from cable_tracker.commands.terminal import console, messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
+from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.sequences.video import VideoSource
+from cable_tracker.stamps import USUAL_RATE
 
 
 class Storage(str, Enum):
@@ -55,7 +58,10 @@ TopicOption = Annotated[
     str | None, typer.Option(help="Image topic of a bag; needed only where it has several.")
 ]
 RateOption = Annotated[
-    float, typer.Option(help="Frames per second of image folders, which have no times.")
+    float | None,
+    typer.Option(
+        help=f"Frames per second of image folders, which have no times.  [default: {USUAL_RATE:g}]"
+    ),
 ]
 TruthOption = Annotated[
     Path | None,
@@ -162,6 +168,7 @@ def open_recording(recording: ChosenRecording) -> Source:
     """Open a recording, and say what the user should know about it."""
     source = recording.open()
     print_notes(recording.path, [source.note] if source.note else [])
+    print_needless_rate(source, recording.rate)
     return source
 
 
@@ -172,6 +179,12 @@ def print_taken_rate(source: Source) -> None:
             f"pictures have no times and were taken to be {source.rate:g} a second (--rate)",
             soft_wrap=True,
         )
+
+
+def print_needless_rate(source: Source, rate: float | None) -> None:
+    """Say that a rate was given for frames that have times of their own."""
+    if rate is not None and isinstance(source, BagSource | VideoSource):
+        print_notes(source.path, ["its frames have times of their own: --rate does nothing"])
 
 
 def print_notes(path: Path, notes: Iterable[str]) -> None:

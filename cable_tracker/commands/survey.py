@@ -34,7 +34,6 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
 from cable_tracker.survey.events import Limits
 from cable_tracker.survey.forward_pass import MOST_RATE, ForwardSettings
@@ -80,7 +79,7 @@ def survey(  # noqa: PLR0917
     params: ParamsOption = None,
     seed: SeedOption = None,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     vehicle: VehicleOption = None,
     camera_info_topic: CameraInfoOption = None,
     altitude_topic: AltitudeOption = None,

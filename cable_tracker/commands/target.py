@@ -49,7 +49,6 @@ from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target
 from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
@@ -83,7 +82,7 @@ def target(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
     target_size: Annotated[

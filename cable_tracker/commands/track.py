@@ -56,7 +56,6 @@ from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_recording
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.trackers import make_tracker
 
 
@@ -78,7 +77,7 @@ def track(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,

@@ -31,7 +31,6 @@ from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.sequences.source import Source, open_source
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
@@ -84,8 +83,8 @@ class ForwardSettings:
         Parameters of the filter.
     topic : str or None
         Image topic; None if there is just one.
-    rate : float
-        Frames per second of image folders.
+    rate : float or None
+        Frames per second of image folders; see `open_source`.
     choice : InstrumentChoice
         Topics of the instruments.
     vehicle : Path or None
@@ -101,7 +100,7 @@ class ForwardSettings:
 
     parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
     topic: str | None = None
-    rate: float = USUAL_RATE
+    rate: float | None = None
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
     most_rate: float = MOST_RATE

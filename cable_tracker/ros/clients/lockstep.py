@@ -23,6 +23,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 FRAME_TIMEOUT = 300.0
@@ -65,7 +66,7 @@ def replay_parameters(
     Parameters
     ----------
     recording : ChosenRecording
-        The recording, with a rate.
+        The recording.
     instruments : InstrumentChoice
         Topics that the user has chosen.
     vehicle : Path or None
@@ -73,11 +74,10 @@ def replay_parameters(
     has_instruments : bool
         Whether the node sends what the instruments said.
     """
-    assert recording.rate is not None
     return {
         "source": str(recording.path.resolve()),
         "topic": recording.topic or "",
-        "frame_rate": recording.rate,
+        "frame_rate": recording.rate or USUAL_RATE,
         "truth": str(recording.truth.resolve()) if recording.truth else "",
         "skip_bad_frames": recording.skip_bad_frames,
         "allow_outside": recording.allow_outside,
