@@ -63,4 +63,6 @@ def write_failure(path: Path, error: Exception) -> OutputError:
 
 def read_failure(path: Path, error: OSError) -> RecordingError:
     """Return the error that says that a file or folder cannot be read, and why."""
-    return RecordingError(f"{path}: cannot be read ({error.strerror}); check its permissions")
+    is_missing = isinstance(error, FileNotFoundError | NotADirectoryError)
+    advice = "check the path" if is_missing else "check its permissions"
+    return RecordingError(f"{path}: cannot be read ({error.strerror}); {advice}")

@@ -38,7 +38,6 @@ from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS
-from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
@@ -81,7 +80,7 @@ def learn(  # noqa: PLR0917
     seed: SeedOption = None,
     force: ForceOption = False,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
@@ -106,7 +105,7 @@ def learn(  # noqa: PLR0917
         for path in paths:
             chosen = ChosenRecording(path, topic, rate, truth, skip_bad_frames, allow_outside)
             recording = stack.enter_context(open_recording(chosen))
-            sequences.append(labelled_recording(recording, chosen))
+            sequences.append(labelled_recording(recording))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
         for sequence in sequences:

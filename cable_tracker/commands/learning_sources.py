@@ -16,12 +16,11 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
     WorldSequence,
-    check_labels,
     simulated_sequences,
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.sequences.source import Source
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.fading import made_harder
 from cable_tracker.simulation.scenario import simulate_scenario
@@ -153,15 +152,14 @@ def _frames_maker(
     return frames
 
 
-def labelled_recording(recording: Source, chosen: ChosenRecording) -> LabelledSequence:
-    """Return an open recording to learn from, which was chosen so.
+def labelled_recording(recording: Source) -> LabelledSequence:
+    """Return an open recording to learn from.
 
     Raises
     ------
     RecordingError
-        It has no labels, or those of the file do not fit.
+        It has no labels.
     """
-    check_labels(recording, chosen)
     if not recording.has_truth:
         raise RecordingError(
             f"{recording.path}: has no ground truth to learn from; give labels with --truth FILE"

@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.arrays import Image, eight_bits
@@ -17,9 +16,6 @@ from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_folder import ImageFolderSource
-from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import ChosenRecording, Source, is_bag, labels_near
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -201,7 +197,6 @@ class RecordingSequence(LabelledRecording):
             The recording or the labels cannot be read, do not fit, or there are none.
         """
         with self.open() as source:
-            check_labels(source, self)
             if not (source.has_truth or self.unlabelled_is_empty):
                 raise RecordingError(
                     f"{self.path}: has no ground truth to judge by; give labels with --truth FILE,"
@@ -232,50 +227,6 @@ class RecordingSequence(LabelledRecording):
 
 def _judged(frame: Frame, grey: Image, visibility: float) -> EvaluationFrame:
     return EvaluationFrame(frame.index, frame.stamp, eight_bits(grey), frame.truth, visibility)
-
-
-def check_labels(source: Source, chosen: ChosenRecording) -> None:
-    """See that every label of an open recording belongs to one of its frames, and none has two.
-
-    A recording without a file of labels has nothing to see.
-
-    Raises
-    ------
-    RecordingError
-        A label does not; the message names its line.
-    """
-    truth = chosen.truth
-    if truth is None or is_bag(truth):
-        return
-    labels = read_labels(truth, allow_outside=chosen.allow_outside)
-    folder = source.path if isinstance(source, ImageFolderSource) else source.path.parent
-    near = {label.line for label in labels_near(labels, truth, folder)}
-    own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
-    first_line: dict[str, int] = {}
-    for label in labels:
-        name = str(label)
-        if name in first_line:
-            raise RecordingError(
-                f"{truth}: line {label.line} labels {name} again, after line {first_line[name]};"
-                " remove one of them"
-            )
-        first_line[name] = label.line
-        if label.line not in near or (own and label.filename not in own):
-            continue
-        reason = _mismatch(source, label)
-        if reason:
-            raise RecordingError(f"{truth}: line {label.line} labels {name}, but {reason}")
-
-
-def _mismatch(source: Source, label: Label) -> str:
-    """Return why a label belongs to no frame; empty if it does, or if that cannot be told."""
-    name, count = source.path.name, source.frame_count
-    if isinstance(source, ImageFolderSource) and label.frame is None:
-        known = any(picture.name == Path(label.filename).name for picture in source.pictures)
-        return "" if known else f"{name} holds no such picture"
-    if label.frame is not None and count is not None and label.frame >= count:
-        return f"{name} has only {count} frames, counted from 0"
-    return ""
 
 
 def simulated_sequences(

@@ -100,6 +100,8 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
         raise ValueError("a number is not finite")
     if abs(values[1]) > _LARGEST_ANGLE:
         raise ValueError(f"alpha is {values[1]:g} rad")
+    if values[2] <= 0.0:
+        raise ValueError(f"w is {values[2]:g} px; leave out frames without a cable")
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
     return Label(wrapped_if_outside(CableState(*values)), filename, frame, line)
@@ -122,7 +124,7 @@ def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
     """Read a sequence file.
 
     Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta; those beyond
-    10 000 rad are malformed.
+    10 000 rad are malformed, and so are widths that are not above 0.
 
     Parameters
     ----------

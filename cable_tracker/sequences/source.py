@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 import math
-import os.path
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError, read_failure
 from cable_tracker.sequences.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bag_limits import METADATA
 from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
-from cable_tracker.sequences.sequence_file import (
-    SEQUENCE_SUFFIXES,
-    Label,
-    SequenceFileSource,
-    read_labels,
-)
+from cable_tracker.sequences.label_match import labels_by_frame
+from cable_tracker.sequences.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.video import VIDEO_SUFFIXES, VideoSource
 
 __all__ = ["ChosenRecording", "Source", "is_bag", "open_source"]
-
-_IN_ANOTHER, _MAY_BE_IN_FOLDER, _IN_FOLDER = range(3)
-"""How surely a labelled file lies in a folder, see `_nearness`."""
 
 
 def is_bag(path: Path) -> bool:
@@ -81,107 +71,6 @@ def _open_unlabelled(  # noqa: PLR0917
     return _file_source(path, rate, skip_bad_frames, allow_outside)
 
 
-def _own_labels(labels: list[Label], truth: Path, folder: Path) -> list[Label]:
-    """Return the labels of files in a folder, of labels that are called like such files.
-
-    A label names its file relative to the folder of the label file, or to another one if either
-    has been moved. Where the same names come in several folders, those of the nearest count.
-
-    Raises
-    ------
-    RecordingError
-        Two labelled files have one name, and nothing tells which of them is meant.
-    """
-    candidates: dict[str, dict[int, list[Label]]] = {}
-    for label in labels_near(labels, truth, folder):
-        name = PurePath(label.filename)
-        by_nearness = candidates.setdefault(name.name, {})
-        by_nearness.setdefault(_nearness(name.parent, truth, folder), []).append(label)
-    own: list[Label] = []
-    for by_nearness in candidates.values():
-        nearest = max(by_nearness)
-        names = sorted({label.filename for label in by_nearness[nearest]})
-        if nearest < _IN_FOLDER and len(names) > 1:
-            raise RecordingError(
-                f"{truth}: labels {names[0]} and {names[1]}, either of which may be that of"
-                f" {folder}; give a file with labels of one folder"
-            )
-        own += by_nearness[nearest]
-    return own
-
-
-def labels_near(labels: Sequence[Label], truth: Path, folder: Path) -> list[Label]:
-    """Return the labels of a file that may be of a folder: all of them if none seems to be.
-
-    Those of another folder are left out where others are of this one.
-    """
-    parents = {PurePath(label.filename).parent for label in labels}
-    near = {parent: _nearness(parent, truth, folder) for parent in parents}
-    least = min(_MAY_BE_IN_FOLDER, max(near.values(), default=_IN_ANOTHER))
-    return [label for label in labels if near[PurePath(label.filename).parent] >= least]
-
-
-def _nearness(parent: PurePath, truth: Path, folder: Path) -> int:
-    """Tell how surely a folder, as a label names it, is a folder of a recording."""
-    real = os.path.realpath(folder)
-    if os.path.realpath(truth.parent / parent) == real:
-        return _IN_FOLDER
-    return _MAY_BE_IN_FOLDER if parent.name in ("", PurePath(real).name) else _IN_ANOTHER
-
-
-def _labels_of(source: Source, labels: list[Label], truth: Path) -> list[Label]:
-    """Return the labels that speak of this source, of all the labels in a file."""
-    own = [label for label in labels if PurePath(label.filename).name == source.path.name]
-    if own:
-        return _own_labels(own, truth, source.path.parent)
-    names = {label.filename for label in labels}
-    if len(names) > 1:
-        raise RecordingError(
-            f"{truth}: labels {len(names)} recordings, none of them named {source.path.name}"
-        )
-    return labels
-
-
-def _numbered_labels(source: Source, labels: list[Label], truth: Path) -> dict[int, Label]:
-    numbered = {
-        label.frame: label
-        for label in labels
-        if label.frame is not None and (not source.frame_count or label.frame < source.frame_count)
-    }
-    if not numbered:
-        raise RecordingError(
-            f"{truth}: has no label of the form FILE:FRAME for a frame of {source.path}"
-        )
-    return numbered
-
-
-def _picture_labels(
-    source: ImageFolderSource, labels: list[Label], truth: Path
-) -> dict[int, Label]:
-    numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
-    named = [label for label in labels if PurePath(label.filename).name in numbers]
-    own = _own_labels(named, truth, source.path)
-    return {numbers[PurePath(label.filename).name]: label for label in own}
-
-
-def _entry_labels(source: SequenceFileSource, labels: list[Label]) -> dict[int, Label]:
-    numbers = {str(entry): index for index, entry in enumerate(source.entries)}
-    named = ((numbers.get(str(label)), label) for label in labels)
-    return {number: label for number, label in named if number is not None}
-
-
-def _labels_by_frame(source: Source, truth: Path, allow_outside: bool) -> dict[int, CableState]:
-    labels = read_labels(truth, allow_outside=allow_outside)
-    found: dict[int, Label] = {}
-    if isinstance(source, ImageFolderSource):
-        found = _picture_labels(source, labels, truth)
-    elif isinstance(source, SequenceFileSource):
-        found = _entry_labels(source, labels)
-    if not found:
-        found = _numbered_labels(source, _labels_of(source, labels, truth), truth)
-    return {number: label.state for number, label in found.items()}
-
-
 def open_source(
     path: Path,
     *,
@@ -228,7 +117,8 @@ def open_source(
     Raises
     ------
     RecordingError
-        The recording or the labels are missing, empty, damaged, or of no known kind.
+        The recording or the labels are missing, empty, damaged, or of no known kind; or a label
+        belongs to no frame, or a second one to the same frame.
     ParameterError
         The rate is not a positive number.
     """
@@ -245,7 +135,7 @@ def open_source(
     if truth is not None and is_bag(truth):
         _label_from_bag(source, truth)
     elif truth is not None:
-        source.label(_labels_by_frame(source, truth, allow_outside))
+        source.label(labels_by_frame(source, truth, allow_outside))
     return source
 
 

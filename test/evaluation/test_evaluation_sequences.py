@@ -99,38 +99,6 @@ def test_a_malformed_line_is_named(pictures, label_file):
         RecordingSequence(pictures, truth=label_file).frame_count()
 
 
-def test_a_label_without_a_frame_is_named(pictures, label_file):
-    with label_file.open("a") as file:
-        file.write("\n# more\n1 0.1 30 0 # missing.png\n")
-    line = len(label_file.read_text().splitlines())
-    with pytest.raises(RecordingError, match=rf"line {line} labels missing\.png.*no such picture"):
-        RecordingSequence(pictures, truth=label_file).frame_count()
-
-
-def test_a_label_beyond_the_last_frame_is_named(pictures, label_file):
-    label_file.write_text("1 0.1 30 0 # any.mp4:4\n1 0.1 30 0 # any.mp4:5\n")
-    with pytest.raises(RecordingError, match=r"line 2 labels any\.mp4:5.*only 5 frames"):
-        RecordingSequence(pictures, truth=label_file).frame_count()
-
-
-def test_a_second_label_of_a_frame_is_named(pictures, label_file):
-    lines = label_file.read_text().splitlines()
-    label_file.write_text("\n".join([*lines, lines[-1]]) + "\n")
-    with pytest.raises(RecordingError, match=rf"line {len(lines) + 1} .* again, after line"):
-        RecordingSequence(pictures, truth=label_file).frame_count()
-
-
-def test_labels_that_name_files_elsewhere_are_checked_where_that_is_allowed(pictures, label_file):
-    label_file.write_text("1 0.1 30 0 # ../any.mp4:4\n1 0.1 30 0 # ../any.mp4:5\n")
-    with pytest.raises(RecordingError, match="--allow-outside"):
-        RecordingSequence(pictures, truth=label_file).frame_count()
-    trusted = RecordingSequence(pictures, truth=label_file, allow_outside=True)
-    with pytest.raises(RecordingError, match=r"line 2 labels .*any\.mp4:5.*only 5 frames"):
-        trusted.frame_count()
-    label_file.write_text("1 0.1 30 0 # ../any.mp4:4\n")
-    assert trusted.frame_count() == 5
-
-
 def test_worlds_are_chosen_by_name_or_pattern():
     names = [each.name for each in simulated_sequences(["tune_*", "S3", "tune_faint"], 7)]
     assert names[-1] == "S3"

@@ -20,11 +20,12 @@ from cable_tracker.sequences.sequence_file import (
 from cable_tracker.stamps import FIRST_STAMP
 
 numbers = st.floats(-1e6, 1e6)
+widths = st.floats(0.0, 1e6, exclude_min=True)
 angles = st.floats(-math.pi / 2, math.pi / 2, exclude_min=True)
 names = st.from_regex(r"[a-zA-Z0-9_][a-zA-Z0-9_ .#-]{0,20}\.png", fullmatch=True)
 labels = st.builds(
     Label,
-    st.builds(CableState, numbers, angles, numbers, angles),
+    st.builds(CableState, numbers, angles, widths, angles),
     names,
     st.none() | st.integers(0, 10**6),
 )

@@ -22,10 +22,8 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.evaluation_sequences import check_labels
 from cable_tracker.evaluation.experiments.noise import increment_variances
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.stamps import USUAL_RATE
 
 SMALLEST_COUNT = 2
 """Steps from which a variance can be told."""
@@ -37,7 +35,7 @@ def estimate_noise(  # noqa: PLR0917
     source: Annotated[Path, typer.Argument(help="Labelled recording of any kind.")],
     truth: TruthOption = None,
     topic: TopicOption = None,
-    rate: RateOption = USUAL_RATE,
+    rate: RateOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
@@ -50,7 +48,6 @@ def estimate_noise(  # noqa: PLR0917
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
-        check_labels(recording, chosen)
         progress = stack.enter_context(progress_bar("reading", recording.frame_count))
         for frame in recording.frames():
             states.append(UNLABELLED if frame.truth is None else frame.truth.to_array())
