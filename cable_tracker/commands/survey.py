@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
@@ -155,14 +157,31 @@ def _check_output(output: Path, resume: bool, force: bool) -> None:
         )
 
 
+def _states(result: SurveyResult) -> str:
+    """Return how many recordings were kept from an earlier survey and how many failed, if any."""
+    counts = Counter(outcome.state for outcome in result.outcomes)
+    words = {TaskState.KEPT: "kept from before", TaskState.FAILED: "failed"}
+    told = [f"{counts[state]} {word}" for state, word in words.items() if counts[state]]
+    return f" ({', '.join(told)})" if told else ""
+
+
 def _print(result: SurveyResult, output: Path, seconds: float) -> None:
     frames = sum(row.frames for row in result.rows)
     recorded = sum(row.seconds for row in result.rows)
-    done = [outcome for outcome in result.outcomes if outcome.state.value == "done"]
     console.print(
-        f"{len(result.outcomes)} recordings, {frames} frames, {recorded:.0f} s recorded,"
-        f" {seconds:.0f} s taken, {len(result.outcomes) - len(done)} kept or failed"
+        f"{len(result.outcomes)} recordings{_states(result)}, {frames} frames,"
+        f" {recorded:.0f} s recorded, {seconds:.0f} s taken"
     )
+    if result.routes:
+        _print_routes(result)
+    for row in result.rows:
+        for note in (row.state, *row.notes):
+            if note != "done":
+                console.print(f"{row.name}: {note}", soft_wrap=True)
+    console.print(f"  {output / REPORT}", soft_wrap=True)
+
+
+def _print_routes(result: SurveyResult) -> None:
     rows = []
     for number, route in enumerate(result.routes, start=1):
         sigma = sorted(float(value) for value in route.sigmas)[len(route.sigmas) // 2]
@@ -172,8 +191,3 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
         ))  # fmt: skip
     headings = ("", "length [m]", "median sigma [m]", "events", "recordings")
     print_table("routes", headings, rows, left=("", "recordings"))
-    for row in result.rows:
-        for note in (row.state, *row.notes):
-            if note != "done":
-                console.print(f"{row.name}: {note}", soft_wrap=True)
-    console.print(f"  {output / REPORT}", soft_wrap=True)

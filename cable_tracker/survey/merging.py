@@ -313,7 +313,7 @@ def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside
         on_axis(aside),
         counts,
         on_axis(route.total_sigmas**2),
-        of_the_cable(visible),
+        np.where(counts, on_axis(visible) > 0.5, np.nan),
         of_the_cable(route.diameters),
         of_the_cable(np.abs(route.asides)),
     )

@@ -91,7 +91,7 @@ def test_an_earlier_survey_is_kept_unless_it_is_to_go_on(surveyed, dives, run):
     assert "--resume" in said and "--force" in said
     code, said = run("survey", *dives, "--output", surveyed, "--resume")
     assert code == 0
-    assert "2 kept or failed" in said
+    assert "2 recordings (2 kept from before)" in said
 
 
 def test_a_folder_that_is_no_survey_is_never_written_over(tmp_path, dives, run):
@@ -106,6 +106,7 @@ def test_a_recording_that_cannot_be_read_is_a_row_and_the_others_are_done(tmp_pa
     broken.write_bytes(b"nothing")
     code, said = run("survey", dives[0], broken, "--output", tmp_path / "out", "--no-pictures")
     assert code == 0
+    assert "2 recordings (1 failed)" in said
     assert "broken.mcap: failed" in said
     assert not list((tmp_path / "out").glob("recordings/*/pictures"))
 
@@ -127,7 +128,9 @@ def test_pictures_are_thinned_as_asked(tmp_path, dives, run):
 def test_without_odometry_there_is_no_route(tmp_path, dives, run):
     code, said = run("survey", dives[0], "--output", tmp_path / "out", "--odometry-topic", "none")
     assert code == 0
+    assert "1 recordings, " in said
     assert "known in pixels only" in said
+    assert "median sigma" not in said
     content = json.loads((tmp_path / "out/route.geojson").read_text())
     assert not [each for each in content["features"] if each["geometry"]["type"] == "LineString"]
 
