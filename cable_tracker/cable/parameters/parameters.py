@@ -150,8 +150,8 @@ class TrackerParameters(ParameterSet):
         "px",
         10.0,
         1e4,
-        "Largest |d| of a particle: half the diagonal of a 4:3 image is 200 px, of an upright 9:16 one"
-        " 330.",
+        "Largest |d| of a particle: half the diagonal of a 4:3 image is 200 px, of an upright"
+        " 9:16 one 330.",
     )
     width_minimum: float = number(3.0, "px", 0.5, 1e4, "Smallest w of a particle.")
     width_maximum: float = number(240.0, "px", 1.0, 1e4, "Largest w of a particle.")
