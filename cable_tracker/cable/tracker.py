@@ -21,8 +21,9 @@ from cable_tracker.cable.measure.working_image import (
 )
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
+from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
@@ -71,6 +72,7 @@ class CableTracker:
         self._belief: ParticleBelief | None = None
         self._pictures = NO_HISTORY
         self._given: GivenState | None = None
+        self._notice = ""
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
 
@@ -184,7 +186,9 @@ class CableTracker:
         known = motion if has_previous_frame and not step.event else None
         summary = self._find(working_image, step.dt, known)
         self._pictures = working_image.next_history
-        return self._estimate(summary, step.dt, step.event)
+        event = "; ".join(filter(None, (step.event, self._notice)))
+        self._notice = ""
+        return self._estimate(summary, step.dt, event)
 
     def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> BeliefSummary:
         if self._filter is None:
@@ -211,6 +215,7 @@ class CableTracker:
         """Return the belief in what an operator or planner gave about this very frame."""
         assert self._frame is not None
         width = self._frame.size[0]
+        self._notice = _notice_of(given, state_limits(self._parameters, width))
         states = draw_given_states(given, self._parameters, width, self._rng)
         believe = cable_filter.given_belief if given.is_certain else cable_filter.guessed_belief
         belief: ParticleBelief = believe(states)
@@ -269,3 +274,11 @@ class CableTracker:
             sigma_distance <= self._parameters.converged_distance * scale
             and sigma_angle <= math.radians(self._parameters.converged_angle)
         )
+
+
+def _notice_of(given: GivenState, limits: StateLimits) -> str:
+    """Return which limits a given state is moved into; empty if it is within them."""
+    known = np.isfinite(given.sigma) | np.isnan(given.sigma)
+    pose = np.where(known, given.state.to_array(), np.nan)[:POSE_SIZE]
+    beyond = words_beyond_limits(pose, limits)
+    return f"the given start is limited: {beyond}" if beyond else ""

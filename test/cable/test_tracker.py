@@ -742,3 +742,11 @@ def test_odometry_does_not_move_a_state_that_was_given_of_this_frame(name, draw_
     tracker.initialise(GivenState.around(STRIP))
     estimate = tracker.process(picture, START + FRAME, NotToBeAsked())
     assert estimate.state.distance == pytest.approx(STRIP.distance, abs=4.0)
+
+
+def test_a_given_start_beyond_the_limits_is_told_with_the_frame_that_it_starts(draw_strip):
+    tracker = told(replace(STRIP, width=400.0))
+    image = draw_strip(STRIP)
+    notice = "the given start is limited: w 400.0 px by width_maximum"
+    assert tracker.process(image, START).event == notice
+    assert tracker.process(image, START + FRAME).event == ""

@@ -50,6 +50,20 @@ def possible_limits(parameters: TrackerParameters, image_width: int) -> StateLim
     return StateLimits(lower - 0.5 * missing, upper + 0.5 * missing)
 
 
+def words_beyond_limits(pose: FloatArray, limits: StateLimits) -> str:
+    """Return which components of a pose (4,) lie beyond which parameters; empty if none does.
+
+    A component that is NaN lies beyond nothing.
+    """
+    beyond = (
+        (f"d {pose[0]:.1f} px", "distance_limit", abs(pose[0]) > limits.upper[0]),
+        (f"w {pose[2]:.1f} px", "width_minimum", pose[2] < limits.lower[2]),
+        (f"w {pose[2]:.1f} px", "width_maximum", pose[2] > limits.upper[2]),
+        (f"beta {pose[3]:.3f} rad", "skew_limit", abs(pose[3]) > limits.upper[3]),
+    )
+    return ", ".join(f"{value} by {name}" for value, name, is_beyond in beyond if is_beyond)
+
+
 def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     """Set components beyond a limit to the limit; shape (N, 8)."""
     result = states.copy()

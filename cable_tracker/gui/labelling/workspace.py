@@ -24,7 +24,7 @@ from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.image_folder import ImageFolderSource
-from cable_tracker.sequences.sequence_file import SequenceFileSource
+from cable_tracker.sequences.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.source import Source
 
 Listener: TypeAlias = Callable[[Changes | None], None]
@@ -38,7 +38,7 @@ def default_label_file(source: Path) -> Path:
     recording is made of.
     """
     resolved = source.resolve()
-    ending = ".labels.txt" if resolved.suffix in (".txt", ".seq") else ".txt"
+    ending = ".labels.txt" if resolved.suffix.lower() in SEQUENCE_SUFFIXES else ".txt"
     name = resolved.name + ending
     beside = resolved.with_name(name)
     return beside if beside.exists() or os.access(resolved.parent, os.W_OK) else Path(name)

@@ -3,7 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.limits import LEAST_EXTENT, possible_limits, state_limits
+from cable_tracker.cable.model.limits import (
+    LEAST_EXTENT,
+    possible_limits,
+    state_limits,
+    words_beyond_limits,
+)
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 
@@ -23,3 +28,17 @@ def test_limits_that_leave_one_value_leave_a_little_about_it_possible(width):
     np.testing.assert_allclose(upper - lower, LEAST_EXTENT[2:])
     np.testing.assert_allclose(0.5 * (lower + upper), [width, 0.0])
     assert lower[0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("pose", "words"),
+    [
+        ([0.0, 3.0, 300.0, 0.0], ""),
+        ([np.nan, 0.0, np.nan, np.nan], ""),
+        ([-900.0, 0.0, 600.0, 0.0], "d -900.0 px by distance_limit, w 600.0 px by width_maximum"),
+        ([0.0, 0.0, 1.0, -0.6], "w 1.0 px by width_minimum, beta -0.600 rad by skew_limit"),
+    ],
+)
+def test_what_lies_beyond_the_limits_is_named_with_its_parameter(pose, words):
+    limits = state_limits(TrackerParameters(), 640)
+    assert words_beyond_limits(np.array(pose), limits) == words

@@ -43,6 +43,8 @@ def test_labels_go_beside_the_recording(folder, video):
 
 def test_the_labels_of_a_sequence_file_get_a_file_of_their_own(sequence):
     assert default_label_file(sequence) == sequence.with_name("sequence.txt.labels.txt")
+    upper = sequence.rename(sequence.with_name("DIVE.TXT"))
+    assert default_label_file(upper) == sequence.with_name("DIVE.TXT.labels.txt")
 
 
 def test_they_go_here_if_nothing_can_be_written_there(folder, monkeypatch):
