@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -110,6 +111,8 @@ def run_in_folder(
 ) -> str:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
+    Where it fails, the earlier one is removed.
+
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
 
@@ -126,7 +129,12 @@ def run_in_folder(
     fingerprint = task.fingerprint()
     with output_file(root / task.name, lambda _earlier: True, overwrite=True) as folder:
         folder.mkdir()
-        task.run(folder, advance)
+        try:
+            task.run(folder, advance)
+        except Exception:
+            # Only here: a run that another one has kept out must not take its results away.
+            shutil.rmtree(root / task.name, ignore_errors=True)
+            raise
         marker = json.dumps(_marker(fingerprint, version))
         (folder / MARKER).write_text(marker, encoding="utf-8")
     return fingerprint

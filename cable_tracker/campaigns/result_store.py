@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import is_dataclass
 from enum import Enum
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +114,11 @@ def kept_result(task: object, store: Path | None) -> tuple[Any] | None:
         return None
 
 
+def kept_results(store: Path) -> int:
+    """Return the number of results in a store."""
+    return sum(1 for each in store.glob("[!.]*") if each.is_file())
+
+
 @contextmanager
 def stored_beside(
     output: Path, cluster: ClusterSettings, *, resume: bool
@@ -132,7 +138,7 @@ def stored_beside(
         _remove(store)
     elif (output / STORE).is_dir():
         shutil.copytree(output / STORE, store, dirs_exist_ok=True)
-    with saying_what_stays(store):
+    with saying_what_stays(store, partial(kept_results, store)):
         yield CampaignSettings(cluster, store.absolute(), resume)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -135,8 +134,6 @@ def run_campaign(
     outcomes: dict[str, Outcome] = {}
 
     def end(outcome: Outcome) -> None:
-        if outcome.state is TaskState.FAILED:
-            shutil.rmtree(root / outcome.name, ignore_errors=True)
         outcomes[outcome.name] = outcome
         finished(outcome)
 

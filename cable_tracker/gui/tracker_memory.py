@@ -149,8 +149,12 @@ class TrackerMemory(Generic[Tracker]):
         most = min(LARGEST_COUNT, max(LEAST_COUNT, LARGEST_PARTICLE_COUNT // particle_count))
         if len(self._stretches) <= most:
             return
+        before = len(self._stretches)
         self._interval *= 2
         self._thin()
+        if len(self._stretches) == before:
+            # Stretches between jumps are never joined, however long the interval is.
+            self._interval //= 2
         for stretch in self._stretches[: max(0, len(self._stretches) - most)]:
             if stretch is not self._current:
                 self._stretches.remove(stretch)

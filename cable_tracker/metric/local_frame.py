@@ -29,6 +29,7 @@ class LocalFrame:
                 f"datum: {latitude}, {longitude} is no place on the earth; give latitude,longitude"
                 " in degrees, as 54.25,7.9"
             )
+        longitude = (longitude + 180.0) % 360.0 - 180.0
         self.latitude, self.longitude = latitude, longitude
         self._to_local = Transformer.from_pipeline(
             "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad"

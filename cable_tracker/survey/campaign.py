@@ -7,8 +7,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file
-from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
+from cable_tracker.campaigns.folder_tasks import (
+    MARKER,
+    Outcome,
+    TaskState,
+    fingerprint_of_files,
+    is_done,
+)
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
@@ -126,7 +133,11 @@ def run_survey(
         SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)
     ]
     root = output / RECORDINGS
-    with saying_what_stays(root):
+
+    def finished() -> int:
+        return sum(is_done(task, root / task.name, __version__) for task in tasks)
+
+    with saying_what_stays(root, finished):
         outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
         return _put_together(output, outcomes, datum)
 
@@ -150,6 +161,8 @@ def _put_together(
                 )
             except RecordingError as error:
                 row = RecordingRow(outcome.name, f"failed: {error}")
+                # What is damaged is not kept: the next `--resume` does it again.
+                (root / outcome.name / MARKER).unlink(missing_ok=True)
         rows.append(row)
     try:
         routes = _write_all(output, list(dives.values()), rows, datum)

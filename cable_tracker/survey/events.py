@@ -319,7 +319,7 @@ def _stretches(
     return [
         maker.at(kind, float(along[first]), words(slice(first, last)), float(along[last - 1]))
         for first, last in true_runs(mask)
-        if (last - first) * SPACING >= least
+        if (last - 1 - first) * SPACING >= least
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,9 @@ FARTHEST_DATUM = 100e3
 """Distance of a dive from the datum up to which a plane serves: there 1e-4 of a length is lost [m].
 """
 
+FIRST_FIXES = 100
+"""Number of fixes among which the datum is chosen."""
+
 
 @dataclass(frozen=True, slots=True)
 class SurveySettings:
@@ -65,7 +69,9 @@ class SurveySettings:
 
 
 def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float, float] | None:
-    """Return the first place on the earth that any of the recordings states [deg]; None: none.
+    """Return a place on the earth that the first recording with fixes states [deg]; None: none.
+
+    Of its first fixes it is the one to which most are near: a receiver may begin with an old place.
 
     Raises
     ------
@@ -86,11 +92,27 @@ def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float,
         if vehicle.source is None or Instrument.FIX not in vehicle.source.found.topics:
             continue
         with closing(vehicle.source.messages(only={Instrument.FIX})) as messages:
-            for message in messages:
-                fix = read_fix(message.message)
-                if fix is not None:
-                    return fix[0], fix[1]
+            fixes = (read_fix(message.message) for message in messages)
+            first = list(islice((fix[:2] for fix in fixes if fix is not None), FIRST_FIXES))
+        if first:
+            return middle_fix(np.array(first))
     return None
+
+
+def middle_fix(fixes: FloatArray) -> tuple[float, float]:
+    """Return that of some fixes to which most others are near.
+
+    Parameters
+    ----------
+    fixes : FloatArray
+        Latitudes and longitudes, shape (N, 2), N > 0 [deg].
+    """
+
+    def usual_distance(fix: tuple[float, float]) -> float:
+        return float(np.median(LocalFrame(*fix).distances(fixes[:, 0], fixes[:, 1])))
+
+    places = [(float(latitude), float(longitude)) for latitude, longitude in fixes]
+    return min(places, key=usual_distance)
 
 
 def survey_recording(
@@ -181,8 +203,9 @@ def _on_earth(
     far = float(np.median(frame.distances(fixes[:, 0], fixes[:, 1]))) if len(fixes) else 0.0
     if far > FARTHEST_DATUM:
         notes.append(
-            f"the datum is {far / 1000.0:.0f} km from the fixes: look at its signs, and whether"
-            " latitude comes first; the route is in the frame of odometry and is not merged"
+            f"the datum is {far / 1000.0:.0f} km from the fixes: give one near them with --datum,"
+            " or look at the signs of what was given, and whether latitude comes first; the route"
+            " is in the frame of odometry and is not merged"
         )
         return None
     earth = georeference(poses, dive.fixes, frame, dive.disk)

@@ -25,6 +25,7 @@ from campaign_tasks import (  # noqa: E402
 )
 from distributed import Client, LocalCluster  # noqa: E402
 
+from cable_tracker.atomic_output import output_file  # noqa: E402
 from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
 from cable_tracker.campaigns.result_tasks import run_all  # noqa: E402
 from cable_tracker.campaigns.runner import _Progress, run_campaign  # noqa: E402
@@ -108,6 +109,15 @@ def test_a_task_that_fails_now_leaves_no_earlier_result(tmp_path, task):
     run_campaign([Square(1)], tmp_path, ALONE)
     assert states(run_campaign([task], tmp_path, ALONE)) == [TaskState.FAILED]
     assert not (tmp_path / "number_1").exists()
+
+
+def test_a_result_that_another_run_is_making_anew_stays(tmp_path):
+    run_campaign([Square(1)], tmp_path, ALONE)
+    with output_file(tmp_path / "number_1", lambda _earlier: True, overwrite=True) as folder:
+        folder.mkdir()
+        (outcome,) = run_campaign([Square(1, parameter="another")], tmp_path, ALONE)
+        assert "another run is writing it" in outcome.reason
+        assert (tmp_path / "number_1/square.txt").read_text() == "1"
 
 
 def test_an_earlier_result_is_not_taken_for_that_of_a_worker_that_does_not_share_the_folder(

@@ -98,3 +98,14 @@ def test_many_jumps_are_bounded_too(run):
         run.tracker.reset()
         run.track((start,))
     assert len(run.memory) <= LARGEST_COUNT
+
+
+def test_after_many_jumps_what_is_tracked_next_is_remembered_as_closely(run):
+    for start in range(0, 10 * (LARGEST_COUNT + 10), 10):
+        run.memory.interrupt()
+        run.track((start,))
+    first = 10 * (LARGEST_COUNT + 10)
+    run.memory.interrupt()
+    run.track(range(first, first + 3 * FIRST_INTERVAL))
+    _, nearest = run.memory.recall(first + 3 * FIRST_INTERVAL - 1)
+    assert nearest == first + 2 * FIRST_INTERVAL

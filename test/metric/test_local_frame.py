@@ -25,3 +25,10 @@ def test_a_minute_of_latitude_is_a_nautical_mile():
 def test_a_place_that_is_none_is_no_datum():
     with pytest.raises(ParameterError, match="no place on the earth"):
         LocalFrame(91.0, 0.0)
+
+
+@pytest.mark.parametrize(("given", "longitude"), [(350.0, -10.0), (-190.0, 170.0), (7.9, 7.9)])
+def test_a_longitude_is_told_between_minus_180_and_180_degrees(given, longitude):
+    frame = LocalFrame(54.0, given)
+    assert frame.longitude == pytest.approx(longitude)
+    np.testing.assert_allclose(frame.to_degrees(np.zeros((1, 2))), [[54.0, longitude]], atol=1e-9)

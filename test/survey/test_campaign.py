@@ -128,6 +128,8 @@ def test_a_kept_dive_without_its_frames_is_a_row_that_failed(surveyed, tmp_path)
     (output / "recordings/dive/frames.parquet").unlink()
     result = run_survey(surveyed[2], output, SurveySettings(), ALONE, resume=True)
     assert "survey the recording again" in result.rows[0].state
+    again = run_survey(surveyed[2], output, SurveySettings(), ALONE, resume=True)
+    assert again.outcomes[0].state is TaskState.DONE and again.routes
 
 
 def test_resuming_keeps_what_is_there_and_does_what_has_changed(surveyed):

@@ -93,6 +93,7 @@ class Workspace:
                 }
             )
         self.autosaved, self._autosaved_stamps = self._unsaved(path, content)
+        self._owns_autosave = False
         self._file, self._content = file, content
         self.document = LabelDocument(content.labels, content.stamps)
         self._saved: Labels = dict(content.labels)
@@ -269,7 +270,7 @@ class Workspace:
 
     def save_as(self, path: Path, *, overwrite: bool = False) -> None:
         """Write the labels into another file, which is the label file from now on; see `save`."""
-        old = autosave_path(self.path)
+        old, owned = autosave_path(self.path), self._owns_autosave
         if path.resolve() == self.path.resolve():
             self._write_to(self._file, overwrite)
             return
@@ -279,7 +280,8 @@ class Workspace:
             )
         file = LabelFile(path, self._names, allow_outside=self._allow_outside)
         self._write_to(file, overwrite)
-        old.unlink(missing_ok=True)
+        if owned:
+            old.unlink(missing_ok=True)
 
     def _write_to(self, file: LabelFile, overwrite: bool) -> None:
         labels = dict(self.document.labels)
@@ -296,6 +298,7 @@ class Workspace:
         file.write(content, overwrite=overwrite)
         self._file, self._content, self._saved = file, content, labels
         autosave_path(file.path).unlink(missing_ok=True)
+        self._owns_autosave = False
         self.trouble = ""
         self.tell({})
 
@@ -324,6 +327,7 @@ class Workspace:
             self.document.replace(self.autosaved)
             self.document.stamps.update(self._autosaved_stamps)
             self.autosaved = None
+            self._owns_autosave = True
             self.tell(None)
 
     def discard(self) -> None:
@@ -334,14 +338,18 @@ class Workspace:
             self.tell(None)
 
     def autosave(self) -> None:
-        """Save changed labels beside the label file; without changes, remove what lies there."""
+        """Save changed labels beside the label file; without changes, remove what was saved so.
+
+        What another window on the same file has saved stays.
+        """
         if self.autosaved is not None:
             return
         path = autosave_path(self.path)
         try:
             if self.is_changed:
                 write_autosave(path, self.document.labels, self.document.stamps, self._names)
-            else:
+                self._owns_autosave = True
+            elif self._owns_autosave:
                 path.unlink(missing_ok=True)
             trouble = ""
         except (OSError, ValueError) as error:

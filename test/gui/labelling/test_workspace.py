@@ -132,6 +132,15 @@ def test_saving_ends_the_need_for_unsaved_labels(start, path):
     assert not autosave_path(path).exists()
 
 
+def test_another_window_without_changes_leaves_unsaved_labels(start, path):
+    other = start()
+    first = start()
+    edit(first)
+    first.autosave()
+    other.autosave()
+    assert autosave_path(path).exists()
+
+
 def test_undoing_everything_ends_it_too(workspace, path):
     edit(workspace)
     workspace.autosave()
