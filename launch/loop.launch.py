@@ -84,15 +84,16 @@ def controller() -> Node:
         package="cable_tracker",
         executable="controller",
         namespace=LaunchConfiguration("namespace"),
-        parameters=[LaunchConfiguration("params_file")],
+        parameters=[
+            {"use_sim_time": of_type("use_sim_time", bool)},
+            LaunchConfiguration("params_file"),
+        ],
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
 
 
 def generate_launch_description() -> LaunchDescription:
-    vehicle = simulator()
-    end_with_simulator = RegisterEventHandler(
-        OnProcessExit(target_action=vehicle, on_exit=[EmitEvent(event=Shutdown())])
-    )
-    return LaunchDescription([*arguments(), tracker(), controller(), vehicle, end_with_simulator])
+    # Whichever of the three ends: the others would wait for it for ever.
+    end_together = RegisterEventHandler(OnProcessExit(on_exit=[EmitEvent(event=Shutdown())]))
+    return LaunchDescription([*arguments(), tracker(), controller(), simulator(), end_together])

@@ -153,8 +153,6 @@ def replay() -> Node:
 
 
 def generate_launch_description() -> LaunchDescription:
-    source = replay()
-    end_with_replay = RegisterEventHandler(
-        OnProcessExit(target_action=source, on_exit=[EmitEvent(event=Shutdown())])
-    )
-    return LaunchDescription([*arguments(), tracker(), source, end_with_replay])
+    # Whichever ends: without the tracker the replay would wait for it for ever.
+    end_together = RegisterEventHandler(OnProcessExit(on_exit=[EmitEvent(event=Shutdown())]))
+    return LaunchDescription([*arguments(), tracker(), replay(), end_together])

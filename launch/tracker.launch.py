@@ -33,7 +33,8 @@ def arguments() -> list[DeclareLaunchArgument]:
         DeclareLaunchArgument(
             "vehicle_file",
             default_value=LaunchConfiguration("params_file"),
-            description="YAML file with parameters of the vehicle alone, as its mounting",
+            description="YAML file with parameters of the vehicle alone, as its mounting, under the"
+            " same name of the node as those of params_file",
         ),
         DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node"),
         DeclareLaunchArgument("image", default_value="image", description="Topic of the camera"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -30,6 +30,10 @@ ImageCallback: TypeAlias = Callable[[bytes, Mapping[str, Any]], None]
 
 LONGEST_WAIT: Final = 60.0
 """A message that seems to have waited longer has not: the clock was set meanwhile [s]."""
+
+LEASE: Final = 25.0
+"""For so long the graph may keep the publisher of a process that was killed [s]; Fast DDS lets a
+lease end after 20 s."""
 
 ADVICE_ON_LOSS: Final = (
     "large frames need config/fastdds_loopback.xml, image_reliability:=reliable or compressed"
@@ -128,6 +132,7 @@ class ImageInput:
         self._gaps = GapCounter()
         self._subscription: Any = None
         self._cameras: list[str] = []
+        self._count_of_cameras, self._counted_at = 0, 0.0
 
     @property
     def is_open(self) -> bool:
@@ -196,7 +201,7 @@ class ImageInput:
         Their frames cannot be told apart in what comes, and no tracker follows two views at once.
         """
         names = sorted(map(qos.endpoint_name, self._publishers()))
-        cameras = names if len(names) > 1 else []
+        cameras = names if len(names) > 1 and self._are_alive(names) else []
         if cameras and cameras != self._cameras:
             self._node.get_logger().error(
                 f"{len(cameras)} nodes publish {self.topic}: {', '.join(cameras)}; their frames are"
@@ -204,6 +209,16 @@ class ImageInput:
             )
         self._cameras = cameras
         return ", ".join(cameras)
+
+    def _are_alive(self, names: Sequence[str]) -> bool:
+        """Tell whether publishers of these names are surely several.
+
+        One that was killed and started anew stands twice on the graph until its lease has ended.
+        """
+        now = time.monotonic()
+        if len(names) != self._count_of_cameras:
+            self._count_of_cameras, self._counted_at = len(names), now
+        return len(set(names)) > 1 or now - self._counted_at > LEASE
 
     def _publishers(self) -> list[Any]:
         return list(self._node.get_publishers_info_by_topic(self.topic)) if self.is_open else []

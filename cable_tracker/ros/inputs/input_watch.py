@@ -49,11 +49,6 @@ class FrozenInput:
         self._seconds = (stamp - self._since) / NANOSECONDS
         return self._seconds
 
-    def forget(self) -> None:
-        """Begin anew."""
-        self._picture = None
-        self._seconds = 0.0
-
 
 def same(picture: Image, other: Image) -> bool:
     """Tell whether two pictures, (H, W) or (H, W, 3), are the same in every pixel."""
@@ -114,11 +109,10 @@ class InputWatch:
         """Let the time of silence begin now, on the monotonic clock [s]."""
         self._last_usable = now
 
-    def note_usable(self, now: float) -> bool:
-        """Note that a usable frame came; return whether that ended a silence."""
-        was_stale, self._is_stale = self._is_stale, False
+    def note_usable(self, now: float) -> None:
+        """Note that a usable frame came: a silence ends."""
+        self._is_stale = False
         self._last_usable = now
-        return was_stale
 
     def falls_silent(self, now: float) -> bool:
         """Return whether the input has just become stale; once for each silence."""
@@ -137,8 +131,3 @@ class InputWatch:
         has_just_frozen = is_frozen and not self._is_frozen
         self._is_frozen = is_frozen
         return has_just_frozen
-
-    def forget(self) -> None:
-        """Forget the picture; the next one is new."""
-        self._frozen.forget()
-        self._is_frozen = False

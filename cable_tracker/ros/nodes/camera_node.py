@@ -156,8 +156,8 @@ class CameraNode(ProcessNode):
         raise NotImplementedError
 
     def _restart(self) -> None:
-        """Forget what was tracked; to be extended."""
-        self._watch.forget()
+        """Forget what was tracked. That a picture stands still is the camera's, and stays known."""
+        raise NotImplementedError
 
     def _figures(self) -> dict[str, str]:
         """Return what diagnostics say beside the camera's figures, with units in the keys."""
@@ -292,11 +292,12 @@ class CameraNode(ProcessNode):
 
     def _answer(self, frame: CameraFrame) -> None:
         self._frame_id = frame.header.frame_id
-        stamp = frame.stamp or int(self.get_clock().now().nanoseconds)
+        stamp = frame.stamp or self._time_of(frame.arrival)
         header = self._header_for_answer(frame, stamp)
         if not self._enabled or self._warm_up is not None:
             self._statistics.ignored += 1
             self._note_usable()
+            self._tell_status()
             self._outputs.answer_without_estimate(header, self.status, "")
             return
         try:
@@ -316,6 +317,11 @@ class CameraNode(ProcessNode):
         self._note_event(outcome.event)
         self._change_status(outcome.status)
 
+    def _time_of(self, arrival: float) -> int:
+        """Return the node's time when a frame came [ns]; 0 while there is none."""
+        now = int(self.get_clock().now().nanoseconds)
+        return max(now - round((time.perf_counter() - arrival) * 1e9), 1) if now else 0
+
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header
         if not frame.stamp:
@@ -334,12 +340,11 @@ class CameraNode(ProcessNode):
                 f"the camera has sent the same picture for {self._watch.same_for:.1f} s;"
                 " tracking goes on when it changes (parameter frozen_timeout)"
             )
-            self.publish_diagnostics()
+        self._tell_status()
 
     def _note_usable(self) -> None:
         self._statistics.refused_in_a_row = 0
-        if self._watch.note_usable(time.monotonic()):
-            self.publish_diagnostics()
+        self._watch.note_usable(time.monotonic())
 
     def _note_event(self, event: str) -> None:
         if event:
@@ -356,7 +361,13 @@ class CameraNode(ProcessNode):
         if status != self._status:
             self._status = status
             self.get_logger().info(status)
-        # Also where it was another one that hid this one, as of a frozen picture.
+        self._tell_status()
+
+    def _tell_status(self) -> None:
+        """Publish diagnostics if they said another status than the present one.
+
+        Also where one has hidden another, as that of a camera that was silent does.
+        """
         if self.status != self._published_status:
             self.publish_diagnostics()
 
@@ -413,4 +424,8 @@ class CameraNode(ProcessNode):
         """Publish status and figures on /diagnostics."""
         self._published_status = self.status
         publishers = self._watched_publishers.profiles
-        self._diagnostics.publish(self.status, self._figures(), publishers)
+        figures = self._figures()
+        if self.status != self._status:
+            # What was found in the last frame that was used is none of now.
+            figures = dict.fromkeys(figures, "")
+        self._diagnostics.publish(self.status, figures, publishers)

@@ -14,14 +14,15 @@ from rclpy.duration import Duration
 from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.health.diagnostics import Level
+from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import make_status_array
+from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 Kept = TypeVar("Kept")
@@ -31,6 +32,9 @@ KEPT = 100
 
 NO_STATE = "NO STATE"
 """What diagnostics say while no `state` comes."""
+
+IDLE_STATUSES = {DISABLED, WARMING_UP, FROZEN_INPUT}
+"""Statuses of a tracker that looks for nothing."""
 
 STOP_PATIENCE = 1.0
 """Longest time for the last command to arrive when the node ends [s]."""
@@ -42,7 +46,9 @@ POLL = 0.005
 class GuidanceNode(ProcessNode):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
-    Without a `state` for `state_timeout` the vehicle is stopped, but not in lockstep. In lockstep
+    Without a `state` for `state_timeout` the vehicle is stopped, and so it is while the tracker
+    says that it looks at nothing (switched off, warming up, or before a picture that stands still);
+    but not in lockstep. In lockstep
     it waits, at most `settle_time`, until every message that the frame report announces has
     arrived, so that the command does not depend on the order of messages. The first command waits
     until it has a subscriber.
@@ -87,9 +93,9 @@ class GuidanceNode(ProcessNode):
             DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
         )
         self._expects_metres: OrderedDict[int, bool] = OrderedDict()
+        self._idle_status = ""
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
-        if self._values["lockstep"]:
-            self.create_subscription(DiagnosticArray, self.REPORT.name, self.on_report, qos.RESULTS)
+        self.create_subscription(DiagnosticArray, self.REPORT.name, self.on_report, qos.RESULTS)
         self.create_subscription(JointState, node_topics.STATE.name, self.on_state, qos.RESULTS)
 
     @property
@@ -127,9 +133,11 @@ class GuidanceNode(ProcessNode):
         self._states.append((stamp_of(message.header), bool(message.position), now))
 
     def on_report(self, message: Message) -> None:
-        """Take note of whether a place in metres comes with the `state` of a frame."""
+        """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
         has_place = bool(message.status) and self._announces_place(message)
         keep(self._expects_metres, stamp_of(message.header), has_place)
+        status = report_status(message) if message.status else ""
+        self._idle_status = status if status in IDLE_STATUSES else ""
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -146,6 +154,10 @@ class GuidanceNode(ProcessNode):
         # A first command without a subscriber would stop a lockstep simulator for ever.
         if self._values["lockstep"] and not self._commands.get_subscription_count():
             return
+        if self._idle_status and not self._values["lockstep"]:
+            self._states.pop(0)
+            self._stop_while_idle(stamp)
+            return
         has_time = time.monotonic() - came < self._number("settle_time")
         is_placed = is_claimed and self._expects_metres.get(stamp, True)
         if has_time and not self._is_complete(stamp, is_placed):
@@ -157,6 +169,15 @@ class GuidanceNode(ProcessNode):
         self._report_mode_change(stamp)
         self._last_command = command
         self._commands.publish(command)
+
+    def _stop_while_idle(self, stamp: int) -> None:
+        """Let the vehicle stop: to search makes no sense while the tracker does not look."""
+        self._stop()
+        if self._is_silent:
+            return
+        self._is_silent, self._told = True, None
+        self.get_logger().warning(f"the tracker says {self._idle_status}: the vehicle stops")
+        self._report(stamp, self._idle_status, Level.WARN)
 
     def _stop_if_silent(self) -> None:
         silent = time.monotonic() - self._last_state > self._number("state_timeout")

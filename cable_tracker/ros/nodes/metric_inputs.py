@@ -39,6 +39,9 @@ MOUNTING_NOT_GIVEN = (
 )
 
 
+NO_FRAME = Withheld(Reason.NOT_TRACKING, "no frame has come")
+
+
 class MetricInputs(InstrumentInputs[CableSight]):
     """Listens to the instruments, and publishes `cross_track`.
 
@@ -56,7 +59,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
         super().__init__(node, METRIC_PARAMETERS, CableSight, CABLE_INSTRUMENTS, AWAITED)
         self._factory = factory
         self._is_mounting_told = False
-        self._result: CrossTrack | Withheld = Withheld(Reason.NOT_TRACKING, "no frame has come")
+        self._result: CrossTrack | Withheld = NO_FRAME
         self._publishers = {
             topic: publishers.create(PoseWithCovarianceStamped, topic.name, qos.RESULTS)
             for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
@@ -66,6 +69,10 @@ class MetricInputs(InstrumentInputs[CableSight]):
     def result(self) -> CrossTrack | Withheld:
         """Metres of the last frame."""
         return self._result
+
+    def forget(self) -> None:
+        """Forget the metres of the last frame; what the instruments have told stays."""
+        self._result = NO_FRAME
 
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].

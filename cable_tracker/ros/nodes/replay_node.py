@@ -283,7 +283,7 @@ class ReplayNode(ProcessNode):
             return True
         lockstep = self._flag("lockstep")
         is_heard = self._image.get_subscription_count() > 0
-        answers = self.count_publishers(self._state.topic_name) > 0
+        answers = self._is_answered()
         # A tracker subscribes to instruments before it subscribes to images.
         all_heard = self._instruments is None or not self._instruments.unheard()
         in_step = not lockstep or (answers and all_heard)
@@ -296,6 +296,19 @@ class ReplayNode(ProcessNode):
                 f"no node subscribes to {self._image.topic_name}: the first frames reach none"
             )
         return self._connected
+
+    def _is_answered(self) -> bool:
+        """Tell whether a node that hears the images publishes `state`.
+
+        Anything else may hear them, too, such as a recorder or rviz, before the tracker does. Where
+        `state` is remapped, what answers need not be what hears.
+        """
+        name = node_topics.STATE.name
+        answering = self.get_publishers_info_by_topic(self._state.topic_name)
+        if self.resolve_topic_name(name) != self.resolve_topic_name(name, only_expand=True):
+            return bool(answering)
+        hearing = self.get_subscriptions_info_by_topic(self._image.topic_name)
+        return bool(set(map(qos.endpoint_name, answering)) & set(map(qos.endpoint_name, hearing)))
 
     def _send(self, frame: Frame) -> None:
         self._steps = max(self._steps - 1, 0)

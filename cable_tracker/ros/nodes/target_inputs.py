@@ -45,6 +45,8 @@ class TargetInputs(InstrumentInputs[TargetSight]):
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
         self._sight.forget(number)
+        if number is None:
+            self._results = []
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture; see `TargetSight`."""

@@ -211,7 +211,6 @@ class TargetTrackerNode(CameraNode):
             self.get_logger().warning(event)
 
     def _restart(self) -> None:
-        super()._restart()
         self._group.reset()
         self._metric.forget()
         self._estimates = ()

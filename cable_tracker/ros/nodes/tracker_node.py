@@ -168,8 +168,8 @@ class TrackerNode(CameraNode):
         return FrameResult(estimate.status.value, estimate.event)
 
     def _restart(self) -> None:
-        super()._restart()
         self._tracker.reset()
+        self._metric.forget()
         self._estimate = None
         prior = self._search.restart()
         if prior is not None:

@@ -16,6 +16,9 @@ METRES_PER_PIXEL = 0.01
 
 LINE_WIDTH = 2 * METRES_PER_PIXEL
 
+LIFETIME = 2
+"""Lines are drawn for so long if none come after them [s]: a tracker may be switched off or die."""
+
 LINE_LIST, ADD, DELETE_ALL = 5, 0, 3
 """``Marker.LINE_LIST``, ``Marker.ADD`` and ``Marker.DELETEALL``."""
 
@@ -76,6 +79,7 @@ def _line_marker(factory: MessageFactory, header: Message, number: int, lines: L
         pose=make_pose_at_origin(factory),
         scale=factory.make("geometry_msgs/msg/Vector3", x=LINE_WIDTH, y=0.0, z=0.0),
         color=factory.make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=1.0),
+        lifetime=factory.make("builtin_interfaces/msg/Duration", sec=LIFETIME, nanosec=0),
         points=[_point(factory, float(x), float(y)) for x, y in lines.ends],
     )
 

@@ -44,6 +44,19 @@ def test_two_cameras_on_one_topic_are_named(
     assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
 
 
+def test_a_camera_that_was_killed_and_started_anew_is_one(
+    world: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = world.tracker(diagnostics_period=3600.0)
+    for _ in range(2):
+        camera = world.add(Node("camera", context=world.context, namespace=world.namespace))
+        camera.create_publisher(Image, "image", 1)
+    world.spin(lambda: node.count_publishers(f"{world.namespace}/image") == 2)
+    assert node._input.several_cameras() == ""
+    monkeypatch.setattr("cable_tracker.ros.inputs.image_input.LEASE", 0.0)
+    assert node._input.several_cameras() == ", ".join([f"{world.namespace}/camera"] * 2)
+
+
 def test_a_shorter_period_counts_at_once(world: Any, diagnostics: Callable[..., list[Any]]) -> None:
     node = world.tracker(diagnostics_period=3600.0)
     node.publish_diagnostics()

@@ -64,9 +64,9 @@ class Tracker:
         message.pose.pose.orientation.w = math.cos(heading / 2)
         self._publishers["cross_track"].publish(message)
 
-    def reports(self, **facts: str) -> None:
+    def reports(self, message: str = "", **facts: str) -> None:
         values = [KeyValue(key=key, value=value) for key, value in facts.items()]
-        status = [DiagnosticStatus(values=values)]
+        status = [DiagnosticStatus(message=message, values=values)]
         report = DiagnosticArray(header=self._header(), status=status)
         self._publishers["tracker/frame_report"].publish(report)
 
@@ -174,6 +174,27 @@ def test_a_tracker_that_falls_silent_stops_the_vehicle(world, tracker):
     # Where the machine is busy, it may have stopped between two frames as well.
     assert any(command.linear.x > 0.0 for command in tracker.commands)
     world.spin(lambda: tracker.commands[-1].linear.x == 0.0)
+
+
+@pytest.mark.parametrize("status", ["DISABLED", "WARMING UP", "FROZEN INPUT"])
+def test_while_the_tracker_looks_at_nothing_the_vehicle_stands(world, tracker, diagnostics, status):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=10)
+    assert tracker.commands[-1].linear.x > 0.0
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.reports(status)
+    world.empty_queues()
+    for _ in range(30):
+        tracker.next_frame()
+        tracker.says_state(claims=False)
+        world.empty_queues()
+    assert tracker.commands[-1] == Twist()
+    world.spin(lambda: [words for words, _ in diagnostics(node)][-1:] == [status])
+    tracker.reports("TRACKING")
+    world.empty_queues()
+    tracker.tells(0.0, frames=10)
+    assert tracker.commands[-1].linear.x > 0.0
 
 
 def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import (
@@ -593,6 +594,20 @@ def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive
     node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=3600.0)
     world.spin(lambda: len(states) == 3)
     world.spin(lambda: node.finished)
+
+
+def test_a_lockstep_waits_for_the_tracker_itself_to_hear_the_images(
+    world: Any, make_dive: Dive
+) -> None:
+    world.listen(Image, "image")
+    teller = world.add(Node("tracker", context=world.context, namespace=world.namespace))
+    teller.create_publisher(JointState, "state", 1)
+    node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=3600.0)
+    world.spin(lambda: world.me.count_publishers(f"{world.namespace}/state"))
+    world.pass_time(0.5)
+    assert not node._connected
+    teller.create_subscription(Image, "image", lambda _message: None, 1)
+    world.spin(lambda: node._connected)
 
 
 class SlowLink:

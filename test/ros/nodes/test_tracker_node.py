@@ -1,13 +1,16 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -623,6 +626,61 @@ class TestServicesAndStatus:
         world.show(node, image_message(bottom, index=1))
         assert node.status == "INITIALISING"
         world.spin(lambda: diagnostics(node)[-1][0] == "INITIALISING")
+
+    def test_the_first_frame_after_a_silence_tells_its_own_status_alone(
+        self,
+        world: Any,
+        near: str,
+        strip: Callable[..., np.ndarray],
+        image_message: Callable[..., Any],
+        diagnostics: Callable[..., list[Any]],
+    ) -> None:
+        node = world.tracker(initial_state=near, diagnostics_period=3600.0, input_timeout=0.5)
+        for index in range(8):
+            world.show(node, image_message(strip(), index=index))
+        world.spin(lambda: node.status == "STALE INPUT")
+        world.spin(lambda: diagnostics(node)[-1][0] == "STALE INPUT")
+        assert diagnostics(node)[-1][1]["presence [%]"] == ""
+        told = len(diagnostics(node))
+        world.show(node, image_message(np.full((240, 320), 90, np.uint8), index=2000))
+        world.spin(lambda: len(diagnostics(node)) > told)
+        assert diagnostics(node)[told][0] == "INITIALISING"
+
+    def test_a_reset_does_not_make_a_frozen_camera_live(
+        self, world: Any, near: str, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.2)
+        for index in range(12):
+            world.show(node, image_message(index=index))
+        assert node.status == "FROZEN INPUT"
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        world.show(node, image_message(index=12))
+        assert node.status == "FROZEN INPUT"
+
+    def test_a_reset_forgets_the_metres_too(
+        self, world: Any, near: str, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        world.show(node, image_message())
+        told = node._metric.result
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        assert node._metric.result != told
+        assert "no frame has come" in str(node._metric.result)
+
+    def test_a_frame_without_a_stamp_has_the_time_at_which_it_came(
+        self, world: Any, strip: Callable[..., np.ndarray], image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        message = image_message(strip(), header=Header())
+        waited = 3_000_000_000
+        earliest = int(node.get_clock().now().nanoseconds) - waited
+        info = {"received_timestamp": time.time_ns() - waited}
+        latest = int(node.get_clock().now().nanoseconds) - waited
+        node.on_image(serialize_message(message), info)
+        world.spin(lambda: states)
+        stamp = states[0].header.stamp.sec * 10**9 + states[0].header.stamp.nanosec
+        assert earliest - 100_000_000 < stamp < latest + 100_000_000
 
     def test_a_camera_that_never_sends_is_stale_input_too(self, world: Any) -> None:
         node = world.tracker(input_timeout=0.2)
