@@ -260,3 +260,13 @@ def footage() -> Path:
     if not (folder / "strip.mp4").exists() or not (folder / "strip.txt").exists():
         pytest.skip(f"REAL FOOTAGE IS MISSING: {folder} holds no strip.mp4 and strip.txt")
     return folder
+
+
+@pytest.fixture
+def pictures(tmp_path: Path, picture: Callable[[int], Image]) -> Path:
+    """Return a folder of four pictures, 0.png to 3.png."""
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for index in range(4):
+        cv2.imwrite(str(folder / f"{index}.png"), picture(index))
+    return folder

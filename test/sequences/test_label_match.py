@@ -1,17 +1,7 @@
-import cv2
 import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.source import open_source
-
-
-@pytest.fixture
-def pictures(tmp_path, picture):
-    folder = tmp_path / "pictures"
-    folder.mkdir()
-    for index in range(4):
-        cv2.imwrite(str(folder / f"{index}.png"), picture(index))
-    return folder
 
 
 @pytest.fixture

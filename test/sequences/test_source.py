@@ -19,15 +19,6 @@ from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 
 @pytest.fixture
-def pictures(tmp_path, picture):
-    folder = tmp_path / "pictures"
-    folder.mkdir()
-    for index in range(4):
-        cv2.imwrite(str(folder / f"{index}.png"), picture(index))
-    return folder
-
-
-@pytest.fixture
 def write_truth(tmp_path, state):
     """Write a sequence file that labels the given names."""
 
