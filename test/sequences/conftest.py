@@ -263,7 +263,7 @@ def footage() -> Path:
 
 
 @pytest.fixture
-def pictures(tmp_path: Path, picture: Callable[[int], Image]) -> Path:
+def pictures(tmp_path: Path, picture: Callable[..., np.ndarray]) -> Path:
     """Return a folder of four pictures, 0.png to 3.png."""
     folder = tmp_path / "pictures"
     folder.mkdir()
