@@ -318,9 +318,15 @@ class CameraNode(ProcessNode):
         self._change_status(outcome.status)
 
     def _time_of(self, arrival: float) -> int:
-        """Return the node's time when a frame came [ns]; 0 while there is none."""
-        now = int(self.get_clock().now().nanoseconds)
-        return max(now - round((time.perf_counter() - arrival) * 1e9), 1) if now else 0
+        """Return the node's time when a frame came [ns]; 0 while there is none.
+
+        Simulated time may pass at another pace, or stand still: of that it is the time now.
+        """
+        clock = self.get_clock()
+        now = int(clock.now().nanoseconds)
+        if clock.ros_time_is_active:
+            return now
+        return now - round((time.perf_counter() - arrival) * 1e9)
 
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header
