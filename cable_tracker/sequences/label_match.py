@@ -48,6 +48,11 @@ def _check_labels(source: Source, labels: list[Label], truth: Path) -> None:
     folder = source.path if isinstance(source, ImageFolderSource) else source.path.parent
     near = {label.line for label in labels_near(labels, truth, folder)}
     own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
+    pictures = (
+        {picture.name for picture in source.pictures}
+        if isinstance(source, ImageFolderSource)
+        else None
+    )
     first_line: dict[str, int] = {}
     for label in labels:
         name = str(label)
@@ -59,18 +64,21 @@ def _check_labels(source: Source, labels: list[Label], truth: Path) -> None:
         first_line[name] = label.line
         if label.line not in near or (own and label.filename not in own):
             continue
-        reason = _mismatch(source, label)
+        reason = _mismatch(source, label, pictures)
         if reason:
             raise RecordingError(f"{truth}: line {label.line} labels {name}, but {reason}")
 
 
-def _mismatch(source: Source, label: Label) -> str:
-    """Return why a label belongs to no frame; empty if it does, or if that cannot be told."""
+def _mismatch(source: Source, label: Label, pictures: set[str] | None) -> str:
+    """Return why a label belongs to no frame; empty if it does, or if that cannot be told.
+
+    `pictures` are the names of those in a folder; None: the source is none.
+    """
     name, count = source.path.name, source.frame_count
     if isinstance(source, SequenceFileSource):
         return ""
-    if isinstance(source, ImageFolderSource) and label.frame is None:
-        known = any(picture.name == Path(label.filename).name for picture in source.pictures)
+    if pictures is not None and label.frame is None:
+        known = PurePath(label.filename).name in pictures
         return "" if known else f"{name} holds no such picture"
     if label.frame is not None and count is not None and label.frame >= count:
         return f"{name} has only {count} frames, counted from 0"

@@ -283,10 +283,9 @@ class ReplayNode(ProcessNode):
             return True
         lockstep = self._flag("lockstep")
         is_heard = self._image.get_subscription_count() > 0
-        answers = self._is_answered()
         # A tracker subscribes to instruments before it subscribes to images.
         all_heard = self._instruments is None or not self._instruments.unheard()
-        in_step = not lockstep or (answers and all_heard)
+        in_step = not lockstep or (all_heard and self._is_answered())
         is_ready = is_heard and in_step and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits
