@@ -83,10 +83,9 @@ class GuidanceNode(ProcessNode):
         super().__init__(name, **node_arguments)
         self._values = node_parameters.declare_all(self, parameters, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
-        self._told: Enum | None = None
+        self._told: str | None = None
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
-        self._is_silent = False
         self._last_command = Twist()
         self._commands = self.create_publisher(Twist, node_topics.COMMAND.name, qos.RESULTS)
         self._diagnostics = self.create_publisher(
@@ -164,7 +163,6 @@ class GuidanceNode(ProcessNode):
             return
         self._states.pop(0)
         command = self._command(stamp, is_claimed)
-        self._is_silent = False
         # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._report_mode_change(stamp)
         self._last_command = command
@@ -173,22 +171,23 @@ class GuidanceNode(ProcessNode):
     def _stop_while_idle(self, stamp: int) -> None:
         """Let the vehicle stop: to search makes no sense while the tracker does not look."""
         self._stop()
-        if self._is_silent:
-            return
-        self._is_silent, self._told = True, None
-        self.get_logger().warning(f"the tracker says {self._idle_status}: the vehicle stops")
-        self._report(stamp, self._idle_status, Level.WARN)
+        if self._is_news(self._idle_status):
+            self.get_logger().warning(f"the tracker says {self._idle_status}: the vehicle stops")
+            self._report(stamp, self._idle_status, Level.WARN)
 
     def _stop_if_silent(self) -> None:
-        silent = time.monotonic() - self._last_state > self._number("state_timeout")
-        if not silent or self._is_silent:
-            return
-        self._is_silent, self._told = True, None
-        is_moving = self._stop()
-        self.get_logger().warning(
-            "no `state` comes from the tracker" + (": the vehicle stops" if is_moving else "")
-        )
-        self._report(int(self.get_clock().now().nanoseconds), NO_STATE, Level.WARN)
+        is_silent = time.monotonic() - self._last_state > self._number("state_timeout")
+        if is_silent and self._is_news(NO_STATE):
+            is_moving = self._stop()
+            self.get_logger().warning(
+                "no `state` comes from the tracker" + (": the vehicle stops" if is_moving else "")
+            )
+            self._report(int(self.get_clock().now().nanoseconds), NO_STATE, Level.WARN)
+
+    def _is_news(self, mode: str) -> bool:
+        """Take note of a mode that is to be reported; tell whether the last one was another."""
+        before, self._told = self._told, mode
+        return mode != before
 
     def _stop(self) -> bool:
         """Let the vehicle stop if a command lets it move; tell whether one did."""
@@ -200,12 +199,10 @@ class GuidanceNode(ProcessNode):
 
     def _report_mode_change(self, stamp: int) -> None:
         """Report a change of mode in the log and in diagnostics."""
-        if self.mode is self._told:
-            return
-        self._told = self.mode
-        self.get_logger().info(self.mode.value)
-        level = Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN
-        self._report(stamp, self.mode.value, level)
+        if self._is_news(self.mode.value):
+            self.get_logger().info(self.mode.value)
+            level = Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN
+            self._report(stamp, self.mode.value, level)
 
     def _report(self, stamp: int, mode: str, level: Level) -> None:
         """Publish a diagnostics message of a time [ns]."""

@@ -214,6 +214,22 @@ def test_a_tracker_that_falls_silent_is_told_in_diagnostics(world, tracker, diag
     world.spin(lambda: [words for words, _ in diagnostics(node)][count:][:1] == ["FOLLOWING"])
 
 
+def test_silence_and_a_tracker_that_does_not_look_are_each_told(world, tracker, diagnostics):
+    node = world.controller(settle_time=60.0, state_timeout=0.3)
+    tracker.is_heard()
+    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.reports("DISABLED")
+    world.empty_queues()
+    tracker.next_frame()
+    tracker.says_state(claims=False)
+    world.spin(
+        lambda: (
+            [words for words, _ in diagnostics(node)] == ["NO STATE", "DISABLED", "NO STATE"]
+        )
+    )
+
+
 def test_before_the_first_state_nothing_is_commanded(world, tracker, diagnostics):
     node = world.controller(settle_time=60.0, state_timeout=0.1)
     world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
