@@ -17,6 +17,7 @@ from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
+from cable_tracker.sequences.sequence_file import SequenceFileSource
 from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.sequences.video import VideoSource
 from cable_tracker.stamps import USUAL_RATE
@@ -174,7 +175,9 @@ def open_recording(recording: ChosenRecording) -> Source:
 
 def print_taken_rate(source: Source) -> None:
     """Say at which rate pictures are taken, which have no times of their own."""
-    if isinstance(source, ImageFolderSource):
+    if isinstance(source, ImageFolderSource) or (
+        isinstance(source, SequenceFileSource) and source.has_pictures
+    ):
         console.print(
             f"pictures have no times and were taken to be {source.rate:g} a second (--rate)",
             soft_wrap=True,

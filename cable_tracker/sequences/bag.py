@@ -269,23 +269,23 @@ class BagSource(Source):
         with closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
                 header = self._header(message)
-                if header is not None:
-                    ahead = _ahead_of_reception(header, message)
+                if header is not None and header.stamp:
+                    ahead = header.stamp - message.time
                 elif ahead is None:
                     ahead = self._first_ahead()
                 frame_id = header.frame_id if header is not None else ""
                 yield _StoredPicture(message, message.time + ahead, frame_id or _DEFAULT_FRAME)
 
     def _first_ahead(self) -> int:
-        """Return what the first readable stamp is ahead of its reception [ns]; 0 if there is none.
+        """Return what the first stamp is ahead of its reception [ns]; 0 if there is none.
 
         The clocks of the camera and the recorder may differ by years.
         """
         # Reading the frames will meet the damage, and says so.
         with suppress(RecordingError), closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
-                if (header := self._header(message)) is not None:
-                    return _ahead_of_reception(header, message)
+                if (header := self._header(message)) is not None and header.stamp:
+                    return header.stamp - message.time
         return 0
 
     def _deserialise(self, message: StoredMessage) -> Message:
@@ -380,7 +380,7 @@ class BagSource(Source):
         try:
             content = self._deserialise(message)
             image = read_compressed_image(content) if self.compressed else read_image(content)
-            stamp = stamp_or_received(content, message.time)
+            stamp = stamp_or_received(content, picture.stamp)
             frame_id = content.header.frame_id or _DEFAULT_FRAME
             return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
@@ -389,8 +389,3 @@ class BagSource(Source):
             return UnreadableFrame(
                 index, picture.stamp, reason, picture.frame_id, truth, message.time
             )
-
-
-def _ahead_of_reception(header: MessageHeader, message: StoredMessage) -> int:
-    """Return what the stamp of a header is ahead of the time of reception [ns]; 0 without one."""
-    return header.stamp - message.time if header.stamp else 0

@@ -22,11 +22,18 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import load_picture
+from cable_tracker.sequences.natural_order import positions_by_number
 from cable_tracker.sequences.video import TIMES_NOTE, VIDEO_SUFFIXES, VideoFrames, opened_video
 from cable_tracker.sequences.video_times import times_run_backwards
-from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
+from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")
+APART = 100_000 * NANOSECONDS
+"""Time between the beginnings of two recordings of one list [ns]: longer than a dive."""
+_GAPS_NOTE = (
+    "its pictures are numbered with gaps, and keep the times that their numbers say; if they are"
+    " successive all the same, number them without gaps"
+)
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
 _LONGEST_LINE = 10_000
 _LARGEST_ANGLE = 1e4
@@ -246,7 +253,9 @@ class SequenceFileSource(Source):
     """The frames that a sequence file lists, in its order, all of them with ground truth.
 
     The time of a frame of a video is the one it has in the video, see `VideoSource`; of a picture
-    its place in the list over `rate`; both counted from `FIRST_STAMP`.
+    its place in the list over `rate`; both counted from `FIRST_STAMP`. Pictures that are numbered
+    with gaps keep the times that their numbers say. Each further file begins `APART` later: what is
+    in one is not followed into another.
 
     Parameters
     ----------
@@ -273,7 +282,7 @@ class SequenceFileSource(Source):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._entries = read_labels(path, allow_outside=allow_outside)
-        self._rate = rate or USUAL_RATE
+        self.rate = rate or USUAL_RATE
         for label in self._entries:
             _check_kind(path, label)
         self._files = {
@@ -284,9 +293,23 @@ class SequenceFileSource(Source):
             for name, file in self._files.items()
             if name.lower().endswith(VIDEO_SUFFIXES) and times_run_backwards(file)
         }
-        self.note = "; ".join(f"{name}: {TIMES_NOTE}" for name in sorted(self._with_steady_rate))
+        names = [label.filename for label in self._entries if label.frame is None]
+        self._positions = positions_by_number(names) if len(names) == len(self._entries) else []
+        videos = dict.fromkeys(label.filename for label in self._entries if label.frame is not None)
+        self._begins = {name: APART * k for k, name in enumerate(videos, bool(names))}
+        self.has_pictures = bool(names)
+        self.note = "; ".join(self._notes())
         self.frame_count = len(self._entries)
         self.has_truth = True
+
+    def _notes(self) -> Iterator[str]:
+        """Say what the user should know of its times."""
+        for name in sorted(self._with_steady_rate):
+            yield f"{name}: {TIMES_NOTE}"
+        if self._positions and self._positions[-1] >= len(self._positions):
+            yield _GAPS_NOTE
+        if len(self._begins) > 1 or (self._begins and self.has_pictures):
+            yield f"holds several recordings; each begins {APART / NANOSECONDS:g} s after the other"
 
     @property
     def entries(self) -> tuple[Label, ...]:
@@ -307,7 +330,8 @@ class SequenceFileSource(Source):
             first += len(labels)
 
     def _picture(self, index: int, label: Label) -> Frame | UnreadableFrame:
-        stamp = stamp_of_frame(index, self._rate)
+        position = self._positions[index] if self._positions else index
+        stamp = stamp_of_frame(position, self.rate)
         try:
             image = load_picture(self._files[label.filename])
         except FrameError as error:
@@ -329,4 +353,5 @@ class SequenceFileSource(Source):
                         raise damage(self.path, index, f"{label.filename} has only {number} frames")
                 if picture is not None:
                     image = raw_from_array(picture, "bgr8")
-                    yield Frame(index, frames.stamp, image, truth=label.state)
+                    stamp = self._begins[label.filename] + frames.stamp
+                    yield Frame(index, stamp, image, truth=label.state)

@@ -67,6 +67,8 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
                 " copy it again"
             )
         _need_bounded_size(path, capture)
+        # As pictures are read, to which labels and calibrations refer: as they are stored.
+        capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         yield capture
     finally:
         capture.release()
@@ -209,9 +211,12 @@ class VideoSource(Source):
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         with opened_video(path) as capture:
             self.frame_count = _frame_count(path, capture)
+            turn = capture.get(cv2.CAP_PROP_ORIENTATION_META)
         self._has_steady_rate = times_run_backwards(path)
-        if self._has_steady_rate:
-            self.note = TIMES_NOTE
+        notes = [TIMES_NOTE] if self._has_steady_rate else []
+        if turn:
+            notes.append(f"players turn it by {turn:g} degrees; it is read as it is stored")
+        self.note = "; ".join(notes)
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         with opened_video(self.path) as capture:

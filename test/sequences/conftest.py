@@ -236,12 +236,15 @@ def write_video(tmp_path: Path) -> Callable[..., Path]:
         b_frames: int = 0,
         rate: Fraction | int = 25,
         ticks: int = 90_000,
+        turn: int = 0,
     ) -> Path:
         path, noise = tmp_path / name, np.random.default_rng(0)
         with av.open(str(path), "w") as container:
             stream = container.add_stream(codec, rate=rate, options={"bf": str(b_frames)})
             stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
             stream.codec_context.time_base = Fraction(1, ticks)
+            if turn:
+                stream.set_display_rotation(turn)
             for time in times:
                 picture = noise.integers(0, 255, (48, 64, 3), np.uint8)
                 frame = av.VideoFrame.from_ndarray(picture, format="bgr24")

@@ -248,6 +248,21 @@ def test_a_frame_that_cannot_be_unpacked_keeps_its_place_and_its_truth(
     assert frames[cut_frame].frame_id == ("eye" if left == 60 else "camera")
 
 
+def test_frames_without_a_stamp_are_as_far_ahead_of_reception_as_the_one_before(
+    tmp_path, maker, picture, first_stamp
+):
+    behind = first_stamp - 10**15
+    stamps = [0, behind + 40_000_000, 0, behind + 120_000_000]
+    with Writer(tmp_path / "b", version=9) as writer:
+        kind = "sensor_msgs/msg/Image"
+        connection = writer.add_connection("image", kind, typestore=maker.store)
+        for index, stamp in enumerate(stamps):
+            data = maker.serialise(maker.image(stamp, picture(0)))
+            writer.write(connection, first_stamp + index * 40_000_000, data)
+    found = [frame.stamp - behind for frame in read(tmp_path / "b")]
+    assert found == [0, 40_000_000, 80_000_000, 120_000_000]
+
+
 def test_where_no_header_can_be_read_the_receive_time_counts(make_bag, first_stamp):
     path = make_bag(frames=1, cut_frame=0, left=3)
     assert [frame.stamp for frame in read(path, skip_bad_frames=True)] == [first_stamp + 1000]

@@ -12,6 +12,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.sequence_file import (
+    APART,
     Label,
     SequenceFileSource,
     read_labels,
@@ -192,6 +193,34 @@ def test_pictures_and_videos_may_be_mixed(write, make_video, tmp_path, picture):
     path = write("0 0 30 0 # dive.avi:2", "1 0 30 0 # a.png", "2 0 30 0 # dive.avi:3")
     frames = list(SequenceFileSource(path).frames())
     assert [frame.truth.distance for frame in frames] == [0, 1, 2]
+
+
+def test_one_recording_of_a_list_is_not_followed_into_another(write, make_video):
+    make_video("a.avi")
+    make_video("b.avi")
+    source = SequenceFileSource(
+        write(*(f"0 0 30 0 # {name}.avi:{k}" for name in "ab" for k in (3, 4)))
+    )
+    steps = np.diff([frame.stamp for frame in source.frames()])
+    assert steps.tolist() == [50_000_000, APART - 50_000_000, 50_000_000]
+    assert "several recordings" in source.note
+
+
+def test_pictures_keep_the_times_of_their_numbers(write, picture, tmp_path):
+    for number in (1, 2, 3, 7):
+        cv2.imwrite(str(tmp_path / f"frame_{number}.png"), picture(1))
+    source = SequenceFileSource(write(*(f"0 0 30 0 # frame_{k}.png" for k in (1, 2, 3, 7))))
+    stamps = [frame.stamp - FIRST_STAMP for frame in source.frames()]
+    assert stamps == [0, 40_000_000, 80_000_000, 240_000_000]
+    assert "numbered with gaps" in source.note
+
+
+def test_pictures_in_any_order_follow_each_other(write, picture, tmp_path):
+    for number in (1, 2, 7):
+        cv2.imwrite(str(tmp_path / f"frame_{number}.png"), picture(1))
+    source = SequenceFileSource(write(*(f"0 0 30 0 # frame_{k}.png" for k in (7, 1, 2))))
+    stamps = [frame.stamp - FIRST_STAMP for frame in source.frames()]
+    assert stamps == [0, 40_000_000, 80_000_000]
 
 
 def test_a_frame_beyond_the_end_of_the_video_is_damage(write, make_video):

@@ -56,6 +56,16 @@ def test_stamps_do_not_drift():
     assert stamp_of_frame(30_000, 29.97) == FIRST_STAMP + round(30_000 * 1e9 / 29.97)
 
 
+def test_a_video_that_players_turn_is_read_as_it_is_stored(write_video):
+    upright, turned = (
+        write_video(name, [0, 40], turn=turn) for name, turn in (("a.mp4", 0), ("b.mp4", 90))
+    )
+    pictures = [decode_grey(next(VideoSource(path).frames()).image) for path in (upright, turned)]
+    np.testing.assert_array_equal(*pictures)
+    assert VideoSource(upright).note == ""
+    assert "read as it is stored" in VideoSource(turned).note
+
+
 def test_a_missing_video_is_refused(tmp_path):
     with pytest.raises(RecordingError, match=r"x\.mp4"):
         VideoSource(tmp_path / "x.mp4")
