@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, nullcontext, suppress
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -42,13 +42,16 @@ from cable_tracker.commands.results import (
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_target
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import UnreadableFrame
 from cable_tracker.sequences.instruments import NO_TOPIC
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
@@ -123,6 +126,8 @@ def target(  # noqa: PLR0917
     wanted = WantedResults(video=video, bag=bag, pictures=pictures)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
+        if start is not None:
+            _check_fits(start, recording)
         results = stack.enter_context(
             TargetFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
@@ -159,6 +164,30 @@ def _chosen_start(init: str) -> TargetStart | None:
         return parse_start(init)
     except ParameterError as error:
         raise ParameterError(f"init: {error}") from error
+
+
+def _check_fits(start: TargetStart, recording: Source) -> None:
+    """Refuse a box that cannot be in the first picture, before results take the place of others."""
+    # What cannot be read is said when the recording is followed.
+    size = None
+    with suppress(RecordingError):
+        size = next(filter(None, map(_size_of, recording.frames())), None)
+    if size is not None:
+        try:
+            start.check(size)
+        except FrameError as error:
+            raise ParameterError(f"init: {error}") from error
+
+
+def _size_of(frame: Frame | UnreadableFrame) -> tuple[int, int] | None:
+    """Return width and height of a frame [px]; None of one without a picture."""
+    if not isinstance(frame, Frame):
+        return None
+    try:
+        height, width = decode_grey(frame.image).shape
+    except FrameError:
+        return None
+    return width, height
 
 
 def _print(results: TargetFolder) -> None:

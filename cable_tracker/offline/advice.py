@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -62,6 +63,14 @@ def advice(
 
 def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParameters) -> str:
     """Say why frames that support a claim led to none."""
+    begun = Counter(row.event for row in rows if row.event and row.status != REFUSED)
+    if 2 * begun.total() >= len(rows):
+        return (
+            f"tracking started anew in {begun.total()} of {len(rows)} frames, for example:"
+            f" {begun.most_common(1)[0][0]}; a claim takes confirmation_time"
+            f" ({parameters.confirmation_time:g} s) without that. Where frames come more seldom,"
+            f" raise maximum_gap ({parameters.maximum_gap:g} s)"
+        )
     stamps = [row.stamp for row in rows if row.status != REFUSED]
     needed, usable = parameters.confirmation_time, (stamps[-1] - stamps[0]) / NANOSECONDS
     if usable < needed:

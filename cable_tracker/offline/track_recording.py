@@ -58,7 +58,11 @@ def given_state_for(
         The recording cannot be read.
     """
     if init != TRUTH and init not in DETECTORS:
-        state = parse_initial_state(init)
+        try:
+            state = parse_initial_state(init)
+        except ParameterError as error:
+            others = ", ".join((TRUTH, *DETECTORS))
+            raise ParameterError(f"{error}; a recording also takes {others}") from error
         return GivenState.around(state) if state is not None else None
     first = next(source.frames(), None)
     if first is None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
 from cable_tracker.cable.model.state import CableState, StateColumn
@@ -33,6 +35,9 @@ SHADED_STATUSES = ("INITIALISING", "LOST", "REFUSED")
 
 LONGEST_BRIDGE = 0.5
 """Longest time without a label that the line of the truth runs across [s]."""
+
+LONGEST_STEP = 5.0
+"""Time between two frames from which on it is a pause [median of these times]."""
 
 PANEL_HEIGHT = 2.1
 """[inch]."""
@@ -205,9 +210,12 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
 
 
 def _draw_presence(axis: Axes, series: _Series) -> None:
-    percent = 100 * series.presence
-    axis.plot(series.times, percent, color=dark(ESTIMATE), linewidth=1.4)
-    _mark_single_points(axis, series.times, percent, dark(ESTIMATE))
+    pauses = _pauses(series.times)
+    times, percent = (
+        np.insert(values, pauses, np.nan) for values in (series.times, 100 * series.presence)
+    )
+    axis.plot(times, percent, color=dark(ESTIMATE), linewidth=1.4)
+    _mark_single_points(axis, times, percent, dark(ESTIMATE))
     axis.set_ylim(-4, 104)
     axis.set_ylabel("presence [%]")
     with_faint_grid(axis)
@@ -287,10 +295,28 @@ def _shade_opacity(status: str) -> float:
 
 
 def _intervals(times: FloatArray, holds: BoolArray) -> list[tuple[float, float]]:
-    """Return the spans of time that the marked frames stand for."""
-    middles = (times[1:] + times[:-1]) / 2
-    edges = np.concatenate((times[:1], middles, times[-1:]))
-    return [(float(edges[first]), float(edges[end])) for first, end in true_runs(holds)]
+    """Return the spans of time that the marked frames stand for; a pause is part of none."""
+    halves = 0.5 * np.minimum(np.diff(times), _longest_step(times))
+    begins = times - np.concatenate(([0.0], halves))
+    ends = times + np.concatenate((halves, [0.0]))
+    pauses = _pauses(times)
+    spans = []
+    for first, stop in true_runs(holds):
+        inside = pauses[(pauses > first) & (pauses < stop)].tolist()
+        for begin, end in pairwise((first, *inside, stop)):
+            spans.append((float(begins[begin]), float(ends[end - 1])))
+    return spans
+
+
+def _longest_step(times: FloatArray) -> float:
+    """Return the time between two frames from which on it is a pause [s]."""
+    usual = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+    return LONGEST_STEP * usual if usual > 0.0 else math.inf
+
+
+def _pauses(times: FloatArray) -> IndexArray:
+    """Return the frames before which there was a pause."""
+    return np.flatnonzero(np.diff(times) > _longest_step(times)) + 1
 
 
 def _add_legend(figure: Figure, series: _Series, shaded: Sequence[str]) -> None:

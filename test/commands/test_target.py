@@ -95,7 +95,7 @@ def test_where_nothing_is_claimed_the_state_is_empty(tmp_path):
     assert all(line[3:16] == [""] * 13 for line in table(tmp_path / "out")[1:])
 
 
-@pytest.mark.parametrize("init", ["here", "1,2,3", "5,5,5,5", "1,2,nan,4"])
+@pytest.mark.parametrize("init", ["here", "1,2,3", "5,5,5,5", "1,2,nan,4", "900,900,950,950"])
 def test_a_bad_start_is_refused(folder, tmp_path, init):
     result = run(folder, "--init", init, "--output", tmp_path / "out")
     assert isinstance(result.exception, CableTrackerError)

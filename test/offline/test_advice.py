@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.offline.advice import advice
@@ -51,6 +53,14 @@ def test_for_a_thin_cable_thin_width_is_named():
 
 def test_high_values_that_did_not_last_are_told_apart():
     assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
+
+
+def test_frames_that_each_start_anew_are_told_with_their_reason():
+    anew = [replace(row, event="no frame for 10 s") for row in rows(1.0, 3.0)]
+    said = words(anew, [], PARAMETERS)
+    assert "started anew in 5 of 5 frames, for example: no frame for 10 s" in said
+    assert "maximum_gap (5 s)" in said
+    assert "shorter" not in said
 
 
 def test_too_few_usable_frames_are_no_reason_to_shorten_the_confirmation():

@@ -110,6 +110,19 @@ def test_intervals_reach_half_way_to_the_neighbours():
     assert plots._intervals(times, holds) == [(0.0, 0.5), (1.5, 4.5)]
 
 
+def test_a_pause_is_shaded_for_neither_side_and_no_presence_is_drawn_over_it():
+    times = np.array([0.0, 0.04, 0.08, 7.0, 7.04, 7.08])
+    (before, after) = plots._intervals(times, np.array([False, True, True, True, True, False]))
+    assert before == pytest.approx((0.02, 0.18))
+    assert after == pytest.approx((6.9, 7.06))
+    rows = [
+        replace(row, stamp=round(time * 1e9), presence=0.9)
+        for row, time in zip(_rows(_swaying(6)), times, strict=True)
+    ]
+    line = _line(_axes(rows)[-1])
+    assert np.flatnonzero(np.isnan(line[:, 0])).tolist() == [3]
+
+
 def test_the_truth_is_named_only_where_there_is_one():
     for truths, named in (({}, False), ({1: CableState(1.0, 0.0, 30.0)}, True)):
         figure = plots._draw(plots._series(_rows(_swaying(5)), truths))
