@@ -689,6 +689,20 @@ def test_a_thin_cable_that_curves_is_claimed_along_its_straight_line(draw_strip)
     assert last.state.width < 12.0
 
 
+def test_a_curved_cable_that_lies_straight_again_is_where_it_is(draw_strip):
+    state = CableState(0.5, 0.0, 24.0, 0.0)
+    straight = draw_strip(state)
+    tracker = make_tracker(preset("default"))
+    amplitudes = [0.05] * 20 + [0.05 * (1.0 - step / 10.0) for step in range(10)] + [0.0] * 25
+    grain = np.random.default_rng(3)
+    for index, amplitude in enumerate(amplitudes):
+        picture = straightened(straight, Bend(-amplitude)) if amplitude else straight
+        noisy = np.clip(picture + grain.normal(0.0, 4.0, picture.shape), 0, 255).astype(np.uint8)
+        last = tracker.process(noisy, START + index * FRAME)
+    assert last.status is TRACKING
+    assert last.state.distance == pytest.approx(state.distance, abs=0.7)
+
+
 @pytest.mark.parametrize(("burned_in_time", "is_claimed"), [(0.0, True), (0.04, False)])
 def test_a_crosshair_over_moving_ground_is_no_cable(burned_in_time, is_claimed):
     ground = np.random.default_rng(0).normal(0.0, 60.0, (400, 600))

@@ -133,8 +133,12 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return resampled_belief(belief, indices)
 
     def is_searching(self, belief: Belief) -> bool:
-        """Tell whether there is more likely no cable than one."""
-        return belief.presence < LIKELY_PRESENCE
+        """Tell whether there is more likely no cable than one, or the search begins anew."""
+        return belief.presence < LIKELY_PRESENCE or self._begins_anew(belief)
+
+    def _begins_anew(self, belief: Belief) -> bool:
+        """Tell whether a cable was present but too faint to claim for `search_time`."""
+        return belief.refused_time >= self._parameters.search_time
 
     def step(
         self,
@@ -145,8 +149,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion: MotionAid | None = None,
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
-        if belief.refused_time >= self._parameters.search_time:
-            # For `search_time` a cable was present but too faint to claim: search anew.
+        if self._begins_anew(belief):
             belief = _new_search(self.first_belief(), belief)
         if belief.memory is not None:
             belief = replace(belief, memory=belief.memory.aged(dt))

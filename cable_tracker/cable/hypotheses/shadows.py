@@ -147,11 +147,16 @@ def _clearest_dark_strip(
     rules: ShadowRules,
     others: IndexArray,
 ) -> int:
-    """Return the row of the likeliest dark strip near none of the others; -1 for none."""
+    """Return the row of the likeliest dark strip near none of the others; -1 for none.
+
+    Both of its borders are in view: the brightness beyond one that is not is unknown.
+    """
     clearest, most = -1, LEAST_RATIO
     for row in range(len(states)):
         ratio = measured.log_ratios[row, DARK]
         if ratio <= most or ratio < measured.log_ratios[row, BRIGHT] or not possible[row]:
+            continue
+        if measured.visible_lengths[row] == 0.0:
             continue
         is_new = True
         for other in others:

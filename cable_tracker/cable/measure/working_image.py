@@ -188,9 +188,13 @@ class WorkingImage:
 
     @property
     def next_history(self) -> PictureHistory:
-        """The history for the next frame; the bend stays as it was where there is no map."""
+        """The history for the next frame.
+
+        While there is a bend the map is asked for, or a cable that lies straight again would be
+        bent by what is no longer so; else the bend is found when a map is made for other reasons.
+        """
         bend = self.history.bend
-        if self.has_map:
+        if self.has_map or bend != STRAIGHT:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
         return PictureHistory(bend, self._standing_lines)
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.shadows import (
+    LEAST_RATIO,
     ShadowRules,
     empty_shadows,
     fill_shadow_losses,
@@ -97,6 +98,16 @@ def test_a_dark_cable_at_the_edge_of_a_bright_field_is_no_shadow(picture):
     field = CableState(-150.0, 0.2, 300.0, 0.0)
     count, _, ratios = judged(picture((field, BRIGHTER), (SHADOW, DARKER)), rows(CABLE, SHADOW))
     assert ratios[1, DARK] > RULES.limit
+    assert count == 0
+
+
+def test_a_dark_cable_that_the_picture_cuts_off_is_no_shadow(picture):
+    beyond = CableState(120.0, 0.0, 120.0, 0.0)
+    beside = CableState(40.0, 0.0, 40.0, 0.0)
+    states = rows(beside, beyond)
+    image = picture((beside, BRIGHTER), (beyond, DARKER))
+    count, _, ratios = judged(image, states)
+    assert ratios[1, DARK] > LEAST_RATIO
     assert count == 0
 
 
