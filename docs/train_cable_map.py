@@ -4,9 +4,9 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 A network that is trained further is mixed with the one that it began as, and its log-odds are
-sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`). The one in use was trained in several runs, the last
-of 6000 steps with shadows that end (`CRISP`, `SPANNING`) and captions (`CAPTIONED`), and is not
-mixed with an earlier one.
+sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`). The one in use was trained in several runs, and is
+not mixed with an earlier one; the last two, of 2700 and 1650 steps, had shadows that end (`CRISP`,
+`SPANNING`) and captions (`CAPTIONED`), then `LITTERED`. `TWINNED` came after it.
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report
@@ -118,9 +118,10 @@ PAINTED = 0.4
 ADDED = 0.3
 """Share of the pictures without a cable that are given one: the same ground with and without."""
 
-INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT, LIT = 0.4, 0.4, 0.3, 0.5, 0.3, 0.5, 0.3
+INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT, LIT = 0.3, 0.4, 0.3, 0.5, 0.3, 0.5, 0.3
 """Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
-particles before them, are bent, and lit by other lamps."""
+particles before them, are bent, and lit by other lamps. What is inverted is given no shadow: a
+network that sees bright ones as often as dark ones cannot tell a shadow from what casts it."""
 
 WITHOUT_CABLE = 0.2
 """Share of the pictures that are drawn among those without a cable."""
@@ -128,9 +129,16 @@ WITHOUT_CABLE = 0.2
 LAMPLIT = 0.35
 """Share of the painted cables that a lamp at one side lights, so that the other lies in shadow."""
 
-SHADED, CRISP, SPANNING = 0.4, 0.5, 0.4
+SHADED, CRISP, SPANNING = 0.5, 0.6, 0.4
 """Share of the cables that cast a shadow to one side, of those shadows that have an end, and of
 these that lie apart from the cable, as below a free span."""
+
+LITTERED = 0.3
+"""Share of the pictures with plates and blocks on the bottom, and their shadows."""
+
+TWINNED = 0.3
+"""Share of the cables beside which another one lies, of the same look: what is between the two is
+no cable. Where there was none, the network took two cables and what is between for a wide one."""
 
 CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
@@ -271,21 +279,17 @@ class MapNetwork(nn.Module):
 
 def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return levels float32 (H, W) and the true map, changed as other dives would be."""
-    levels = image.astype(np.float32)
-    has_cable = not np.isnan(pose).any()
-    if rng.random() < (PAINTED if has_cable else ADDED):
-        pose = pose if has_cable else _any_pose(rng)
-        levels = _painted(levels, pose, rng)
-    elif not has_cable and rng.random() < PLAIN:
-        levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
-    elif has_cable and rng.random() < SHADED:
-        at = _surface(pose, levels.shape)
-        levels = _beside_a_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
+    is_inverted = rng.random() < INVERTED
+    levels, pose = _with_any_skin(image.astype(np.float32), pose, not is_inverted, rng)
     cells = true_map(pose)
+    if not np.isnan(pose).any() and rng.random() < TWINNED:
+        levels, cells = _twinned(levels, cells, pose, rng)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
     if rng.random() < COVERED:
         levels = _covered(levels, cells, rng)
+    if not is_inverted and rng.random() < LITTERED:
+        levels = _littered(levels, cells, rng)
     if rng.random() < SNOWED:
         levels = _snowed(levels, rng)
     if rng.random() < BENT:
@@ -297,13 +301,27 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
-    return _recorded(levels, rng), np.ascontiguousarray(cells)
+    return _recorded(255.0 - levels if is_inverted else levels, rng), np.ascontiguousarray(cells)
+
+
+def _with_any_skin(
+    levels: Image, pose: FloatArray, may_be_shaded: bool, rng: np.random.Generator
+) -> tuple[Image, FloatArray]:
+    """Return a picture, and its pose, with a cable painted over, added or beside its shadow."""
+    has_cable = not np.isnan(pose).any()
+    if rng.random() < (PAINTED if has_cable else ADDED):
+        pose = pose if has_cable else _any_pose(rng)
+        levels = _painted(levels, pose, may_be_shaded, rng)
+    elif not has_cable and rng.random() < PLAIN:
+        levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
+    elif has_cable and may_be_shaded and rng.random() < SHADED:
+        at = _surface(pose, levels.shape)
+        levels = _beside_a_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
+    return levels, pose
 
 
 def _recorded(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture as a camera and a display record it."""
-    if rng.random() < INVERTED:
-        levels = 255.0 - levels
     levels = 255.0 * np.clip(levels / 255.0, 0.0, 1.0) ** np.float32(math.exp(0.3 * rng.normal()))
     if rng.random() < BLURRED:
         levels = cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
@@ -395,10 +413,12 @@ def _surface(pose: FloatArray, shape: tuple[int, ...]) -> _Surface:
     )
 
 
-def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
+def _painted(
+    levels: Image, pose: FloatArray, may_be_shaded: bool, rng: np.random.Generator
+) -> Image:
     """Return a picture whose cable has a skin of any kind: shaded, striped, wound, patched.
 
-    Some cast a shadow to one side; of one in three the ground covers a part.
+    Some cast a shadow to one side, if they may; of one in three the ground covers a part.
     """
     at, deviation = _surface(pose, levels.shape), float(levels.std()) + 3.0
     skin = _bands(at, rng) + _shading(at, rng)
@@ -413,12 +433,12 @@ def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image
         shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
         share *= cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
     side = rng.choice((-1.0, 1.0))
-    if rng.random() < SHADED:
+    if may_be_shaded and rng.random() < SHADED:
         levels = _beside_a_shadow(levels, at, side, rng)
     beside = levels[(at.outside > 0.0) & (at.outside < max(at.width, 10.0))]
     around = float(beside.mean()) if len(beside) else float(levels.mean())
     painted = around + np.float32(deviation) * (contrast + np.float32(rng.uniform(0.3, 1.5)) * skin)
-    if rng.random() < LAMPLIT:
+    if may_be_shaded and rng.random() < LAMPLIT:
         levels, painted = _lamplit(levels, painted, at, side, rng)
     mixed: Image = levels + share.astype(np.float32) * (painted - levels)
     return mixed
@@ -553,6 +573,62 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
+
+
+def _twinned(
+    levels: Image, cells: Image, pose: FloatArray, rng: np.random.Generator
+) -> tuple[Image, Image]:
+    """Return a picture, and its map, with a second cable beside the first, wider or narrower."""
+    distance, angle, width, _ = pose
+    height, columns = levels.shape
+    foot = (
+        0.5 * (columns - 1) + distance * math.cos(angle),
+        0.5 * (height - 1) - distance * math.sin(angle),
+    )
+    zoom, gap = rng.uniform(0.5, 1.6), width * 0.25 * 16.0 ** rng.random()
+    apart = rng.choice((-1.0, 1.0)) * (0.5 * (1.0 + zoom) * width + gap)
+    moved = cv2.getRotationMatrix2D(foot, 3.0 * rng.normal(), zoom)
+    moved[:, 2] += apart * math.cos(angle), -apart * math.sin(angle)
+    at = _surface(pose, levels.shape)
+    share = _logistic(-at.outside / np.float32(0.7)).astype(np.float32)
+    size = (columns, height)
+    share = cv2.warpAffine(share, moved, size) * (at.outside > 0.0)
+    other = cv2.warpAffine(levels.astype(np.float32), moved, size, borderMode=cv2.BORDER_REFLECT)
+    both = np.maximum(cells, cv2.resize(share, cells.shape[::-1], interpolation=cv2.INTER_AREA))
+    return np.asarray(levels + share * (other - levels), np.float32), both
+
+
+def _littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with plates and blocks beside the cable, which cast their shadows one way.
+
+    Their borders are as straight as those of a cable, and shorter.
+    """
+    height, width = levels.shape
+    cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    deviation = np.float32(levels.std() + 5.0)
+    light, littered = 2.0 * math.pi * rng.random(), levels
+    for _ in range(rng.integers(1, 9)):
+        angles = np.sort(2.0 * math.pi * rng.random(rng.integers(3, 9)))
+        radius = 6.0 * 15.0 ** rng.random()
+        lengths = radius * rng.uniform(0.6, 1.0, len(angles))
+        corners = np.column_stack([np.cos(angles), rng.uniform(0.5, 1.0) * np.sin(angles)])
+        corners = lengths[:, None] * corners + rng.random(2) * (width, height)
+        thrown = radius * rng.uniform(0.0, 0.8) * np.array([math.cos(light), math.sin(light)])
+        soft = rng.uniform(0.3, 1.5)
+        shadow = _filled(np.vstack([corners, corners + thrown]), levels.shape, soft)
+        littered = littered * (1.0 - np.float32(rng.uniform(0.2, 0.9)) * shadow)
+        ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+        block = littered.mean() + deviation * np.float32(1.5 * rng.normal())
+        block = block + np.float32(rng.random() ** 2 / max(ground.std(), 0.3)) * deviation * ground
+        littered = littered + _filled(corners, levels.shape, soft) * (block - littered)
+    return np.asarray(littered + cable * (levels - littered), np.float32)
+
+
+def _filled(corners: FloatArray, shape: tuple[int, ...], soft: float) -> Image:
+    """Return the share of each pixel within the convex hull of some points (N, 2), (x, y) [px]."""
+    filled = np.zeros(shape, np.uint8)
+    cv2.fillConvexPoly(filled, cv2.convexHull(np.round(corners).astype(np.int32)), 255)
+    return cv2.GaussianBlur(filled.astype(np.float32) / np.float32(255.0), (0, 0), soft)
 
 
 def _snowed(levels: Image, rng: np.random.Generator) -> Image:
