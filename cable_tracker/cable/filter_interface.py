@@ -57,7 +57,7 @@ class BeliefSummary:
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis
-        Likeliest first.
+        By their share times the probability that they are cables, see `Hypothesis`.
     """
 
     mean: FloatArray

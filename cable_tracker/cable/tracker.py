@@ -127,6 +127,7 @@ class CableTracker:
         self._pictures = NO_HISTORY
         self._given = None
         self._status = StatusMachine()
+        self._notice = ""
         self._frame = None
 
     def copy(self) -> CableTracker:
@@ -170,7 +171,8 @@ class CableTracker:
         Raises
         ------
         FrameError
-            The frame cannot be used, or has the same time as the frame before. Nothing has changed.
+            The frame cannot be used, or is not later than the frame before by a microsecond or
+            more. Nothing has changed.
         """
         check_frame(image)
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)

@@ -111,7 +111,9 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatArray:
     """Return the log-likelihood ratios (count,) of the first strips."""
     ratios, measured = np.empty(count), allocate_log_ratios(count)
-    fill_log_ratios(strips, 0, count, inputs.scan, inputs.model, inputs.scan.expected, measured)
+    fill_log_ratios(
+        strips, 0, count, inputs.scan, inputs.model, inputs.scan.points_across, measured
+    )
     for row in range(count):
         log_ratios = measured.log_ratios[row]
         ratios[row] = marginal_log_ratio(inputs.polarity, log_ratios[BRIGHT], log_ratios[DARK])

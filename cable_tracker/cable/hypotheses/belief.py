@@ -14,7 +14,8 @@ What is said of the leading hypothesis, from what the belief holds to what the s
 `supports_keeping`    Visible, clear or familiar, presence and evidence not below `*_to_lose`.
 `supports_claim`      The same, not below `*_to_track`.
 `supports_new_claim`  The same, and clear.
-`contradicts_claim`   Presence below `presence_to_lose`, or not what is remembered: lost at once.
+`contradicts_claim`   Presence below `presence_to_lose`, or not what is remembered: lost at once
+                      unless the frame also supports keeping.
 ====================  ==============================================================================
 
 `is_familiar` and what a frame supports are those of `belief_summary`.

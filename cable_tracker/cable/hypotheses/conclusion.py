@@ -385,7 +385,7 @@ def _leader_and_polarity(
 def _leading_border_means(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
     """Return the mean log-likelihood ratios (2,) of the first mean's borders, in its polarity."""
     measured = allocate_log_ratios(1)
-    fill_log_ratios(means, 0, 1, inputs.scan, inputs.model, inputs.scan.expected, measured)
+    fill_log_ratios(means, 0, 1, inputs.scan, inputs.model, inputs.scan.points_across, measured)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own
@@ -432,7 +432,7 @@ def _log_odds(
         width, appearance = means[index, WIDTH], corrected.appearances[index]
         if not corrected.is_mapped:
             appearance = trusted_appearance(appearance, width, thin_width)
-        # Any bottom has thin lines: what speaks for them counts less.
+        # Any bottom has thin lines: what borders say of them counts less, for and against.
         factor = thin_factor(width, thin_width)
         frame_scores = FrameScores(
             factor * margins[index],

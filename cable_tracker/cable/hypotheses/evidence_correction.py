@@ -149,8 +149,8 @@ def corrected_log_weights(
     """Return log-weights (N,) with the log-likelihood ratio of each group corrected."""
     groups = measured.groups
     evidence = group_evidence(particles, measured, limits)
-    leader = reference_group(evidence)
-    reference = evidence.counted[leader] if leader != NO_CLUSTER else 0.0
+    likeliest = reference_group(evidence)
+    reference = evidence.counted[likeliest] if likeliest != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
     for label in range(NO_CLUSTER, groups.number):
         if evidence.log_ratio[label] != -np.inf:

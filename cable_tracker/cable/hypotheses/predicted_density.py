@@ -34,7 +34,7 @@ class PredictedDensity(NamedTuple):
     kernels : KernelMixture
         About the drifted ancestors, for d, alpha, w, beta. Their weights are those in f; survivors
         are drawn from each alike.
-    rates, rate_sigmas : FloatArray
+    rates, rate_scales : FloatArray
         Drifted rates of the ancestors, shape (M, 4), and scale of their diffusion, shape (4,).
     mass_survived, mass_born : float
         Probability mass of the survivors' part of f, P(survived), and of the births' part, P(born).
@@ -50,7 +50,7 @@ class PredictedDensity(NamedTuple):
 
     kernels: KernelMixture
     rates: FloatArray
-    rate_sigmas: FloatArray
+    rate_scales: FloatArray
     mass_survived: float
     mass_born: float
     log_width: float
@@ -145,7 +145,7 @@ def add_rates(
     """Fill in the rates of the child of an ancestor."""
     stretch = noise.stretches[row, 1]
     for column in range(POSE_SIZE):
-        spread = noise.normal[row, POSE_SIZE + column] * stretch * predicted.rate_sigmas[column]
+        spread = noise.normal[row, POSE_SIZE + column] * stretch * predicted.rate_scales[column]
         state[POSE_SIZE + column] = predicted.rates[ancestor, column] + spread
 
 

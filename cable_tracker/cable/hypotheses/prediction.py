@@ -150,17 +150,17 @@ class Predictor:
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         # Without movement the kernel would be a point: the first frame after a given prior.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
-        sigmas = self._movement.diffusion_sigmas(time, motion)
+        scales = self._movement.diffusion_scales(time, motion)
         switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
-                np.maximum(sigmas[:POSE_SIZE], self._smallest_kernel),
+                np.maximum(scales[:POSE_SIZE], self._smallest_kernel),
                 self._movement.degrees_of_freedom,
                 ancestors.weights,
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
-            rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
+            rate_scales=np.ascontiguousarray(scales[POSE_SIZE:]),
             mass_survived=max(existence.survived, LEAST_PROBABILITY),
             mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,

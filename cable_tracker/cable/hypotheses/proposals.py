@@ -234,7 +234,13 @@ def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
     fill_log_ratios(
-        sample.states, start, stop, inputs.scan, inputs.model, inputs.scan.expected, sample.measured
+        sample.states,
+        start,
+        stop,
+        inputs.scan,
+        inputs.model,
+        inputs.scan.points_across,
+        sample.measured,
     )
     fill_map_log_ratios(sample, start, stop, inputs.cable_map)
     for row in range(start, stop):

@@ -44,11 +44,11 @@ class ScoreModel(NamedTuple):
     clear_margin, clear_slope : float
         Above `clear_margin` [nats] `clear_slope` (margin - `clear_margin`) is added to the
         log-likelihood ratio: only cables have such margins.
-    clearness, clearness_slope : float
-        Above `clearness` [nats per point in view] `clearness_slope` (c - `clearness`), times
+    ordinary_clearness, clearness_slope : float
+        Above it [nats per point in view] `clearness_slope` (c - `ordinary_clearness`), times
         `shown_share`, is added to the log-likelihood ratio, c the clearness of the borders.
     clearness_range : float
-        With a clearness so far above `clearness`, times `shown_share`, the appearance says nothing
+        With a clearness so far above it, times `shown_share`, the appearance says nothing
         against a cable: no bottom has such borders.
     appearance_slope, appearance_given : float
         `appearance_slope` (a + `appearance_given`) is added to the log-likelihood ratio that the
@@ -68,7 +68,7 @@ class ScoreModel(NamedTuple):
     ordinary_slope: float = 0.15
     clear_margin: float = 18.0
     clear_slope: float = 0.35
-    clearness: float = 1.1
+    ordinary_clearness: float = 1.1
     clearness_slope: float = 16.0
     clearness_range: float = 0.3
     appearance_slope: float = 1.2
@@ -128,7 +128,7 @@ def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
     if margin < model.ordinary_margin:
         ratio = min(ratio, model.ordinary_slope * (margin - model.ordinary_margin))
     # A short strip, in a corner, never stands as high as one through the whole picture.
-    clearer = max(scores.clearness - model.clearness, 0.0)
+    clearer = max(scores.clearness - model.ordinary_clearness, 0.0)
     shown = shown_share(scores.shown)
     ratio += model.clearness_slope * shown * clearer
     ratio = min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)

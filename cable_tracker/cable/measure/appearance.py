@@ -110,13 +110,13 @@ def appearances_of(
     """
     count = len(states)
     found, measured = np.empty(count), allocate_log_ratios(count)
-    fill_log_ratios(states, 0, count, scan, model, scan.expected, measured)
+    fill_log_ratios(states, 0, count, scan, model, scan.points_across, measured)
     crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
     for row in range(count):
         log_ratios = measured.log_ratios[row]
         sign = 1.0 if log_ratios[BRIGHT] >= log_ratios[DARK] else -1.0
-        in_view = min(measured.visible_lengths[row] / scan.expected, ENOUGH_IN_VIEW)
+        in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
         looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
         for border in range(2):
             more, continuous = border_appearance(

@@ -54,7 +54,7 @@ class ScanInputs(NamedTuple):
         Working pixels per frame pixel.
     scale : float
         Working pixels per pixel of an image of the reference width.
-    expected : float
+    points_across : float
         Number of points of a border that runs through the picture along its shorter side.
     shape : GradientShape
         Covariance of the gradients, by which responses are divided.
@@ -64,7 +64,7 @@ class ScanInputs(NamedTuple):
     columns: ScanLines
     reduction: float
     scale: float
-    expected: float
+    points_across: float
     shape: GradientShape
 
 

@@ -216,7 +216,7 @@ def power_of_a_point(tempering: float, line_spacing: float, scale: float) -> flo
 def _measure_all(
     states: FloatArray, scan: ScanInputs, model: RatioModel, measured: CableLogRatios
 ) -> None:
-    fill_log_ratios(states, 0, len(states), scan, model, scan.expected, measured)
+    fill_log_ratios(states, 0, len(states), scan, model, scan.points_across, measured)
 
 
 @compiled_part
@@ -232,7 +232,7 @@ def fill_log_ratios(
     """Fill in the log-likelihood ratios of the states from `start` to `stop`.
 
     A border with less than the `expected` length in view pays for what it lacks, see
-    `ScanInputs.expected`, and means per point are taken over at least that length.
+    `ScanInputs.points_across`, and means per point are taken over at least that length.
     """
     visible = measured.visible_lengths
     # Arrays of its own: in others', every addition would go through memory.
@@ -315,7 +315,8 @@ class BorderClearness(NamedTuple):
     Attributes
     ----------
     clearness : FloatArray
-        Mean log-likelihood ratio per point in view of the weaker border, shape (N,) [nats].
+        Log-likelihood ratio of the weaker border per point in view of the longer one, shape (N,)
+        [nats].
     shown : FloatArray
         Length in view of the shorter border, as a share of the picture's shorter side, at most 1,
         shape (N,).
@@ -327,13 +328,16 @@ class BorderClearness(NamedTuple):
 
 @compiled_part
 def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) -> BorderClearness:
-    """Measure how clear the borders of cables are, shape (N, 8), whatever they lack of length."""
+    """Measure how clear the borders of cables are, shape (N, 8).
+
+    What both lack of length costs nothing; what the shorter one lacks of the longer does.
+    """
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
     measured = allocate_log_ratios(count)
     fill_log_ratios(states, 0, count, scan, model, ONE_POINT, measured)
     for row in range(count):
-        shown = min(measured.visible_lengths[row] / scan.expected, 1.0)
+        shown = min(measured.visible_lengths[row] / scan.points_across, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf
         for polarity in range(2):
             left, right = measured.border_means[row, polarity]

@@ -56,7 +56,8 @@ class PointMeasures:
     Attributes
     ----------
     responses : Float32Array
-        Response across the border [`ScannedFrame.scale`], positive where the inside is brighter.
+        Response across the border [`ScannedFrame.gradient_scale`], positive where the inside is
+        brighter.
     slopes : Float32Array
         Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
         ridge of an edge. Only its size counts.

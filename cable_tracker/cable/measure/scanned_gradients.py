@@ -61,7 +61,7 @@ class ScannedFrame:
     ----------
     rows, columns : ScanLines
         Scan lines along which steep and flat borders are measured.
-    scale : float
+    gradient_scale : float
         Robust standard deviation of the gradient over the frame [grey levels per px]. A cable
         covers too little of it to move the median.
     contrast_scale : float
@@ -73,7 +73,7 @@ class ScannedFrame:
 
     rows: ScanLines
     columns: ScanLines
-    scale: float
+    gradient_scale: float
     contrast_scale: float
     shape: GradientShape
 

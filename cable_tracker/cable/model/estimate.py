@@ -20,7 +20,8 @@ class Hypothesis:
     Attributes
     ----------
     probability : float
-        Its share of the belief, given that there is a cable, 0 to 1.
+        Its share of the particles' weights, 0 to 1. Hypotheses are in the order of this times the
+        probability that they are cables, so that the first need not have the largest share.
     state : CableState
         Mean of its particles [px, rad, per second].
     """
@@ -59,7 +60,7 @@ class CableEstimate:
     presence : float or None
         Probability that a cable is in view, 0 to 1; None where the filter has no notion of it.
     hypotheses : tuple of Hypothesis
-        Hypotheses of the cable, likeliest first. The first is that of `state`.
+        Hypotheses of the cable, the one most likely to be a cable first: that of `state`.
     """
 
     stamp: int

@@ -18,5 +18,5 @@ class MotionAid(Protocol):
         ...
 
     def sigmas(self) -> FloatArray:
-        """Return the standard deviations of what is still unknown, shape (8,)."""
+        """Return the scales of the diffusion over what is still unknown, shape (8,)."""
         ...

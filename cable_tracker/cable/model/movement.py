@@ -89,10 +89,10 @@ class CableMovement:
         `motion` is how odometry says that they have moved; None: by their own rates.
         """
         moved = self.draw_centres(states, dt, rng, motion)
-        sigmas = self.diffusion_sigmas(dt, motion).reshape(2, POSE_SIZE)
+        scales = self.diffusion_scales(dt, motion).reshape(2, POSE_SIZE)
         for part, columns in enumerate((slice(0, POSE_SIZE), slice(POSE_SIZE, None))):
             noise = standard_student_t(rng, len(states), POSE_SIZE, self.degrees_of_freedom)
-            moved[:, columns] += noise * sigmas[part]
+            moved[:, columns] += noise * scales[part]
         return self._limit(wrap_states(moved), self._limits)
 
     def draw_centres(
@@ -132,7 +132,7 @@ class CableMovement:
     ) -> FloatArray:
         """Drift by the rates, and diffuse by what odometry has taken off the diffusion."""
         usual = variances_over(self._per_frame, self._parameters, dt)
-        taken_off = np.sqrt(np.maximum(usual - self.diffusion_sigmas(dt, motion) ** 2, 0.0))
+        taken_off = np.sqrt(np.maximum(usual - self.diffusion_scales(dt, motion) ** 2, 0.0))
         tail = self.degrees_of_freedom
         noise = [standard_student_t(rng, len(states), POSE_SIZE, tail) for _ in range(2)]
         return self.drift(states, dt) + np.hstack(noise) * taken_off
@@ -143,13 +143,13 @@ class CableMovement:
         damping = over_time(self._parameters.rate_damping, dt)
         return _drifted(np.ascontiguousarray(states), time, damping)
 
-    def diffusion_sigmas(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
+    def diffusion_scales(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
         """Return the scale of the diffusion over `dt` seconds, shape (8,).
 
         Odometry leaves less unknown, never more.
         """
-        sigmas: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
-        return sigmas if motion is None else np.minimum(sigmas, motion.sigmas())
+        scales: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
+        return scales if motion is None else np.minimum(scales, motion.sigmas())
 
 
 def variances_per_frame(

@@ -246,7 +246,7 @@ class TrackerParameters(ParameterSet):
         0.0,
         1e3,
         "Likelihood ratio: most that texture says for a cable, which is smoother than the bottom on"
-        " both sides. 0: it is not looked at.",
+        " both sides. 0: nothing; what a strip looks like still counts it.",
     )
     shadow_evidence: float = number(
         6.0,

@@ -32,7 +32,7 @@ def make_predicted(
     return PredictedDensity(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
         rates=RATES,
-        rate_sigmas=np.array([1.0, 0.1, 1.0, 0.1]),
+        rate_scales=np.array([1.0, 0.1, 1.0, 0.1]),
         mass_survived=mass_survived,
         mass_born=mass_born,
         log_width=log_width,

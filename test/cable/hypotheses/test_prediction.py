@@ -111,6 +111,6 @@ def test_survivors_diffuse_by_the_time_between_frames_and_by_one_frame_after_a_p
     box = search_box(parameters, SIZE[0])
     belief = initial_belief(box.draw(50, rng), 0.9)
     density = Predictor(parameters, movement, box, SIZE, rng).predict(belief, dt, None).density
-    sigmas = movement.diffusion_sigmas(time)
-    np.testing.assert_allclose(density.kernels.scales, sigmas[:4])
-    np.testing.assert_allclose(density.rate_sigmas, sigmas[4:])
+    scales = movement.diffusion_scales(time)
+    np.testing.assert_allclose(density.kernels.scales, scales[:4])
+    np.testing.assert_allclose(density.rate_scales, scales[4:])

@@ -58,13 +58,13 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
     low = FrameScores(
         margin=MODEL.ordinary_margin - 1.0,
         score=6.0,
-        clearness=MODEL.clearness + 0.4,
+        clearness=MODEL.ordinary_clearness + 0.4,
         shown=0.0,
         appearance=0.0,
     )
     assert ratio_of(low._replace(shown=ENOUGH_SHOWN)) > 3.0
     assert ratio_of(low._replace(shown=LEAST_SHOWN)) < 0.0
-    assert ratio_of(low._replace(shown=ENOUGH_SHOWN, clearness=MODEL.clearness)) < 0.0
+    assert ratio_of(low._replace(shown=ENOUGH_SHOWN, clearness=MODEL.ordinary_clearness)) < 0.0
 
 
 def test_what_looks_like_a_cable_is_one_though_its_borders_are_faint():
@@ -86,7 +86,7 @@ def test_a_known_cable_that_is_gone_is_given_up_sooner_than_one_among_many():
 
 def test_looks_say_nothing_against_borders_that_no_bottom_has():
     odd = FAINT._replace(appearance=-6.0)
-    clearest = odd._replace(clearness=MODEL.clearness + MODEL.clearness_range)
-    assert ratio_of(odd._replace(clearness=MODEL.clearness)) < 0.0
+    clearest = odd._replace(clearness=MODEL.ordinary_clearness + MODEL.clearness_range)
+    assert ratio_of(odd._replace(clearness=MODEL.ordinary_clearness)) < 0.0
     assert ratio_of(clearest) == ratio_of(clearest._replace(appearance=0.0)) > 3.0
     assert ratio_of(clearest._replace(shown=0.0)) < 0.0

@@ -51,7 +51,9 @@ def test_scan_lines_are_centred_and_equally_spaced_and_miss_no_part(length, spac
 @given(st.floats(-4, 4), st.floats(-4, 4))
 def test_a_ramp_has_its_slopes_everywhere_with_y_up(x_slope, y_slope):
     scanned = scan(ramp(x_slope, y_slope))
-    rows, columns = (inner(lines) * scanned.scale for lines in (scanned.rows, scanned.columns))
+    rows, columns = (
+        inner(lines) * scanned.gradient_scale for lines in (scanned.rows, scanned.columns)
+    )
     for lines, along, across in ((rows, x_slope, y_slope), (columns, y_slope, x_slope)):
         np.testing.assert_allclose(lines[..., ALONG], along, atol=2e-3)
         np.testing.assert_allclose(lines[..., ACROSS], across, atol=2e-3)
@@ -99,7 +101,9 @@ def test_at_the_edge_of_the_picture_it_goes_on_as_its_mirror_image(rng):
     padded = np.pad(picture, margin, mode="reflect")
     scanned, wide = scan(picture, 1), scan(padded, 1)
     for one, other in ((scanned.rows, wide.rows), (scanned.columns, wide.columns)):
-        inside = other.gradients[margin:-margin, margin:-margin] * (wide.scale / scanned.scale)
+        inside = other.gradients[margin:-margin, margin:-margin] * (
+            wide.gradient_scale / scanned.gradient_scale
+        )
         np.testing.assert_allclose(one.gradients[..., :2], inside[..., :2], atol=1e-4)
         np.testing.assert_allclose(one.gradients[..., SLOPE], inside[..., SLOPE], atol=1e-4)
         smooth = other.smooth[margin:-margin, margin:-margin]
@@ -115,8 +119,8 @@ def test_the_rows_of_a_picture_turned_by_a_quarter_are_the_columns_of_it(rng, si
     picture = noise(rng, size)
     # Turned clockwise, what was up lies to the right, and what was right lies below.
     straight, turned = scan(picture), scan(np.ascontiguousarray(np.rot90(picture, -1)))
-    columns = straight.columns.gradients * straight.scale
-    rows = turned.rows.gradients * turned.scale
+    columns = straight.columns.gradients * straight.gradient_scale
+    rows = turned.rows.gradients * turned.gradient_scale
     np.testing.assert_allclose(rows[..., ALONG], columns[..., ALONG], atol=1e-4)
     np.testing.assert_allclose(rows[..., ACROSS], -columns[..., ACROSS], atol=1e-4)
     np.testing.assert_allclose(rows[..., SLOPE], columns[..., SLOPE], atol=1e-4)
@@ -131,7 +135,7 @@ def test_a_transposed_picture_swaps_rows_and_columns(rng):
         (straight.rows, swapped.columns),
         (straight.columns, swapped.rows),
     ):
-        factor = swapped.scale / straight.scale
+        factor = swapped.gradient_scale / straight.gradient_scale
         np.testing.assert_allclose(one.gradients, other.gradients[::-1] * factor, atol=1e-3)
         np.testing.assert_allclose(one.places, other.places[::-1])
 
@@ -144,15 +148,15 @@ def test_a_mirrored_picture_has_mirrored_gradients(rng, axis):
     signs = np.ones(3)
     signs[1 - axis] = -1.0
     signs[SLOPE] = -1.0 if axis else 1.0
-    rows = np.flip(flipped.rows.gradients, axis) * signs * flipped.scale
-    np.testing.assert_allclose(rows, straight.rows.gradients * straight.scale, atol=1e-4)
+    rows = np.flip(flipped.rows.gradients, axis) * signs * flipped.gradient_scale
+    np.testing.assert_allclose(rows, straight.rows.gradients * straight.gradient_scale, atol=1e-4)
 
 
 def test_scales_are_those_of_the_noise(rng):
     quiet_picture = noise(rng, (300, 200))
     loud_picture = (100.0 + 7.0 * (quiet_picture - 100.0)).astype(np.float32)
     quiet, loud = scan(quiet_picture), scan(loud_picture)
-    assert loud.scale == pytest.approx(7.0 * quiet.scale, rel=1e-3)
+    assert loud.gradient_scale == pytest.approx(7.0 * quiet.gradient_scale, rel=1e-3)
     assert loud.contrast_scale == pytest.approx(7.0 * quiet.contrast_scale, rel=1e-3)
     for one, other in ((quiet.rows, loud.rows), (quiet.columns, loud.columns)):
         np.testing.assert_allclose(other.gradients, one.gradients, atol=0.01)
@@ -166,7 +170,7 @@ def test_scales_are_those_of_the_noise(rng):
 @pytest.mark.filterwarnings("error")
 def test_a_flat_picture_of_any_size_has_no_gradient_and_the_smallest_scales(value, size):
     scanned = scan(np.full(size[::-1], value, np.float32))
-    assert (scanned.scale, scanned.contrast_scale) == (NOISE_FLOOR, SMALLEST_CONTRAST)
+    assert (scanned.gradient_scale, scanned.contrast_scale) == (NOISE_FLOOR, SMALLEST_CONTRAST)
     for lines in (scanned.rows, scanned.columns):
         np.testing.assert_allclose(lines.gradients, 0.0, atol=2e-3)
         np.testing.assert_allclose(lines.smooth * SMALLEST_CONTRAST, value, atol=1e-3)
@@ -175,7 +179,7 @@ def test_a_flat_picture_of_any_size_has_no_gradient_and_the_smallest_scales(valu
 def test_gradients_alone_are_the_same_gradients_and_nothing_else_is_known(rng):
     picture = noise(rng)
     everything, alone = scan(picture), scan(picture, kernels=KERNELS._replace(region=NO_FILTER))
-    assert alone.scale == everything.scale
+    assert alone.gradient_scale == everything.gradient_scale
     for known, bare in ((everything.rows, alone.rows), (everything.columns, alone.columns)):
         assert (bare.gradients[..., :SLOPE] == known.gradients[..., :SLOPE]).all()
         assert (bare.places == known.places).all()

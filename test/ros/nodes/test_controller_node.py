@@ -224,9 +224,7 @@ def test_silence_and_a_tracker_that_does_not_look_are_each_told(world, tracker, 
     tracker.next_frame()
     tracker.says_state(claims=False)
     world.spin(
-        lambda: (
-            [words for words, _ in diagnostics(node)] == ["NO STATE", "DISABLED", "NO STATE"]
-        )
+        lambda: [words for words, _ in diagnostics(node)] == ["NO STATE", "DISABLED", "NO STATE"]
     )
 
 
