@@ -47,7 +47,7 @@ class Snapshot:
         Particles and their weights, shape (N, 9): columns of `StateColumn`, then the weight. None
         if there are none.
     hypotheses : tuple of Hypothesis
-        Hypotheses, likeliest first; empty if they are not known.
+        Hypotheses, as `CableEstimate` has them; empty if they are not known.
     hypothesis_count : int or None
         Number of hypotheses where they are not known themselves; None otherwise.
     presence : float or None

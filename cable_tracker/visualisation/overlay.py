@@ -111,7 +111,7 @@ def draw_overlay(
     cloud : FloatArray or None
         Particles, shape (N, 9): the columns of `StateColumn`, and the weight.
     hypotheses : sequence of Hypothesis
-        Where the cable may be, likeliest first. Of those after the first, which is the estimate's,
+        Where the cable may be. Of those after the first, which is that of the estimate,
         the centrelines are drawn where there is a state or a cloud.
     presence : float or None
         Probability that a cable is in view, 0 to 1, shown behind the status.
