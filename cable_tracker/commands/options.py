@@ -14,12 +14,8 @@ from cable_tracker.commands.terminal import console, messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
-from cable_tracker.sequences.sequence_file import SequenceFileSource
 from cable_tracker.sequences.source import ChosenRecording, Source
-from cable_tracker.sequences.video import VideoSource
 from cable_tracker.stamps import USUAL_RATE
 
 
@@ -175,18 +171,16 @@ def open_recording(recording: ChosenRecording) -> Source:
 
 def print_taken_rate(source: Source) -> None:
     """Say at which rate pictures are taken, which have no times of their own."""
-    if isinstance(source, ImageFolderSource) or (
-        isinstance(source, SequenceFileSource) and source.has_pictures
-    ):
+    if source.taken_rate is not None:
         console.print(
-            f"pictures have no times and were taken to be {source.rate:g} a second (--rate)",
+            f"pictures have no times and were taken to be {source.taken_rate:g} a second (--rate)",
             soft_wrap=True,
         )
 
 
 def print_needless_rate(source: Source, rate: float | None) -> None:
     """Say that a rate was given for frames that have times of their own."""
-    if rate is not None and isinstance(source, BagSource | VideoSource):
+    if rate is not None and source.taken_rate is None:
         print_notes(source.path, ["its frames have times of their own: --rate does nothing"])
 
 

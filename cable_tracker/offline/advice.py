@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -63,11 +62,11 @@ def advice(
 
 def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParameters) -> str:
     """Say why frames that support a claim led to none."""
-    begun = Counter(row.event for row in rows if row.event and row.status != REFUSED)
-    if 2 * begun.total() >= len(rows):
+    begun = [row.event for row in rows if row.event and row.status != REFUSED]
+    if 2 * len(begun) >= len(rows):
         return (
-            f"tracking started anew in {begun.total()} of {len(rows)} frames, for example:"
-            f" {begun.most_common(1)[0][0]}; a claim takes confirmation_time"
+            f"tracking started anew in {len(begun)} of {len(rows)} frames, for example:"
+            f" {begun[-1]}; a claim takes confirmation_time"
             f" ({parameters.confirmation_time:g} s) without that. Where frames come more seldom,"
             f" raise maximum_gap ({parameters.maximum_gap:g} s)"
         )

@@ -57,6 +57,8 @@ class Source(ABC):
         Path given by the user.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
+    taken_rate : float or None
+        At how many a second its pictures are taken, which have no times [1/s]; None: frames have.
     has_truth : bool
         Whether any frame is labelled.
     compressed : bool
@@ -71,6 +73,7 @@ class Source(ABC):
         self.has_truth = False
         self.compressed = False
         self.note = ""
+        self.taken_rate: float | None = None
         self._skip_bad_frames = skip_bad_frames
         self._labels: Mapping[int, CableState] | None = None
         self._labels_by_stamp: Mapping[int, CableState] | None = None

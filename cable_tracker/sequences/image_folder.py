@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
-from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -13,7 +12,7 @@ from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame
-from cable_tracker.sequences.natural_order import natural_key, positions_by_number
+from cable_tracker.sequences.natural_order import gap_note, natural_key, positions_by_number
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_NAME = "sequence.txt"
@@ -81,8 +80,6 @@ class ImageFolderSource(Source):
     ----------
     pictures : list of Path
         The pictures.
-    rate : float
-        Frames per second.
 
     Raises
     ------
@@ -102,9 +99,10 @@ class ImageFolderSource(Source):
             raise RecordingError(
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
-        self.rate = rate or USUAL_RATE
-        self._positions = positions_by_number([picture.name for picture in self.pictures])
-        self._gap_note = self._say_gaps()
+        self._rate = self.taken_rate = rate or USUAL_RATE
+        names = [picture.name for picture in self.pictures]
+        self._positions = positions_by_number(names)
+        self._gap_note = gap_note(names, self._positions)
         self.note = self._gap_note
         if (path / SEQUENCE_NAME).is_file():
             unused = f"its labels in {SEQUENCE_NAME} are not used; name that file instead"
@@ -116,29 +114,13 @@ class ImageFolderSource(Source):
         super().label(labels)
         self.note = self._gap_note
 
-    def _say_gaps(self) -> str:
-        """Say which numbers are missing between the pictures, if there are any."""
-        missing = self._positions[-1] + 1 - len(self._positions)
-        if not missing:
-            return ""
-        first = next(
-            index
-            for index, (before, after) in enumerate(pairwise(self._positions))
-            if after > before + 1
-        )
-        return (
-            f"{missing} pictures are missing by their numbers, the first after"
-            f" {self.pictures[first].name}; the others keep the time that their numbers say."
-            " If they are successive all the same, number them without gaps"
-        )
-
     def frame_name(self, index: int) -> str:
         """Return how to call a frame in a message."""
         return f"frame {index} ({self.pictures[index].name})"
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         for index, path in enumerate(self.pictures[start:], start):
-            stamp = stamp_of_frame(self._positions[index], self.rate)
+            stamp = stamp_of_frame(self._positions[index], self._rate)
             try:
                 yield Frame(index, stamp, load_picture(path))
             except FrameError as error:

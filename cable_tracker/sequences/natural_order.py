@@ -45,3 +45,20 @@ def positions_by_number(names: Sequence[str]) -> list[int]:
     if smallest < 1 or max(steps) > LONGEST_GAP * smallest or any(s % smallest for s in steps):
         return successive
     return [(number - numbers[0]) // smallest for number in numbers]
+
+
+def gap_note(names: Sequence[str], positions: Sequence[int]) -> str:
+    """Say which numbers are missing between names, by their `positions_by_number`; empty: none."""
+    missing = positions[-1] + 1 - len(positions)
+    if not missing:
+        return ""
+    first = next(
+        names[index]
+        for index, (before, after) in enumerate(pairwise(positions))
+        if after > before + 1
+    )
+    return (
+        f"{missing} pictures are missing by their numbers, the first after {first}; the others keep"
+        " the time that their numbers say. If they are successive all the same, number them without"
+        " gaps"
+    )

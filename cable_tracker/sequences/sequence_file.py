@@ -22,7 +22,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import load_picture
-from cable_tracker.sequences.natural_order import positions_by_number
+from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.video import TIMES_NOTE, VIDEO_SUFFIXES, VideoFrames, opened_video
 from cable_tracker.sequences.video_times import times_run_backwards
 from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
@@ -30,10 +30,6 @@ from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
 SEQUENCE_SUFFIXES = (".txt", ".seq")
 APART = 100_000 * NANOSECONDS
 """Time between the beginnings of two recordings of one list [ns]: longer than a dive."""
-_GAPS_NOTE = (
-    "its pictures are numbered with gaps, and keep the times that their numbers say; if they are"
-    " successive all the same, number them without gaps"
-)
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
 _LONGEST_LINE = 10_000
 _LARGEST_ANGLE = 1e4
@@ -282,7 +278,7 @@ class SequenceFileSource(Source):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._entries = read_labels(path, allow_outside=allow_outside)
-        self.rate = rate or USUAL_RATE
+        self._rate = rate or USUAL_RATE
         for label in self._entries:
             _check_kind(path, label)
         self._files = {
@@ -294,21 +290,22 @@ class SequenceFileSource(Source):
             if name.lower().endswith(VIDEO_SUFFIXES) and times_run_backwards(file)
         }
         names = [label.filename for label in self._entries if label.frame is None]
-        self._positions = positions_by_number(names) if len(names) == len(self._entries) else []
+        count = len(self._entries)
+        self._positions = positions_by_number(names) if len(names) == count else list(range(count))
         videos = dict.fromkeys(label.filename for label in self._entries if label.frame is not None)
         self._begins = {name: APART * k for k, name in enumerate(videos, bool(names))}
-        self.has_pictures = bool(names)
-        self.note = "; ".join(self._notes())
-        self.frame_count = len(self._entries)
+        self.taken_rate = self._rate if names else None
+        self.note = "; ".join(self._notes(names))
+        self.frame_count = count
         self.has_truth = True
 
-    def _notes(self) -> Iterator[str]:
-        """Say what the user should know of its times."""
+    def _notes(self, names: list[str]) -> Iterator[str]:
+        """Say what the user should know of its times; `names` of its pictures."""
         for name in sorted(self._with_steady_rate):
             yield f"{name}: {TIMES_NOTE}"
-        if self._positions and self._positions[-1] >= len(self._positions):
-            yield _GAPS_NOTE
-        if len(self._begins) > 1 or (self._begins and self.has_pictures):
+        if gaps := gap_note(names, self._positions):
+            yield f"numbered with gaps: {gaps}"
+        if len(self._begins) > 1 or (self._begins and names):
             yield f"holds several recordings; each begins {APART / NANOSECONDS:g} s after the other"
 
     @property
@@ -330,8 +327,7 @@ class SequenceFileSource(Source):
             first += len(labels)
 
     def _picture(self, index: int, label: Label) -> Frame | UnreadableFrame:
-        position = self._positions[index] if self._positions else index
-        stamp = stamp_of_frame(position, self.rate)
+        stamp = stamp_of_frame(self._positions[index], self._rate)
         try:
             image = load_picture(self._files[label.filename])
         except FrameError as error:
