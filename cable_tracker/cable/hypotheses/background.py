@@ -17,7 +17,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.proposals import ProposalInputs
+from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.shared_borders import is_within_shared_border_limits
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,

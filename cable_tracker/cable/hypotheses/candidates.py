@@ -14,10 +14,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import find_groups, heaviest_members
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
+from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
 from cable_tracker.cable.measure.appearance import appearances_of
-from cable_tracker.cable.measure.border_points import ScanInputs
-from cable_tracker.cable.measure.cable_map import CableMap
-from cable_tracker.cable.measure.likelihood_ratio import RatioModel
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.compilation import compiled_part
 
@@ -37,9 +35,7 @@ def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
     map_strips: FloatArray,
-    scan: ScanInputs,
-    model: RatioModel,
-    cable_map: CableMap,
+    inputs: ProposalInputs,
     config: ProposalConfig,
 ) -> FloatArray:
     """Return the particles, and strips of the map, that look most like cables, shape (C, 8).
@@ -53,10 +49,8 @@ def likeliest_strips(
         ones.
     map_strips : FloatArray
         Strips that the map shows, shape (S, 8).
-    scan, model : ScanInputs, RatioModel
-        The frame, and the tables of its log-likelihood ratios.
-    cable_map : CableMap
-        The map of the frame, or `NO_MAP`.
+    inputs : ProposalInputs
+        The scanned frame, the tables of its log-likelihood ratios, and its map.
     config : ProposalConfig
         Radii of the clusters.
     """
@@ -64,5 +58,5 @@ def likeliest_strips(
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
     strips = np.concatenate((strips, map_strips))
-    order = np.argsort(-appearances_of(strips, scan, model, cable_map))
+    order = np.argsort(-appearances_of(strips, inputs.scan, inputs.model, inputs.cable_map))
     return strips[order[:MOST_CANDIDATES]]

@@ -36,7 +36,8 @@ from cable_tracker.cable.hypotheses.evidence_correction import (
 )
 from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
+from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.proposals import Drawn, draw_sample
 from cable_tracker.cable.hypotheses.sample import (
     Sample,
     importance_log_weights,
@@ -51,6 +52,7 @@ from cable_tracker.cable.hypotheses.score_likelihood import (
 )
 from cable_tracker.cable.hypotheses.thin_strips import thin_factor, trusted_appearance
 from cable_tracker.cable.measure.appearance import appearances_of
+from cable_tracker.cable.measure.cable_map import is_worked_out
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
@@ -62,7 +64,7 @@ from cable_tracker.cable.measure.likelihood_ratio import (
 from cable_tracker.cable.measure.polarity_prior import bright_share
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
-from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import (
     effective_sample_size,
     exponentials,
@@ -164,8 +166,8 @@ def draw_and_conclude(
     prior: PriorPresence,
 ) -> Conclusion:
     """Draw the particles of all rounds, weigh them, and conclude."""
-    end, candidates = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, end, candidates, inputs, config, prior)
+    drawn = draw_sample(sample, inputs, counts, config)
+    return conclude(sample, drawn, inputs, config, prior)
 
 
 class CorrectedClusters(NamedTuple):
@@ -181,8 +183,6 @@ class CorrectedClusters(NamedTuple):
         Background of the groups that `clusters.group_of` names.
     appearances : FloatArray
         How much the clusters look like cables, shape (K,) [nats].
-    is_mapped : bool
-        Whether the map of the frame has a say in that.
     """
 
     log_weights: FloatArray
@@ -190,40 +190,36 @@ class CorrectedClusters(NamedTuple):
     clusters: Clusters
     background: Background
     appearances: FloatArray
-    is_mapped: bool
 
 
 @compiled_part
 def conclude(
     sample: Sample,
-    end: int,
-    candidates: FloatArray,
+    drawn: Drawn,
     inputs: ProposalInputs,
     config: ProposalConfig,
     prior: PriorPresence,
 ) -> Conclusion:
-    """Conclude from the first `end` rows of a sample.
+    """Conclude from the drawn particles of a sample.
 
-    About each of the candidates, shape (C, 8), particles are one group, however little they weigh.
+    About each of the candidates particles are one group, however little they weigh.
     """
-    states = _wrapped_states(sample, end)
-    log_prior = importance_log_weights(sample, end, 0.0)
+    states = _wrapped_states(sample, drawn.count)
+    log_prior = importance_log_weights(sample, drawn.count, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
-    anchors = np.concatenate((inputs.anchors, candidates))
+    anchors = np.concatenate((inputs.anchors, drawn.candidates))
     groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
     corrected = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
     clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
-    margins, scores = margins_and_scores(corrected, sample)
-    log_odds = _log_odds(corrected, margins, scores, clear, config, prior)
+    log_odds = _log_odds(corrected, clear, sample, inputs, config, prior)
     order = most_probable_first(corrected.clusters.masses, log_odds)
-    corrected = _reordered_clusters(corrected, order)
-    clear = BorderClearness(clear.clearness[order], clear.shown[order])
-    hypotheses, p_bright = leader_measures(states, corrected, clear, sample, inputs)
+    hypotheses = _hypotheses(states, corrected, clear, order, sample, inputs)
     goes_on = is_same_hypothesis(
-        corrected.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
+        hypotheses.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
     )
+    p_bright = _p_bright(corrected.weights, sample, inputs)
     return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
 
 
@@ -263,7 +259,7 @@ def corrected_clusters(
     )
     measured = MeasuredGroups(groups, background.alike, appearances)
     log_weights = normalise_log_weights(
-        corrected_log_weights(particles, measured, config.evidence_limits)
+        corrected_log_weights(particles, measured, config.evidence_limits, config.is_known)
     ).log_weights
     weights = exponentials(log_weights)
     clusters = clusters_of(states, weights, groups)
@@ -275,9 +271,8 @@ def corrected_clusters(
             states, log_weights, groups, inputs, config
         )
         clusters = clusters_of(states, weights, groups)
-    is_mapped = len(inputs.cable_map.probabilities) > 0
     return CorrectedClusters(
-        log_weights, weights, clusters, background, appearances[clusters.group_of], is_mapped
+        log_weights, weights, clusters, background, appearances[clusters.group_of]
     )
 
 
@@ -296,41 +291,28 @@ def _background_and_appearances(
 
 
 @compiled_part
-def _reordered_clusters(corrected: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
-    """Return corrected clusters with the clusters in another order, shape (K,)."""
-    return CorrectedClusters(
-        corrected.log_weights,
-        corrected.weights,
-        reordered(corrected.clusters, order),
-        corrected.background,
-        corrected.appearances[order],
-        corrected.is_mapped,
-    )
-
-
-@compiled_part
-def leader_measures(
+def _hypotheses(
     states: FloatArray,
     corrected: CorrectedClusters,
     clear: BorderClearness,
+    order: IndexArray,
     sample: Sample,
     inputs: ProposalInputs,
-) -> tuple[Hypotheses, float]:
-    """Return the clusters with what the frame measures of the leading one, and P(bright)."""
-    clusters, weights = corrected.clusters, corrected.weights
-    border_mean, visible_length, p_bright = _leader_and_polarity(clusters, weights, sample, inputs)
-    hypotheses = Hypotheses(
+) -> Hypotheses:
+    """Return the clusters in an order, (K,), with what the frame measures of the first of it."""
+    clusters, weights, leader = reordered(corrected.clusters, order), corrected.weights, order[0]
+    border_mean, visible_length = _leading_border_mean(clusters, weights, sample, inputs)
+    return Hypotheses(
         clusters,
         leading_covariance(states, weights, clusters),
         effective_sample_size(corrected.log_weights),
         border_mean,
         visible_length,
         _leading_border_means(clusters.means, inputs),
-        clear.clearness[0] * shown_share(clear.shown[0]),
-        corrected.appearances[0],
-        corrected.is_mapped,
+        clear.clearness[leader] * shown_share(clear.shown[leader]),
+        corrected.appearances[leader],
+        is_worked_out(inputs.cable_map),
     )
-    return hypotheses, p_bright
 
 
 @compiled_part
@@ -363,22 +345,36 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
 
 
 @compiled_loop
-def _leader_and_polarity(
-    clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
-) -> tuple[float, float, float]:
-    """Return weaker border's mean and visible length over the leader, and P(bright) over all."""
-    mass, measured = clusters.masses[0], sample.measured
-    border_mean, length, p_bright = 0.0, 0.0, 0.0
+def _p_bright(weights: FloatArray, sample: Sample, inputs: ProposalInputs) -> float:
+    """Return the weighted share of bright cables among the particles."""
+    p_bright = 0.0
     for row in range(len(weights)):
-        log_ratios, weaker = measured.log_ratios[row], measured.weaker_border_mean[row]
-        dark = log_ratios[DARK] - sample.shadow_losses[row]
-        share = bright_share(inputs.polarity, log_ratios[BRIGHT], dark)
-        p_bright += weights[row] * share
+        p_bright += weights[row] * _bright_share_of(row, sample, inputs)
+    return p_bright
+
+
+@compiled_loop
+def _leading_border_mean(
+    clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
+) -> tuple[float, float]:
+    """Return the weaker border's mean and the visible length, averaged over the leader."""
+    mass, measured = clusters.masses[0], sample.measured
+    border_mean, length = 0.0, 0.0
+    for row in range(len(weights)):
         if clusters.labels[row] == 0:
-            own = weaker[BRIGHT] if share >= 0.5 else weaker[DARK]
+            is_bright = _bright_share_of(row, sample, inputs) >= 0.5
+            own = measured.weaker_border_mean[row, BRIGHT if is_bright else DARK]
             border_mean += weights[row] / mass * own
             length += weights[row] / mass * measured.visible_lengths[row]
-    return border_mean, length, p_bright
+    return border_mean, length
+
+
+@compiled_inside
+def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
+    """Return the probability that a particle's cable is bright, and not a dark one or a shadow."""
+    log_ratios = sample.measured.log_ratios[row]
+    dark = log_ratios[DARK] - sample.shadow_losses[row]
+    return bright_share(inputs.polarity, log_ratios[BRIGHT], dark)
 
 
 @compiled_part
@@ -419,18 +415,19 @@ def margins_and_scores(
 @compiled_part
 def _log_odds(
     corrected: CorrectedClusters,
-    margins: FloatArray,
-    scores: FloatArray,
     clear: BorderClearness,
+    sample: Sample,
+    inputs: ProposalInputs,
     config: ProposalConfig,
     prior: PriorPresence,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
     means, thin_width = corrected.clusters.means, config.evidence_limits.thin_width
+    margins, scores = margins_and_scores(corrected, sample)
     log_odds = np.empty(len(means))
     for index in range(len(means)):
         width, appearance = means[index, WIDTH], corrected.appearances[index]
-        if not corrected.is_mapped:
+        if not is_worked_out(inputs.cable_map):
             appearance = trusted_appearance(appearance, width, thin_width)
         # Any bottom has thin lines: what borders say of them counts less, for and against.
         factor = thin_factor(width, thin_width)

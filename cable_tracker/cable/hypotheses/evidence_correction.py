@@ -59,14 +59,11 @@ class EvidenceLimits(NamedTuple):
         Share of the ratio of a surviving group that counts, 0 to 1.
     thin_width : float
         Width below which ratios count less [px of the frame].
-    is_known : bool
-        Whether a cable is known: then borders count whole, and appearance does not.
     """
 
     evidence_limit: float
     evidence_repeated: float
     thin_width: float
-    is_known: bool
 
 
 class WeighedParticles(NamedTuple):
@@ -144,11 +141,14 @@ class GroupEvidence(NamedTuple):
 
 @compiled_part
 def corrected_log_weights(
-    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits
+    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits, is_known: bool
 ) -> FloatArray:
-    """Return log-weights (N,) with the log-likelihood ratio of each group corrected."""
+    """Return log-weights (N,) with the log-likelihood ratio of each group corrected.
+
+    Beside a known cable borders count whole, and appearance does not.
+    """
     groups = measured.groups
-    evidence = group_evidence(particles, measured, limits)
+    evidence = group_evidence(particles, measured, limits, is_known)
     likeliest = reference_group(evidence)
     reference = evidence.counted[likeliest] if likeliest != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
@@ -163,13 +163,13 @@ def corrected_log_weights(
 
 
 @compiled_part
-def background_share(map_log_ratios: FloatArray, limits: EvidenceLimits) -> float:
+def background_share(map_log_ratios: FloatArray, is_known: bool) -> float:
     """Return the share of the ratio above the background that counts.
 
     `map_log_ratios`, shape (N,), are those of the frame's particles [nats]. Where the appearance
     does not count, the map does not change what the borders say, either.
     """
-    if limits.is_known:
+    if is_known:
         return 1.0
     clearest: float = map_log_ratios.max()
     clear = (clearest - FAINT_MAP) / (CLEAR_MAP - FAINT_MAP)
@@ -178,11 +178,11 @@ def background_share(map_log_ratios: FloatArray, limits: EvidenceLimits) -> floa
 
 @compiled_part
 def group_evidence(
-    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits
+    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits, is_known: bool
 ) -> GroupEvidence:
     """Sum up what the frame says of each group."""
     labels, count = measured.groups.labels, measured.groups.number + 1
-    share = background_share(particles.map_log_ratios, limits)
+    share = background_share(particles.map_log_ratios, is_known)
     evidence = GroupEvidence(
         np.full(count, -np.inf),
         np.zeros(count),
@@ -203,7 +203,7 @@ def group_evidence(
             background = measured.backgrounds[label]
             appearance = measured.appearances[label] - ORDINARY_APPEARANCE
         counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
-        if not limits.is_known:
+        if not is_known:
             # The loss is in the ratio, of which only a share counts; a shadow looks like a cable.
             counted += appearance - (1.0 - share) * means.shadow_loss
         evidence.counted[label] = counted

@@ -48,7 +48,7 @@ from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
-from cable_tracker.cable.hypotheses.proposals import ProposalInputs
+from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.rounds import refined_counts
 from cable_tracker.cable.hypotheses.sample import empty_sample
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts

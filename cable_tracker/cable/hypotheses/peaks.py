@@ -34,12 +34,12 @@ always one)."""
 
 
 class Peaks(NamedTuple):
-    """Room for P proposals about the best particles.
+    """P proposals about the best particles.
 
     Attributes
     ----------
     counts : IndexArray
-        Number of particles drawn from each, shape (P,); 0 for an unused one.
+        Number of particles drawn from each, shape (P,).
     locations : FloatArray
         d, alpha, w, beta of their centres [px, rad], shape (P, 4).
     factors : FloatArray
@@ -52,26 +52,36 @@ class Peaks(NamedTuple):
 
 
 @compiled_part
-def empty_peaks(count: int) -> Peaks:
-    """Return empty arrays for some peaks, of which there is none yet."""
+def no_peaks() -> Peaks:
+    """Return no peak."""
+    return _room_for_peaks(0)
+
+
+@compiled_part
+def _room_for_peaks(number: int) -> Peaks:
+    """Return peaks whose places are to be filled in, of which no particle is drawn yet."""
     return Peaks(
-        np.zeros(count, np.int64),
-        np.empty((count, POSE_SIZE)),
-        np.empty((count, POSE_SIZE, POSE_SIZE)),
+        np.zeros(number, np.int64),
+        np.empty((number, POSE_SIZE)),
+        np.zeros((number, POSE_SIZE, POSE_SIZE)),
     )
 
 
 @compiled_part
-def add_cluster_peaks(
-    states: FloatArray,
-    log_weights: FloatArray,
-    count: int,
-    widening: float,
-    config: ProposalConfig,
-    peaks: Peaks,
-    used: int,
-) -> int:
-    """Add the clusters of particles as peaks to draw about, and return how many peaks there are.
+def all_peaks(first: Peaks, others: Peaks) -> Peaks:
+    """Return the peaks of both, in this order."""
+    return Peaks(
+        np.concatenate((first.counts, others.counts)),
+        np.concatenate((first.locations, others.locations)),
+        np.concatenate((first.factors, others.factors)),
+    )
+
+
+@compiled_part
+def cluster_peaks(
+    states: FloatArray, log_weights: FloatArray, count: int, widening: float, config: ProposalConfig
+) -> Peaks:
+    """Return the heaviest clusters of particles as peaks to draw about.
 
     Parameters
     ----------
@@ -82,11 +92,7 @@ def add_cluster_peaks(
     widening : float
         Factor on the covariance of the clusters.
     config : ProposalConfig
-        Radii of the clusters.
-    peaks : Peaks
-        The first `used` of them are filled.
-    used : int
-        Number of peaks that are filled in.
+        Radii of the clusters, and the smallest kernel scales.
     """
     weights = exponentials(log_weights)
     nowhere = np.empty((0, STATE_SIZE))
@@ -95,36 +101,27 @@ def add_cluster_peaks(
     number = 1
     while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:
         number += 1
-    total, left = 0.0, count
+    peaks = _room_for_peaks(number)
+    peaks.locations[:] = means[:number, :POSE_SIZE]
+    total = masses[:number].sum()
     for index in range(number):
-        total += masses[index]
-    for index in range(number):
-        peak = used + index
-        peaks.counts[peak] = int(count * (masses[index] / total))
-        left -= peaks.counts[peak]
+        peaks.counts[index] = int(count * (masses[index] / total))
         covariance = group_covariance(
             states, weights, groups.labels, order[index], masses[index], means[index], POSE_SIZE
         )
+        covariance *= widening
         for row in range(POSE_SIZE):
-            peaks.locations[peak, row] = means[index, row]
-            for column in range(POSE_SIZE):
-                covariance[row, column] *= widening
             covariance[row, row] += config.smallest_sigmas[row] ** 2
-        cholesky_factor(covariance, peaks.factors[peak])
-    peaks.counts[used] += left
-    return used + number
+        cholesky_factor(covariance, peaks.factors[index])
+    peaks.counts[0] += count - peaks.counts.sum()
+    return peaks
 
 
-@compiled_loop
-def add_candidate_peaks(
-    strips: FloatArray,
-    count: int,
-    narrowing: float,
-    config: ProposalConfig,
-    peaks: Peaks,
-    used: int,
-) -> int:
-    """Add strips (C, 8) as peaks to draw about, and return how many peaks there are.
+@compiled_part
+def candidate_peaks(
+    strips: FloatArray, count: int, narrowing: float, config: ProposalConfig
+) -> Peaks:
+    """Return strips (C, 8) as peaks to draw about.
 
     Parameters
     ----------
@@ -136,29 +133,23 @@ def add_candidate_peaks(
         Factor on the kernel scales of detections.
     config : ProposalConfig
         Kernel scales of detections, and the smallest ones.
-    peaks, used : Peaks, int
-        See `add_cluster_peaks`.
     """
+    peaks = _room_for_peaks(len(strips))
+    peaks.locations[:] = strips[:, :POSE_SIZE]
     for index in range(len(strips)):
-        peak = used + index
         # The first ones get what the division leaves over.
-        peaks.counts[peak] = (count + len(strips) - 1 - index) // len(strips)
+        peaks.counts[index] = (count + len(strips) - 1 - index) // len(strips)
         for row in range(POSE_SIZE):
             sigma = narrowing * config.detection_sigmas[row]
-            peaks.locations[peak, row] = strips[index, row]
-            for column in range(POSE_SIZE):
-                peaks.factors[peak, row, column] = 0.0
-            peaks.factors[peak, row, row] = max(sigma, config.smallest_sigmas[row])
-    return used + len(strips)
+            peaks.factors[index, row, row] = max(sigma, config.smallest_sigmas[row])
+    return peaks
 
 
 @compiled_loop
-def draw_about_peaks(
-    states: FloatArray, start: int, noise: FrameNoise, peaks: Peaks, first: int, last: int
-) -> None:
-    """Draw the poses of particles about the peaks from `first` to `last`, from row `start` on."""
+def draw_about_peaks(states: FloatArray, start: int, noise: FrameNoise, peaks: Peaks) -> None:
+    """Draw the poses of particles about peaks, from row `start` on."""
     row = start
-    for peak in range(first, last):
+    for peak in range(len(peaks.counts)):
         for _ in range(peaks.counts[peak]):
             for column in range(POSE_SIZE):
                 offset = 0.0
@@ -175,14 +166,12 @@ def add_peak_densities(
     start: int,
     stop: int,
     peaks: Peaks,
-    first: int,
-    last: int,
     degrees_of_freedom: float,
     proposal_density: FloatArray,
 ) -> None:
     """Add the densities of peaks, each times its number of particles, to a proposal density."""
     constant = peak_density(degrees_of_freedom, POSE_SIZE)
-    for index in range(first, last):
+    for index in range(len(peaks.counts)):
         if peaks.counts[index] == 0:
             continue
         place, f = peaks.locations[index], peaks.factors[index]

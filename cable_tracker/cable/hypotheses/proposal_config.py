@@ -26,7 +26,7 @@ SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 
 
 class ProposalConfig(NamedTuple):
-    """What does not change from frame to frame.
+    """What is the same in every frame with a known cable, and in every one without.
 
     Attributes
     ----------
@@ -48,6 +48,8 @@ class ProposalConfig(NamedTuple):
         `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
     shadows : ShadowRules
         Limits of what counts as a shadow.
+    is_known : bool
+        Whether a cable is known: then borders count whole, and appearance does not.
     """
 
     image_size: tuple[float, float]
@@ -61,6 +63,7 @@ class ProposalConfig(NamedTuple):
     evidence_limits: EvidenceLimits
     same_hypothesis_radii: FloatArray
     shadows: ShadowRules
+    is_known: bool
 
 
 def proposal_config(
@@ -82,7 +85,6 @@ def proposal_config(
             parameters.evidence_limit,
             parameters.evidence_repeated,
             parameters.thin_width * pixel_scale(width),
-            is_known=False,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         shadows=ShadowRules(
@@ -91,6 +93,7 @@ def proposal_config(
             SAME_HYPOTHESIS_RADII * units,
             pixel_scale(width),
         ),
+        is_known=False,
     )
 
 
@@ -99,7 +102,5 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
 
     It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
     """
-    limits = config.evidence_limits._replace(
-        evidence_limit=parameters.evidence_limit_known, is_known=True
-    )
-    return config._replace(evidence_limits=limits)
+    limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
+    return config._replace(evidence_limits=limits, is_known=True)

@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues, empty_densities
 from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
-from cable_tracker.cable.measure.cable_map import CableMap, map_match
+from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
@@ -88,7 +88,7 @@ def fill_map_log_ratios(sample: Sample, start: int, stop: int, cable_map: CableM
     """Fill in what the map says from `start` to `stop`, 0 for `NO_MAP`."""
     for row in range(start, stop):
         sample.map_log_ratios[row] = 0.0
-        if len(cable_map.probabilities):
+        if is_worked_out(cable_map):
             sample.map_log_ratios[row] = (
                 MAP_WEIGHT * map_match(sample.states[row], cable_map).overlap
             )

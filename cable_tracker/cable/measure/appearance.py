@@ -40,7 +40,7 @@ from cable_tracker.cable.measure.border_points import (
     room_for_crossings,
     width_across,
 )
-from cable_tracker.cable.measure.cable_map import CableMap, map_match
+from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
@@ -124,7 +124,7 @@ def appearances_of(
             )
             looks, continuity = looks + more, continuity + continuous
         found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
-        if len(cable_map.probabilities):
+        if is_worked_out(cable_map):
             match = map_match(states[row], cable_map)
             mapped = MAP_OVERLAP * match.overlap + MAP_INSIDE * match.inside
             found[row] = mapped + MAP_REST * found[row]

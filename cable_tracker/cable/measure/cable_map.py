@@ -72,6 +72,12 @@ NO_MAP = CableMap(
 """The map of a frame of which none was worked out."""
 
 
+@compiled_inside
+def is_worked_out(cable_map: CableMap) -> bool:
+    """Tell whether a map is one, and not `NO_MAP`."""
+    return len(cable_map.probabilities) > 0
+
+
 class MapMatch(NamedTuple):
     """How well a strip matches a map.
 

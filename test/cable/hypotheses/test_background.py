@@ -4,34 +4,24 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.background import SMALLEST_DEVIATION, Background, background_of
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
-from cable_tracker.cable.hypotheses.proposals import ProposalInputs
-from cable_tracker.cable.measure.border_points import scan_inputs
-from cable_tracker.cable.measure.cable_map import NO_MAP
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 MODEL = BorderLikelihoodRatio(TrackerParameters())
 CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
-NOTHING = np.empty(0)
 
 
-def inputs_of(image, rng) -> ProposalInputs:
-    """The frame and the random numbers of one without a belief."""
-    scan, model = scan_inputs(image), MODEL.model_for(image)
-    noise = draw_frame_noise(rng, 0, 0, 4.0)
-    return ProposalInputs(
-        None, noise, scan, model, NO_MAP, polarity_prior(0.5), 0.0, NOTHING, NOTHING, NOTHING
-    )
+@pytest.fixture
+def background(frame_inputs):
+    """Return the background of poses in a picture."""
 
+    def measure(picture, poses) -> Background:
+        means = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
+        return background_of(means, frame_inputs(picture), CONFIG)
 
-def background(picture, poses, rng) -> Background:
-    image = make_working_image(picture.astype(np.float32), 320)
-    means = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
-    return background_of(means, inputs_of(image, rng), CONFIG)
+    return measure
 
 
 def level_of(picture, pose) -> float:
@@ -43,33 +33,32 @@ def grain(rng) -> np.ndarray:
     return rng.normal(100.0, 5.0, (240, 320))
 
 
-def test_a_single_strip_has_no_like_in_the_picture(rng):
+def test_a_single_strip_has_no_like_in_the_picture(background, rng):
     picture = grain(rng)
     picture[:, 140:180] += 60.0
     pose = [0.0, 0.0, 40.0, 0.0]
-    found = background(picture, [pose], rng)
+    found = background(picture, [pose])
     assert found.alike[0] < 0.3 * level_of(picture, pose)
     assert level_of(picture, pose) > found.means[0] + 5.0 * found.deviations[0]
 
 
-def test_one_ripple_of_many_has(rng):
+def test_one_ripple_of_many_has(background, rng):
     stripes = 60.0 * (np.sin(2.0 * np.pi * np.arange(320) / 32.0) > 0.0)
     picture = grain(rng) + stripes
     pose = [8.0 - 160.0 + 0.5 + 160.0, 0.0, 16.0, 0.0]
-    found = background(picture, [pose], rng)
+    found = background(picture, [pose])
     assert found.alike[0] > 0.5 * level_of(picture, pose)
 
 
-def test_the_bottom_explains_nothing_at_least(rng):
-    found = background(
-        np.full((240, 320), 90.0), [[0.0, 0.3, 30.0, 0.0], [50.0, 0.0, 9.0, 0.0]], rng
-    )
+def test_the_bottom_explains_nothing_at_least(background):
+    poses = [[0.0, 0.3, 30.0, 0.0], [50.0, 0.0, 9.0, 0.0]]
+    found = background(np.full((240, 320), 90.0), poses)
     assert (found.alike >= 0.0).all()
     assert (found.deviations >= SMALLEST_DEVIATION).all()
 
 
-def test_without_hypotheses_there_is_nothing(rng):
-    found = background(grain(rng), np.empty((0, 4)), rng)
+def test_without_hypotheses_there_is_nothing(background, rng):
+    found = background(grain(rng), np.empty((0, 4)))
     assert len(found.alike) == len(found.means) == len(found.deviations) == 0
 
 

@@ -19,14 +19,11 @@ from cable_tracker.cable.hypotheses.evidence_correction import (
     reference_group,
 )
 from cable_tracker.cable.hypotheses.predicted_density import empty_densities
-from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 LIMITS = EvidenceLimits(
     evidence_limit=8.0,
     evidence_repeated=0.15,
     thin_width=12.0,
-    is_known=False,
 )
 
 
@@ -40,6 +37,7 @@ def corrected(
     background=0.0,
     appearance=ORDINARY_APPEARANCE,
     limits=LIMITS,
+    is_known=False,
     mapped=0.0,
     lost=0.0,
 ):
@@ -59,7 +57,7 @@ def corrected(
     measured = MeasuredGroups(
         groups, np.full(groups.number, background), np.full(groups.number, appearance)
     )
-    return corrected_log_weights(particles, measured, limits)
+    return corrected_log_weights(particles, measured, limits, is_known)
 
 
 def evidence_after(evidence, survived=0.0, **others) -> float:
@@ -171,10 +169,7 @@ def test_the_reference_is_the_heaviest_group_that_survived(survived, masses, ref
 
 
 def test_beside_a_known_cable_looks_do_not_count():
-    parameters = TrackerParameters()
-    config = proposal_config(parameters, 4.0, (320, 240))
-    known = beside_a_known_cable(config, parameters).evidence_limits
-    assert evidence_after(2.0, limits=known, appearance=9.0) == pytest.approx(2.0)
-    assert evidence_after(2.0, limits=known, appearance=-9.0) == pytest.approx(2.0)
-    beside_map = evidence_after(CLEAR_MAP + 2.0, limits=known, mapped=CLEAR_MAP)
+    assert evidence_after(2.0, is_known=True, appearance=9.0) == pytest.approx(2.0)
+    assert evidence_after(2.0, is_known=True, appearance=-9.0) == pytest.approx(2.0)
+    beside_map = evidence_after(CLEAR_MAP + 2.0, is_known=True, mapped=CLEAR_MAP)
     assert beside_map == pytest.approx(2.0)

@@ -6,13 +6,15 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.peaks import (
+    MOST_REFINED,
     Peaks,
-    add_candidate_peaks,
-    add_cluster_peaks,
     add_detection_density,
     add_peak_densities,
+    all_peaks,
+    candidate_peaks,
+    cluster_peaks,
     draw_about_peaks,
-    empty_peaks,
+    no_peaks,
 )
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -40,7 +42,7 @@ def points_about(rng, count=20) -> np.ndarray:
 def test_the_mixture_gains_every_peak_by_its_number_of_particles(rng):
     states, density = points_about(rng), np.full(20, 0.5)
     peaks = Peaks(np.array([7, 0]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
-    add_peak_densities(states, 0, 20, peaks, 0, 2, 4.0, density)
+    add_peak_densities(states, 0, 20, peaks, 4.0, density)
     expected = [0.5 + 7 * literal_density(state[:4], PLACE, FACTOR) for state in states]
     np.testing.assert_allclose(density, expected)
 
@@ -61,28 +63,25 @@ def test_detections_are_a_mixture_of_equal_kernels(rng):
 def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
     states = points_about(rng, 200)
     log_weights = np.full(200, -math.log(200))
-    peaks = empty_peaks(4)
     config = CONFIG._replace(smallest_sigmas=SCALES)
-    last = add_cluster_peaks(states, log_weights, 50, 1.5, config, peaks, 1)
-    assert 2 <= last <= 4
-    assert peaks.counts[0] == 0
+    peaks = cluster_peaks(states, log_weights, 50, 1.5, config)
+    assert 1 <= len(peaks.counts) <= MOST_REFINED
     assert peaks.counts.sum() == 50
-    assert peaks.counts[1] >= 45
+    assert peaks.counts[0] >= 45
     inside = np.abs(states[:, 0] - PLACE[0]) < 100.0
-    np.testing.assert_allclose(peaks.locations[1], states[inside, :4].mean(axis=0), atol=0.5)
-    factor = np.tril(peaks.factors[1])
+    np.testing.assert_allclose(peaks.locations[0], states[inside, :4].mean(axis=0), atol=0.5)
+    factor = np.tril(peaks.factors[0])
     spread = factor @ factor.T - np.diag(SCALES**2)
     np.testing.assert_allclose(np.diag(spread), 1.5 * np.diag(FACTOR @ FACTOR.T), rtol=0.5)
 
 
 def test_candidates_become_peaks_that_share_the_particles_out():
     strips = np.hstack((np.array([PLACE, PLACE + 3.0, PLACE - 3.0]), np.zeros((3, 4))))
-    peaks = empty_peaks(5)
     config = CONFIG._replace(detection_sigmas=SCALES, smallest_sigmas=np.full(4, 0.1))
-    assert add_candidate_peaks(strips, 11, 0.5, config, peaks, 1) == 4
-    assert sorted(peaks.counts[1:4]) == [3, 4, 4]
-    np.testing.assert_array_equal(peaks.locations[1:4], strips[:, :4])
-    for factor in peaks.factors[1:4]:
+    peaks = candidate_peaks(strips, 11, 0.5, config)
+    assert sorted(peaks.counts) == [3, 4, 4]
+    np.testing.assert_array_equal(peaks.locations, strips[:, :4])
+    for factor in peaks.factors:
         np.testing.assert_allclose(factor, np.diag([1.5, 0.1, 2.0, 0.1]))
 
 
@@ -90,8 +89,17 @@ def test_what_is_drawn_about_a_peak_has_its_mean_and_covariance(rng):
     peaks = Peaks(np.array([0, 4000]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
     noise = draw_frame_noise(rng, 4001, 0, math.inf)
     states = np.full((4001, 8), 7.0)
-    draw_about_peaks(states, 1, noise, peaks, 0, 2)
+    draw_about_peaks(states, 1, noise, peaks)
     assert (states[0] == 7.0).all()
     np.testing.assert_allclose(states[1:, :4].mean(axis=0), PLACE, atol=0.2)
     covariance = np.cov(states[1:, :4].T)
     np.testing.assert_allclose(np.diag(covariance), np.diag(FACTOR @ FACTOR.T), rtol=0.1)
+
+
+def test_peaks_are_put_one_after_the_other():
+    strips = np.hstack((np.array([PLACE, PLACE + 3.0]), np.zeros((2, 4))))
+    first, others = (candidate_peaks(strips[k : k + 1], 5 + k, 0.5, CONFIG) for k in range(2))
+    both = all_peaks(all_peaks(no_peaks(), first), others)
+    np.testing.assert_array_equal(both.counts, [5, 6])
+    np.testing.assert_array_equal(both.locations, strips[:, :4])
+    assert both.factors.shape == (2, 4, 4)

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
+from cable_tracker.cable.measure.border_points import scan_inputs
+from cable_tracker.cable.measure.cable_map import NO_MAP
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+NOTHING = np.empty(0)
+
+
+@pytest.fixture
+def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
+    """Return the inputs of a picture, with random numbers, without a belief before it."""
+    model = BorderLikelihoodRatio(TrackerParameters())
+
+    def make(picture: np.ndarray) -> ProposalInputs:
+        image = make_working_image(picture.astype(np.float32), 320)
+        scan, noise = scan_inputs(image), draw_frame_noise(rng, 0, 0, 4.0)
+        polarity = polarity_prior(0.5)
+        return ProposalInputs(
+            predicted=None,
+            noise=noise,
+            scan=scan,
+            model=model.model_for(image),
+            cable_map=NO_MAP,
+            polarity=polarity,
+            reference_angle=0.0,
+            ancestors=NOTHING,
+            detected=NOTHING,
+            anchors=NOTHING,
+        )
+
+    return make
