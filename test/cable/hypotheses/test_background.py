@@ -63,6 +63,6 @@ def test_without_hypotheses_there_is_nothing(background, rng):
 
 
 @pytest.mark.parametrize("count", [1, 3, 5])
-def test_each_hypothesis_has_a_background_of_its_own(count, rng):
+def test_each_hypothesis_has_a_background_of_its_own(background, count, rng):
     poses = [[30.0 * index - 60.0, 0.0, 20.0, 0.0] for index in range(count)]
-    assert len(background(grain(rng), poses, rng).alike) == count
+    assert len(background(grain(rng), poses).alike) == count
