@@ -77,6 +77,8 @@ METRIC_PARAMETERS = (
     number(
         "fixed_altitude", 0.0, "m", (0.0, 200.0), "Altitude where no `altitude` comes; 0: none."
     ),
+    number("altimeter_x", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: forwards."),
+    number("altimeter_y", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: to the left."),
     number("altimeter_z", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: upwards."),
     flag(
         "altitude_is_vertical",

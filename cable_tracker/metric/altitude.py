@@ -45,8 +45,8 @@ class Altimeter:
 
     Attributes
     ----------
-    z : float
-        Height of the altimeter in base_link [m].
+    position : (float, float, float)
+        Position of the altimeter in base_link [m].
     is_vertical : bool
         Whether it gives the vertical distance, as a DVL that knows its attitude does. Otherwise it
         measures along the vehicle's own -z, as an echo sounder does.
@@ -54,7 +54,7 @@ class Altimeter:
         Standard deviation as a share of the altitude.
     """
 
-    z: float = 0.0
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     is_vertical: bool = False
     relative_sigma: float = 0.01
 
@@ -85,10 +85,12 @@ class Altimeter:
         if not upright > 0.0:
             return Withheld(Reason.BAD_ATTITUDE, "the vehicle hangs upside down; look at the imu")
         vertical = measured if self.is_vertical else measured * upright
-        metres = vertical - self.z * upright
+        # Ahead of base_link it comes nearer to the bottom as the vehicle pitches.
+        metres = vertical - float(attitude.rotation[2] @ self.position)
         if metres < LEAST_ALTITUDE:
             return Withheld(
                 Reason.BAD_ALTITUDE,
-                f"base_link would be {metres:g} m above the bottom; see the parameter altimeter_z",
+                f"base_link would be {metres:g} m above the bottom; see altimeter_x, altimeter_y"
+                " and altimeter_z",
             )
         return Altitude(metres, self.relative_sigma * metres)

@@ -302,6 +302,13 @@ def camera_for(
     )
 
 
+def calibration_of(camera: CameraModel) -> Calibration:
+    """Return the calibration that a camera was made with, for its own images."""
+    return Calibration(
+        camera.image_size, camera.model.value, camera.focal, camera.centre, camera.coefficients
+    )
+
+
 def _model_of(name: str) -> DistortionModel:
     return DistortionModel(MODEL_SYNONYMS.get(name, name))
 

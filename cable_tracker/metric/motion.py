@@ -14,6 +14,10 @@ from cable_tracker.stamps import NANOSECONDS
 LONGEST_HOLD = 0.2
 """Time after its stamp for which a twist is held [s]; then odometry is late."""
 
+FARTHEST = 0.5
+"""Longest time from a picture to the nearest twist of those that are interpolated [s]: in a longer
+silence a vehicle may stop and turn."""
+
 LONGEST_STEP = 2.0
 """Motion over a longer time is not predicted [s]."""
 
@@ -116,11 +120,13 @@ class Odometry:
             return f"no {name} has come"
         if not 0.0 < seconds <= LONGEST_STEP:
             return f"{seconds:g} s between frames are not bridged"
-        if self._twists.at(start) is None:
+        first, last = self._twists.at(start), self._twists.at(end)
+        if first is None or last is None:
             return f"{name} has only later stamps than the image"
-        last = self._twists.at(end)
-        if last is not None and last.age > LONGEST_HOLD:
+        if last.age > LONGEST_HOLD:
             return f"the last {name} is more than {LONGEST_HOLD:g} s older than the image"
+        if max(first.nearest, last.nearest) > FARTHEST:
+            return f"the nearest {name} is more than {FARTHEST:g} s from the image"
         is_frozen = self._twists.is_frozen(FROZEN_COUNT, end)
         return f"{name} says the same again and again" if is_frozen else ""
 

@@ -47,7 +47,11 @@ def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
             mounting_of(values), number(values, "look_ahead"), number(values, "cable_height")
         ),
         altimeter=Altimeter(
-            number(values, "altimeter_z"),
+            (
+                number(values, "altimeter_x"),
+                number(values, "altimeter_y"),
+                number(values, "altimeter_z"),
+            ),
             bool(values["altitude_is_vertical"]),
             number(values, "altitude_sigma"),
         ),

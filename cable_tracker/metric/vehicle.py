@@ -201,7 +201,8 @@ def _from_frames(
     if altitude is not None and hasattr(altitude, "header"):
         altimeter = place_in(transforms, str(altitude.header.frame_id), base)
         if altimeter is not None:
-            values["altimeter_z"] = float(altimeter[1][2])
+            names = ("altimeter_x", "altimeter_y", "altimeter_z")
+            values.update(zip(names, altimeter[1].tolist(), strict=True))
     imu = source.first(Instrument.IMU)
     if imu is not None:
         place = place_in(transforms, str(imu.header.frame_id), base)

@@ -12,13 +12,21 @@ UPRIGHT = math.cos(0.3) * math.cos(0.2)
 
 
 def test_an_altimeter_below_the_vehicle_adds_its_depth():
-    assert Altimeter(z=-0.2, relative_sigma=0.1).read(1.0, LEVEL) == Altitude(1.2, 0.12)
+    assert Altimeter((0.0, 0.0, -0.2), relative_sigma=0.1).read(1.0, LEVEL) == Altitude(1.2, 0.12)
 
 
 def test_an_echo_sounder_measures_along_the_vehicle():
-    altitude = Altimeter(z=-0.2).read(2.0, ROLLED)
+    altitude = Altimeter((0.0, 0.0, -0.2)).read(2.0, ROLLED)
     assert isinstance(altitude, Altitude)
     assert altitude.metres == pytest.approx(2.2 * UPRIGHT)
+
+
+def test_an_altimeter_ahead_comes_nearer_to_the_bottom_as_the_vehicle_pitches():
+    pitch, ahead = 0.2, 1.0
+    measured = (2.0 - ahead * math.sin(pitch)) / math.cos(pitch)
+    altitude = Altimeter((ahead, 0.0, 0.0)).read(measured, Attitude(pitch=pitch))
+    assert isinstance(altitude, Altitude)
+    assert altitude.metres == pytest.approx(2.0)
 
 
 def test_a_vertical_altitude_is_not_turned_again():
@@ -40,7 +48,7 @@ def test_the_limits_of_the_altimeter_hold(measured):
 
 
 def test_a_vehicle_below_the_bottom_is_refused():
-    refused = Altimeter(z=1.5).read(1.0, LEVEL)
+    refused = Altimeter((0.0, 0.0, 1.5)).read(1.0, LEVEL)
     assert isinstance(refused, Withheld)
     assert "altimeter_z" in refused.detail
 

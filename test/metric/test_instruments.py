@@ -142,7 +142,7 @@ def test_doubt_about_the_level_makes_the_offset_less_sure(calibrations, estimate
 def test_settings_change_at_once(instruments, estimate):
     instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
     instruments.configure(
-        InstrumentSettings(MetricSettings(look_ahead=3.0), Altimeter(z=-0.6), timeout=0.5)
+        InstrumentSettings(MetricSettings(look_ahead=3.0), Altimeter((0.0, 0.0, -0.6)), timeout=0.5)
     )
     result = instruments.cross_track(estimate)
     assert isinstance(result, CrossTrack)

@@ -86,6 +86,12 @@ def test_the_last_twist_is_held_for_a_moment_and_no_longer():
     assert "older than the image" in why(source, last, last + SECOND)
 
 
+def test_over_a_long_silence_nothing_is_interpolated():
+    source = odometry([0.1, 0, 0, 0, 0, 0])
+    source.add(20 * SECOND, np.array([-0.1, 0, 0, 0, 0, 0]), COVARIANCE)
+    assert "from the image" in why(source, 15 * SECOND, 15 * SECOND + STEP)
+
+
 def test_odometry_of_the_future_is_of_no_use():
     assert "later stamps" in why(odometry([0] * 6), 9 * SECOND, 9 * SECOND + STEP)
 
