@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,8 +15,8 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation import Poses, turned
-from cable_tracker.tracking.robust import RAYLEIGH_MEDIAN
+from cable_tracker.survey.navigation import JUMP, Poses, turned
+from cable_tracker.tracking.robust import GAUSSIAN_MAD, RAYLEIGH_MEDIAN
 
 FEWEST_FIXES = 3
 LEAST_WAY = 2.0
@@ -23,6 +24,22 @@ LEAST_WAY = 2.0
 
 OUTLIER = 4.0
 """Distance from which on a fix is an outlier [standard deviations]."""
+
+WAY_SHARE = 0.1
+"""Share of the way between two fixes by which odometry may be off."""
+
+MOST_GROUPS = 30
+"""Number of groups of fixes that are told apart at a time."""
+
+LONGEST_STEP = 10.0
+"""Longest time over which the drift is interpolated [s]."""
+
+NEW_RATE = 0.1**2
+"""Variance of the rate of odometry's error after it has begun anew: what the vehicle turned
+meanwhile is not known, either [m²/s²]."""
+
+UNSEEN_SPEED = 1.0
+"""Standard deviation of a vehicle's speed while odometry that begins anew is silent [m/s]."""
 
 DRIFT_NOISE, RATE_NOISE = 2e-5, 1e-7
 """Growth of the variances of odometry's error and of its rate [m²/s, m²/s³]."""
@@ -42,11 +59,11 @@ class Georeference:
     shift : FloatArray
         Position of the dive's origin, shape (2,) [m].
     stamps : IndexArray
-        Stamps of the fixes, shape (F,) [ns].
+        Times of the fixes, and of others between them, shape (T,) [ns].
     drift : FloatArray
-        By how much odometry is off then, shape (F, 2) [m].
+        By how much odometry is off then, shape (T, 2) [m].
     variances : FloatArray
-        Variance of each component of the drift, shape (F,) [m²].
+        Variance of each component of the drift, shape (T,) [m²].
     left_out : int
         Fixes that did not count.
     turn_variance : float
@@ -79,6 +96,60 @@ class Georeference:
         return turned(places, self.turn) + self.shift + drift, variances
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fixes:
+    """Fixes of a dive; one row each.
+
+    Attributes
+    ----------
+    stamps : IndexArray
+        Shape (F,) [ns].
+    places : FloatArray
+        Where the vehicle was by odometry, x, y in the dive's frame, shape (F, 2) [m].
+    measured : FloatArray
+        Where it was by the fixes, east and north in the local frame, shape (F, 2) [m].
+    variances : FloatArray
+        Variance of each component, shape (F,) [m²].
+    """
+
+    stamps: IndexArray
+    places: FloatArray
+    measured: FloatArray
+    variances: FloatArray
+
+    def chosen(self, rows: BoolArray) -> _Fixes:
+        """Return some of them, given by a mask (F,)."""
+        return _Fixes(
+            self.stamps[rows], self.places[rows], self.measured[rows], self.variances[rows]
+        )
+
+    def residuals(self, turn: float, shift: FloatArray) -> FloatArray:
+        """Return by how much they miss the way, turned [rad] and shifted [m], shape (F, 2) [m]."""
+        missed: FloatArray = self.measured - (turned(self.places, turn) + shift)
+        return missed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Joints:
+    """Where odometry began anew or jumped, and its way was joined.
+
+    Attributes
+    ----------
+    before, after : IndexArray
+        Times of the poses before and after each, shape (J,) [ns].
+    variances : FloatArray
+        Variance of each component of the way between, which is not known, shape (J,) [m²].
+    """
+
+    before: IndexArray
+    after: IndexArray
+    variances: FloatArray
+
+    def added(self, start: int, end: int) -> float:
+        """Return the variance of the ways between two times [ns] that are not known [m²]."""
+        return float(self.variances[(self.after > start) & (self.after <= end)].sum())
+
+
 def georeference(
     poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk | None = None
 ) -> Georeference | None:
@@ -88,40 +159,86 @@ def georeference(
     odometry drifts, a random walk with a rate that wanders, smoothed over all fixes.
     """
     disk = disk or Disk()
+    joints, placed = _joints_of(poses), _placed(poses, fixes, frame, disk)
+    if len(placed.stamps) < FEWEST_FIXES:
+        return None
+    candidates = placed.chosen(_of_one_way(placed, joints))
+    kept = candidates
+    for _ in range(3):
+        if len(kept.stamps) < FEWEST_FIXES or np.ptp(kept.places, axis=0).max() < LEAST_WAY:
+            return None
+        turn, shift, turn_variance = _fitted(kept)
+        kept = candidates.chosen(
+            _plausible(candidates.residuals(turn, shift), candidates.variances, disk)
+        )
+    if len(kept.stamps) < FEWEST_FIXES:
+        return None
+    times, drift, variances = _smoothed_drift(kept, kept.residuals(turn, shift), joints, disk)
+    left_out, ends = len(placed.stamps) - len(kept.stamps), kept.places[[0, -1]]
+    return Georeference(turn, shift, times, drift, variances, left_out, turn_variance, ends)
+
+
+def _placed(poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk) -> _Fixes:
+    """Return the fixes of which odometry says where the vehicle was."""
     stamps, values = fixes.arrays()
     places = disk.filled(len(stamps), lambda rows: poses.at(stamps[rows]))
-    known = np.isfinite(places).all(axis=1)
-    stamps, values, places = stamps[known], values[known], places[known, :2]
-    # After a clock set back a time has no second place: the poses are those of its first pass.
-    is_new = stamps >= np.maximum.accumulate(stamps)
-    stamps, values, places = stamps[is_new], values[is_new], places[is_new]
-    if len(stamps) < FEWEST_FIXES:
-        return None
     measured = frame.from_degrees(values[:, 0], values[:, 1])
-    variances = values[:, 2:4].mean(axis=1)
-    kept = np.ones(len(stamps), bool)
-    for _ in range(3):
-        if kept.sum() < FEWEST_FIXES or np.ptp(places[kept], axis=0).max() < LEAST_WAY:
-            return None
-        turn, shift, turn_variance = _fitted(places[kept], measured[kept], 1.0 / variances[kept])
-        kept = _plausible(_residuals(places, measured, turn, shift), variances, disk)
-    if kept.sum() < FEWEST_FIXES:
-        return None
-    residuals = _residuals(places, measured, turn, shift)[kept]
-    drift, doubts = _smoothed_drift(stamps[kept], residuals, variances[kept], disk)
-    return Georeference(
-        turn, shift, stamps[kept], drift, doubts, int((~kept).sum()), turn_variance,
-        places[kept][[0, -1]],
-    )  # fmt: skip
+    placed = _Fixes(stamps, places[:, :2], measured, values[:, 2:4].mean(axis=1))
+    placed = placed.chosen(np.isfinite(places).all(axis=1))
+    # After a clock set back a time has no second place: the poses are those of its first pass.
+    return placed.chosen(placed.stamps >= np.maximum.accumulate(placed.stamps))
 
 
-def _fitted(
-    places: FloatArray, measured: FloatArray, weights: FloatArray
-) -> tuple[float, FloatArray, float]:
-    """Return turn and shift that take places (N, 2) to measured ones, and the turn's variance."""
+def _joints_of(poses: Poses) -> _Joints:
+    rows = np.array(poses.joints, np.int64)
+    before, after = poses.stamps[rows - 1], poses.stamps[rows]
+    return _Joints(before, after, (JUMP + UNSEEN_SPEED * (after - before) / NANOSECONDS) ** 2)
+
+
+def _of_one_way(fixes: _Fixes, joints: _Joints) -> BoolArray:
+    """Tell which fixes are as far apart as the vehicle has moved: of several groups the largest.
+
+    A receiver may begin with places of long ago, and they would turn the whole dive.
+    """
+    measured, moved = (
+        np.hypot(*np.diff(places, axis=0).T) for places in (fixes.measured, fixes.places)
+    )
+    # Where fixes state less than they are off by, their scatter counts.
+    scatter = (GAUSSIAN_MAD * float(np.median(np.abs(measured - moved)))) ** 2
+    groups: list[list[int]] = []
+    for row in range(len(fixes.stamps)):
+        # The largest first: sooner or later the vehicle is as far from any other place, too.
+        groups.sort(key=len, reverse=True)
+        fitting = (g for g in groups if _fit_together(fixes, g[-1], row, joints, scatter))
+        own = next(fitting, None)
+        if own is None:
+            groups = [*groups[: MOST_GROUPS - 1], [row]]
+        else:
+            own.append(row)
+    kept = np.zeros(len(fixes.stamps), bool)
+    kept[max(groups, key=len)] = True
+    return kept
+
+
+def _fit_together(fixes: _Fixes, first: int, second: int, joints: _Joints, scatter: float) -> bool:
+    """Tell whether two fixes are as far apart as the vehicle moved.
+
+    `scatter` is the least variance of the difference [m²].
+    """
+    measured = math.dist(fixes.measured[first], fixes.measured[second])
+    moved = math.dist(fixes.places[first], fixes.places[second])
+    start, end = int(fixes.stamps[first]), int(fixes.stamps[second])
+    variance = max(float(fixes.variances[first] + fixes.variances[second]), scatter)
+    variance += joints.added(start, end) + FIRST_RATE * ((end - start) / NANOSECONDS) ** 2
+    return abs(measured - moved) <= OUTLIER * math.sqrt(variance) + WAY_SHARE * moved
+
+
+def _fitted(fixes: _Fixes) -> tuple[float, FloatArray, float]:
+    """Return turn and shift that take the places to the measured ones, and the turn's variance."""
+    weights = 1.0 / fixes.variances
     total = weights.sum()
-    own, other = (weights @ places) / total, (weights @ measured) / total
-    a, b = places - own, measured - other
+    own, other = (weights @ fixes.places) / total, (weights @ fixes.measured) / total
+    a, b = fixes.places - own, fixes.measured - other
     turn = math.atan2(
         float(weights @ (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(weights @ (a * b).sum(1))
     )
@@ -129,18 +246,11 @@ def _fitted(
     return turn, other - rotation_in_plane(turn) @ own, variance
 
 
-def _residuals(
-    places: FloatArray, measured: FloatArray, turn: float, shift: FloatArray
-) -> FloatArray:
-    """Return by how much measured places (F, 2) miss those of the way, turned and shifted."""
-    residuals: FloatArray = measured - (turned(places, turn) + shift)
-    return residuals
-
-
 def _plausible(residuals: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray:
     """Tell which fixes belong to the way: near a running median of what is left over."""
     half = 10
-    padded = np.pad(residuals, ((half, half), (0, 0)), mode="edge")
+    # Mirrored: the first one repeated would be its own median, however wrong it is.
+    padded = np.pad(residuals, ((half, half), (0, 0)), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
     middles = disk.filled(len(residuals), lambda rows: np.median(windows[rows], axis=2))
     off = np.hypot(*(residuals - middles).T)
@@ -150,19 +260,25 @@ def _plausible(residuals: FloatArray, variances: FloatArray, disk: Disk) -> Bool
 
 
 def _smoothed_drift(
-    stamps: IndexArray, residuals: FloatArray, variances: FloatArray, disk: Disk
-) -> tuple[FloatArray, FloatArray]:
-    """Smooth what is left over (F, 2); a Kalman filter forwards and Rauch, Tung, Striebel back."""
+    fixes: _Fixes, residuals: FloatArray, joints: _Joints, disk: Disk
+) -> tuple[IndexArray, FloatArray, FloatArray]:
+    """Smooth what is left over (F, 2); a Kalman filter forwards and Rauch, Tung, Striebel back.
+
+    Returned are times (T,) [ns], the drift then (T, 2) [m], and its variances (T,) [m²].
+    """
+    stamps, observed, variances = _at_drift_times(fixes, residuals, joints)
     count = len(stamps)
     steps = np.diff(stamps, prepend=stamps[0]) / NANOSECONDS
     means, spreads, before_means, before_spreads = (disk.array((count, 2, 2)) for _ in range(4))
     mean, spread = np.zeros((2, 2)), np.diag([FIRST_DRIFT, FIRST_RATE])
     for k in range(count):
         move, noise = _drift_step(float(steps[k]))
+        if unseen := joints.added(int(stamps[max(k - 1, 0)]), int(stamps[k])):
+            noise += np.diag([unseen, NEW_RATE])
         mean, spread = move @ mean, move @ spread @ move.T + noise
         before_means[k], before_spreads[k] = mean, spread
         gain = spread[:, 0] / (spread[0, 0] + variances[k])
-        mean = mean + np.outer(gain, residuals[k] - mean[0])
+        mean = mean + np.outer(gain, observed[k] - mean[0])
         spread = spread - np.outer(gain, spread[0])
         means[k], spreads[k] = mean, spread
     for k in range(count - 2, -1, -1):
@@ -170,9 +286,35 @@ def _smoothed_drift(
         back = spreads[k] @ move.T @ np.linalg.inv(before_spreads[k + 1])
         means[k] += back @ (means[k + 1] - before_means[k + 1])
         spreads[k] += back @ (spreads[k + 1] - before_spreads[k + 1]) @ back.T
-    found = means[:, 0].copy(), spreads[:, 0, 0].copy()
+    found = stamps, means[:, 0].copy(), spreads[:, 0, 0].copy()
     disk.let_go()
     return found
+
+
+def _at_drift_times(
+    fixes: _Fixes, residuals: FloatArray, joints: _Joints
+) -> tuple[IndexArray, FloatArray, FloatArray]:
+    """Return the times at which the drift is worked out, (T,) [ns], residuals and variances then.
+
+    There are so many between two fixes that the drift may be interpolated: over a silence of the
+    receiver it wanders, and where odometry begins anew it jumps. Where no fix is, the variance is
+    infinite.
+    """
+    longest = round(LONGEST_STEP * NANOSECONDS)
+    between = [
+        np.linspace(start, end, math.ceil((end - start) / longest), endpoint=False)[1:]
+        for start, end in pairwise(fixes.stamps.tolist())
+        if end - start > longest
+    ]
+    inside = (joints.before > fixes.stamps[0]) & (joints.after < fixes.stamps[-1])
+    others = np.concatenate(
+        (*between, joints.before[inside], joints.after[inside]), dtype=np.int64, casting="unsafe"
+    )
+    stamps = np.concatenate((fixes.stamps, others))
+    order = np.argsort(stamps, kind="stable")
+    observed = np.concatenate((residuals, np.zeros((len(others), 2))))
+    variances = np.concatenate((fixes.variances, np.full(len(others), np.inf)))
+    return stamps[order], observed[order], variances[order]
 
 
 def _drift_step(seconds: float) -> tuple[FloatArray, FloatArray]:

@@ -22,8 +22,8 @@ JUMP = 0.5
 JUMP_TURN = math.radians(20.0)
 """Turn between two poses that counts as a jump [rad]."""
 
-FASTEST = 5.0
-"""Largest speed of a vehicle over a cable [m/s]."""
+FASTEST, SLOW = 5.0, 0.1
+"""Largest speed of a vehicle over a cable, and one that odometry may miss [m/s]."""
 
 MOST_STRAYS = 10
 """So many readings in a row may have stamps of another time, ahead of all others."""
@@ -43,15 +43,19 @@ class Poses:
     places : FloatArray
         x, y, yaw (unwrapped), shape (N, 3) [m, rad].
     jumps : tuple of int
-        Stamps at which odometry began anew or jumped; it was joined there [ns].
+        Stamps at which odometry began anew or jumped, or its clock did [ns].
     strays : int
         Number of readings with stamps of another time, which do not count.
+    joints : tuple of int
+        Rows that the way was joined before: how far the vehicle moved since the row before is not
+        known.
     """
 
     stamps: IndexArray
     places: FloatArray
     jumps: tuple[int, ...] = ()
     strays: int = 0
+    joints: tuple[int, ...] = ()
 
     def at(self, stamps: IndexArray) -> FloatArray:
         """Return x, y, yaw at stamps (M,), shape (M, 3); NaN where odometry was silent.
@@ -85,12 +89,16 @@ def joined_poses(samples: Samples, disk: Disk | None = None) -> Poses:
         return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
     stamps = disk.filled(len(way), lambda rows: way["stamp"][rows], np.int64)
     places = disk.filled(len(way), lambda rows: way["place"][rows])
+    if not _states_its_speed(way, disk):
+        for rows in disk.blocks(len(way)):
+            way["speed"][rows] = FASTEST
     broken: list[int] = []
     for rows in disk.blocks(len(way), 1):
         broken += _broken(way[rows.start - 1 : rows.stop], rows.start)
     for start in broken:
         _join_at(places, start, stamps, disk)
-    return Poses(stamps, places, tuple(sorted({*jumps, *(int(stamps[k]) for k in broken)})), strays)
+    jumps += [int(stamps[k]) for k in broken]
+    return Poses(stamps, places, tuple(sorted(set(jumps))), strays, tuple(broken))
 
 
 def poses_of_rows(rows: Rows, poses: Poses, disk: Disk) -> FloatArray:
@@ -173,12 +181,31 @@ def _hidden(back: IndexArray, fresh: BoolArray, before: int) -> tuple[FloatArray
     return most[:-1] / NANOSECONDS, int(most[-1])
 
 
+def _states_its_speed(way: Rows, disk: Disk) -> bool:
+    """Tell whether the speeds of a way (N,) are those of its steps, or at least of half of them.
+
+    Odometry without a twist says 0.
+    """
+    moving = too_far = 0
+    for rows in disk.blocks(len(way), 1):
+        seconds, steps = _steps(way[rows.start - 1 : rows.stop])
+        speeds = np.maximum(way["speed"][rows], way["speed"][rows.start - 1 : rows.stop - 1])
+        moving += int(np.count_nonzero(steps > SLOW * seconds))
+        too_far += int(np.count_nonzero(steps > (2.0 * speeds + SLOW) * seconds))
+    return 2 * too_far <= moving
+
+
+def _steps(way: Rows) -> tuple[FloatArray, FloatArray]:
+    """Return times between the poses of a way (N,), and distances, shapes (N - 1,) [s, m]."""
+    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0) + way["hidden"][1:]
+    return seconds, np.hypot(*np.diff(way["place"][:, :2], axis=0).T)
+
+
 def _broken(way: Rows, first: int) -> list[int]:
     """Return where a way (N,) jumps, whose second pose has the number `first`."""
-    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0) + way["hidden"][1:]
-    steps = np.hypot(*np.diff(way["place"][:, :2], axis=0).T)
-    speeds = way["speed"]
-    reach = JUMP + seconds * np.minimum(np.maximum(speeds[1:], speeds[:-1]) * 2 + 0.1, FASTEST)
+    seconds, steps = _steps(way)
+    speeds = np.maximum(way["speed"][1:], way["speed"][:-1])
+    reach = JUMP + seconds * np.minimum(2.0 * speeds + SLOW, FASTEST)
     turns = np.abs(np.diff(way["place"][:, 2]))
     jumps = (steps > reach) | (turns > JUMP_TURN + 2.0 * seconds)
     return [first + int(k) for k in np.flatnonzero(jumps)]

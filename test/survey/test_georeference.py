@@ -1,9 +1,10 @@
 import numpy as np
+import pytest
 from survey_dives import odometry, way
 
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.frame_table import Samples
-from cable_tracker.survey.georeference import georeference
+from cable_tracker.survey.georeference import DRIFT_NOISE, RATE_NOISE, georeference
 from cable_tracker.survey.navigation import joined_poses
 
 SECOND = 1_000_000_000
@@ -50,6 +51,58 @@ def test_fixes_far_off_do_not_count():
     fixes = fixes_of(shown, 0.3, np.random.default_rng(3))
     earth = georeference(joined_poses(odometry(true)), fixes, FRAME)
     assert earth.left_out == 1
+
+
+@pytest.mark.parametrize(("count", "off"), [(1, 100.0), (4, 700.0), (15, 700.0), (4, 50_000.0)])
+def test_places_of_long_ago_at_the_beginning_do_not_turn_the_dive(count, off):
+    true = way(4000, turn=0.8)
+    shown = true.copy()
+    shown[: 10 * count, :2] = [off, -off]
+    fixes = fixes_of(shown, 0.5, np.random.default_rng(1))
+    poses = joined_poses(odometry(way(4000)))
+    earth = georeference(poses, fixes, FRAME)
+    assert earth.left_out == count
+    found, _ = earth.apply(poses.places[:, :2], poses.stamps)
+    assert np.hypot(*(found - true[:, :2]).T).max() < 0.5
+
+
+def test_in_a_silence_of_the_receiver_the_doubt_grows():
+    true, half = way(18000), 9000
+    errors, doubts = [], []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        rates = np.cumsum(np.sqrt(RATE_NOISE / 10) * rng.standard_normal((18000, 2)), axis=0)
+        steps = rates / 10 + np.sqrt(DRIFT_NOISE / 10) * rng.standard_normal((18000, 2))
+        drifted = true.copy()
+        drifted[:, :2] -= np.cumsum(steps, axis=0)
+        poses = joined_poses(odometry(drifted))
+        ends = Samples(4)
+        for part in (slice(0, 600), slice(17400, 18000)):
+            stamps, values = fixes_of(true[part], 0.3, rng).arrays()
+            for stamp, value in zip(stamps.tolist(), values.tolist(), strict=True):
+                ends.add(stamp + part.start * SECOND // 10, value)
+        earth = georeference(poses, ends, FRAME)
+        found, variances = earth.apply(
+            poses.places[half : half + 1, :2], poses.stamps[half : half + 1]
+        )
+        errors.append(((found - true[half, :2]) ** 2).mean())
+        doubts.append(variances[0])
+    assert 0.3 < np.mean(errors) / np.mean(doubts) < 3.0
+
+
+@pytest.mark.parametrize("seconds", [5, 20, 60])
+def test_where_odometry_begins_anew_the_fixes_tell_how_far_the_vehicle_went(seconds):
+    true, first = way(4000), 2000
+    again = first + 10 * seconds
+    cos, sin = np.cos(true[again, 2]), np.sin(true[again, 2])
+    anew = true[again:] - true[again]
+    anew[:, :2] = anew[:, :2] @ np.array([[cos, -sin], [sin, cos]])
+    rows = [*range(first), *range(again, 4000)]
+    stamps = [SECOND + k * SECOND // 10 for k in rows]
+    poses = joined_poses(odometry(np.concatenate((true[:first], anew)), stamps))
+    fixes = fixes_of(true, 0.5, np.random.default_rng(3))
+    found, _ = georeference(poses, fixes, FRAME).apply(poses.places[:, :2], poses.stamps)
+    assert np.hypot(*(found - true[rows, :2]).T).max() < 0.5
 
 
 def test_fixes_of_times_that_come_again_move_nothing():

@@ -78,3 +78,19 @@ def test_a_time_that_comes_again_has_the_place_of_its_first_picture_only(block):
 
 def test_no_odometry_gives_no_poses():
     assert np.isnan(joined_poses(Samples(4)).at(np.array([1, 2]))).all()
+
+
+@pytest.mark.parametrize(("speed", "rate"), [(1.2, 2.0), (1.0, 1.25), (2.0, 3.0)])
+def test_odometry_without_a_twist_is_a_way_all_the_same(speed, rate):
+    readings = Samples(4)
+    for k in range(100):
+        readings.add(SECOND + round(k * SECOND / rate), [speed * k / rate, 0.0, 0.0, 0.0])
+    poses = joined_poses(readings)
+    assert not poses.jumps
+    assert poses.places[-1, 0] == pytest.approx(99 * speed / rate)
+
+
+def test_it_is_known_before_which_readings_the_way_was_joined():
+    places = way()
+    places[200:, :2] += 30.0
+    assert joined_poses(odometry(places)).joints == (200,)
