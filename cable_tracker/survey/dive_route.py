@@ -30,11 +30,15 @@ class Profile:
         Clearness of the borders, shape (B,); NaN where it was not measured.
     in_view : BoolArray
         Whether the cable, seen or not, was inside some picture, shape (B,).
+    withheld : BoolArray
+        Whether it was claimed there, but without metres, shape (B,): then its borders were not
+        looked at.
     """
 
     start: float
     seen: FloatArray
     in_view: BoolArray
+    withheld: BoolArray
 
     @property
     def along(self) -> FloatArray:
@@ -51,6 +55,11 @@ class Profile:
         with np.errstate(invalid="ignore", divide="ignore"):
             above: BoolArray = known & (total / count > VISIBLE)
         return above
+
+    @property
+    def hidden(self) -> BoolArray:
+        """Whether it cannot, which is not known everywhere, shape (B,)."""
+        return ~self.visible & ~(self.withheld & np.isnan(self.seen))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,5 +119,12 @@ class DiveRoute:
 
     def visible(self) -> BoolArray:
         """Tell at each point whether the cable can be seen, shape (N,)."""
-        shares = np.interp(self.along, self.profile.along, self.profile.visible.astype(float))
+        return self._at_points(self.profile.visible)
+
+    def withheld(self) -> BoolArray:
+        """Tell at each point whether that is not known: see `Profile.withheld`, shape (N,)."""
+        return self._at_points(self.profile.withheld)
+
+    def _at_points(self, judged: BoolArray) -> BoolArray:
+        shares = np.interp(self.along, self.profile.along, judged.astype(float))
         return np.asarray(shares > 0.5)

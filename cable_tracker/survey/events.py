@@ -14,7 +14,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import TRACKING, CrossingSight
+from cable_tracker.survey.frame_table import TRACKING, CrossingSight, is_withheld
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
 
@@ -26,6 +26,7 @@ class EventKind(str, Enum):
     LOST = "lost"
     OUT_OF_VIEW = "out of view"
     BURIED = "buried or overgrown"
+    NO_METRES = "claimed without metres"
     WIDTH = "width out of the ordinary"
     CROSSING = "crossing"
     BEND = "bend"
@@ -155,6 +156,7 @@ def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Lim
     events = [
         *_found_and_lost(maker),
         *_hidden(maker, limits),
+        *_without_metres(maker),
         *_widths(maker, limits),
         *_bends(maker, limits),
         *_asides(maker, limits),
@@ -199,11 +201,13 @@ def _found_and_lost(maker: _Maker) -> list[Event]:
     route, cable, disk = maker.route, maker.course.cable, maker.dive.disk
     way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
     end = int(np.searchsorted(cable.piece, maker.piece, "right"))
+    rows, first_rows = maker.dive.table.rows, maker.course.keyframes.first
 
     def claimed(part: slice) -> BoolArray:
         inside = (way[part] >= -0.5) & (way[part] <= route.along[-1] + 0.5)
         inside &= cable.piece[part] == maker.piece
-        found: BoolArray = inside & (cable.weights[part] > LEAST_WEIGHT)
+        counts = cable.weights[part] > LEAST_WEIGHT
+        found: BoolArray = inside & (counts | is_withheld(rows[first_rows[part]]))
         return found
 
     def goes_on(after: int) -> bool:
@@ -246,7 +250,7 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     along = profile.along
     gap = round(MERGED_BURIALS / PROFILE_SPACING)
     found = []
-    for first, last in _joined_runs(~profile.visible, lambda end, first: first - end < gap):
+    for first, last in _joined_runs(profile.hidden, lambda end, first: first - end < gap):
         length = (last - first) * PROFILE_SPACING
         was_in_view = bool(profile.in_view[first:last].mean() >= 0.5)
         # Before a route begins and after it ends, any cable is outside the pictures.
@@ -265,6 +269,20 @@ def _hidden(maker: _Maker, limits: Limits) -> list[Event]:
         what = "not to be seen" if was_in_view else "outside the pictures"
         events.append(maker.at(kind, start, f"{what} over {end - start:.1f} m", end))
     return events
+
+
+def _without_metres(maker: _Maker) -> list[Event]:
+    """Return where the tracker claims the cable, but no instrument tells where that is."""
+    route, table = maker.route, maker.dive.table
+
+    def words(stretch: slice) -> str:
+        first, last = sorted((int(route.rows[stretch.start]), int(route.rows[stretch.stop - 1])))
+        rows = table.rows[first : last + 1]
+        reasons = rows["reason"][is_withheld(rows)]
+        return table.reasons[int(np.bincount(reasons).argmax())] if len(reasons) else ""
+
+    mask = route.withheld() & ~route.visible()
+    return _stretches(maker, EventKind.NO_METRES, mask, LEAST_LOST, words)
 
 
 def _widths(maker: _Maker, limits: Limits) -> list[Event]:

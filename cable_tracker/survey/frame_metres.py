@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from itertools import product
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
@@ -16,13 +19,33 @@ from cable_tracker.survey.visibility import border_profile
 
 def put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
     """Note from where the camera looks, and how far it sees to either side."""
-    width, _ = estimate.image_size
-    points = np.array([[0.0, 0.0], [-(width - 1) / 2, 0.0], [(width - 1) / 2, 0.0]])
-    ground = on_ground(flight, points)
-    row["look"] = ground[0, 0]
-    row["half_view"] = abs(ground[1, 1] - ground[2, 1]) / 2
+    row["look"] = on_ground(flight, np.zeros((1, 2)))[0, 0]
+    row["half_view"] = 0.5 * _seen_across(flight, float(row["look"]), estimate.image_size)
     row["altitude"] = flight.height
     row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
+
+
+def _seen_across(flight: Overflight, look: float, image_size: tuple[int, int]) -> float:
+    """Return the length inside the image of the line at x = `look`, at the cable's height [m].
+
+    However the camera is turned about its axis.
+    """
+    if depth_of_ground(flight) <= 0.0:
+        return math.nan
+    # The line's points in homogeneous coordinates: at y = 0, and by how much they change with y.
+    start, step = (to_image(flight) @ np.array([[0.0, look, 1.0], [-1.0, 0.0, 0.0]]).T).T
+    low, high = -math.inf, math.inf
+    for side, sign in product(range(2), (-1.0, 1.0)):
+        edge = 0.5 * (image_size[side] - 1)
+        beyond = sign * start[side] - edge * start[2]
+        change = sign * step[side] - edge * step[2]
+        if change > 0.0:
+            high = min(high, -beyond / change)
+        elif change < 0.0:
+            low = max(low, -beyond / change)
+        elif beyond > 0.0:
+            return 0.0
+    return float(max(high - low, 0.0))
 
 
 def put_metres(row: FrameRow, result: CrossTrack) -> None:

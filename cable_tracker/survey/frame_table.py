@@ -77,6 +77,18 @@ def is_claimed(rows: Rows) -> npt.NDArray[np.bool_]:
     return claimed
 
 
+def is_measured(rows: Rows) -> npt.NDArray[np.bool_]:
+    """Tell for rows (N,) whether they say in metres where the cable is."""
+    measured: npt.NDArray[np.bool_] = is_claimed(rows) & np.isfinite(rows["aside"])
+    return measured
+
+
+def is_withheld(rows: Rows) -> npt.NDArray[np.bool_]:
+    """Tell for rows (N,) whether the tracker claims a cable there whose metres are not known."""
+    withheld: npt.NDArray[np.bool_] = is_claimed(rows) & (rows["reason"] > 0)
+    return withheld
+
+
 @dataclass(frozen=True, slots=True)
 class CrossingSight:
     """Another line that lies across the cable in one picture.

@@ -77,7 +77,7 @@ class MergedRoute:
     sigmas : FloatArray
         Standard deviation across the cable [m].
     visible : FloatArray
-        Share of the dives' routes that see it, 0 to 1.
+        Share of the dives' routes that see it, 0 to 1; NaN where none can say.
     diameters, asides : FloatArray
         Means over the dives' routes of the cable's diameter, and of how far beside it the vehicle
         was, on whichever side [m]; NaN where none can say.
@@ -99,6 +99,22 @@ class MergedRoute:
     dives: FloatArray
     events: tuple[Event, ...]
     recordings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Axis:
+    """What routes are laid beside.
+
+    Attributes
+    ----------
+    places : FloatArray
+        x, y, shape (N, 2) [m].
+    sigmas : FloatArray
+        Standard deviation across it, shape (N,) [m].
+    """
+
+    places: FloatArray
+    sigmas: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +144,7 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     merged = []
     while left:
         left.sort(key=lambda each: -_length(each.route))
-        axis, begin = left[0].route.places, 0
+        axis, begin = _Axis(left[0].route.places, left[0].route.total_sigmas), 0
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
         while True:
@@ -152,10 +168,10 @@ def _length(route: DiveRoute) -> float:
     return float(route.along[-1] - route.along[0])
 
 
-def _departed(axis: FloatArray, placed: PlacedRoute) -> list[PlacedRoute]:
+def _departed(axis: _Axis, placed: PlacedRoute) -> list[PlacedRoute]:
     """Return the stretches on which a dive has left an axis, with their events."""
     route = placed.route
-    away = ~_of_one_cable(axis, route, *_seen_from(axis, route.places))
+    away = ~_of_one_cable(axis, route, *_seen_from(axis.places, route.places))
     return [
         _stretch(placed, slice(first, last))
         for first, last in true_runs(away)
@@ -231,55 +247,64 @@ def _nearest(
     return nearest
 
 
-def _overlap(axis: FloatArray, route: DiveRoute) -> float:
+def _overlap(axis: _Axis, route: DiveRoute) -> float:
     """Return the longest way at a stretch that a route shares with an axis [m]."""
-    way, aside = _seen_from(axis, route.places)
-    shared = (way >= 0) & (way <= len(axis) - 1) & _of_one_cable(axis, route, way, aside)
+    way, aside = _seen_from(axis.places, route.places)
+    shared = (way >= 0) & (way <= len(axis.places) - 1) & _of_one_cable(axis, route, way, aside)
     return max((last - first for first, last in true_runs(shared)), default=0) * SPACING
 
 
-def _in_reach(route: DiveRoute, aside: FloatArray) -> BoolArray:
-    """Tell which points of a route (N,) are not too far from an axis for one cable."""
-    reach = np.maximum(REACH, SIGMAS * route.total_sigmas)
-    in_reach: BoolArray = np.abs(aside) <= reach
-    return in_reach
+def _nearest_points(axis: _Axis, way: FloatArray) -> IndexArray:
+    """Return the points of an axis that are nearest to ways along it (M,), in points."""
+    nearest: IndexArray = np.clip(np.round(way), 0, len(axis.places) - 1).astype(np.int64)
+    return nearest
 
 
-def _of_one_cable(
-    axis: FloatArray, route: DiveRoute, way: FloatArray, aside: FloatArray
-) -> BoolArray:
-    """Tell which points of a route (N,) are near an axis, and run along it.
+def _in_reach(axis: _Axis, route: DiveRoute, way: FloatArray, aside: FloatArray) -> BoolArray:
+    """Tell which points of a route (N,) are not too far from an axis for one cable.
 
     `way` and `aside` are those of `_seen_from`.
     """
-    nearest = np.clip(np.round(way), 0, len(axis) - 1).astype(np.int64)
-    cosines = (_directions(route.places) * _directions(axis)[nearest]).sum(axis=1)
-    fits: BoolArray = _in_reach(route, aside) & (np.abs(cosines) > ALONG)
+    sigmas = np.hypot(route.total_sigmas, axis.sigmas[_nearest_points(axis, way)])
+    in_reach: BoolArray = np.abs(aside) <= np.maximum(REACH, SIGMAS * sigmas)
+    return in_reach
+
+
+def _of_one_cable(axis: _Axis, route: DiveRoute, way: FloatArray, aside: FloatArray) -> BoolArray:
+    """Tell which points of a route (N,) are near an axis, and run along it; see `_in_reach`."""
+    directions = _directions(axis.places)[_nearest_points(axis, way)]
+    cosines = (_directions(route.places) * directions).sum(axis=1)
+    fits: BoolArray = _in_reach(axis, route, way, aside) & (np.abs(cosines) > ALONG)
     return fits
 
 
-def _prolonged(axis: FloatArray, route: DiveRoute) -> tuple[FloatArray, int]:
+def _prolonged(axis: _Axis, route: DiveRoute) -> tuple[_Axis, int]:
     """Return an axis with what a route has beyond its ends, unless it left the cable before.
 
     And how many points that is before its beginning.
     """
-    way, aside = _seen_from(axis, route.places)
-    places, in_reach = route.places, _in_reach(route, aside)
+    way, aside = _seen_from(axis.places, route.places)
+    places, sigmas, in_reach = (
+        route.places, route.total_sigmas, _in_reach(axis, route, way, aside)
+    )  # fmt: skip
     if way[-1] < way[0]:
-        way, places, in_reach = way[::-1], places[::-1], in_reach[::-1]
-    before, after = np.flatnonzero(way < -0.5), np.flatnonzero(way > len(axis) - 0.5)
-    parts, added = [axis], 0
+        way, places, sigmas, in_reach = way[::-1], places[::-1], sigmas[::-1], in_reach[::-1]
+    before = np.flatnonzero(way < -0.5)
+    after = np.flatnonzero(way > len(axis.places) - 0.5)
+    parts, doubts, added = [axis.places], [axis.sigmas], 0
     if len(before) and in_reach[before[-1]]:
-        shift = axis[0] - _directions(axis)[0] * SPACING - places[before[-1]]
+        shift = axis.places[0] - _directions(axis.places)[0] * SPACING - places[before[-1]]
         parts.insert(0, places[before] + shift)
+        doubts.insert(0, sigmas[before])
         added = len(before)
     if len(after) and in_reach[after[0]]:
-        shift = axis[-1] + _directions(axis)[-1] * SPACING - places[after[0]]
+        shift = axis.places[-1] + _directions(axis.places)[-1] * SPACING - places[after[0]]
         parts.append(places[after] + shift)
-    return np.concatenate(parts), added
+        doubts.append(sigmas[after])
+    return _Axis(np.concatenate(parts), np.concatenate(doubts)), added
 
 
-def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside:
+def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
     """Lay a route beside an axis.
 
     `begin` is the index of its first point on an axis that was made of it, which counts all along;
@@ -287,15 +312,15 @@ def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside
     """
     route, is_axis = placed.route, begin is not None
     if begin is None:
-        all_way, aside = _seen_from(axis, route.places)
+        all_way, aside = _seen_from(axis.places, route.places)
     else:
         # Not looked for: a cable that crosses itself comes near to itself.
         count = len(route.along)
         all_way, aside = begin + np.arange(count, dtype=np.float64), np.zeros(count)
     order = np.argsort(all_way, kind="stable")
-    way, asked = all_way[order], np.arange(len(axis), dtype=np.float64)
+    way, asked = all_way[order], np.arange(len(axis.places), dtype=np.float64)
     reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
-    visible = route.visible().astype(float)
+    visible, unjudged = (x.astype(float) for x in (route.visible(), route.withheld()))
 
     def on_axis(values: FloatArray) -> FloatArray:
         found = np.interp(asked, way, values[order])
@@ -303,6 +328,8 @@ def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside
 
     of_one_cable = is_axis | _of_one_cable(axis, route, all_way, aside)[order]
     counts = reaches & (np.interp(asked, way, of_one_cable) == 1.0)
+
+    withheld = on_axis(unjudged) > 0.5
 
     def of_the_cable(values: FloatArray) -> FloatArray:
         return np.where(counts, on_axis(values), np.nan)
@@ -313,15 +340,16 @@ def _beside(axis: FloatArray, placed: PlacedRoute, begin: int | None) -> _Beside
         on_axis(aside),
         counts,
         on_axis(route.total_sigmas**2),
-        np.where(counts, on_axis(visible) > 0.5, np.nan),
+        np.where(counts & ~withheld, on_axis(visible) > 0.5, np.nan),
         of_the_cable(route.diameters),
         of_the_cable(np.abs(route.asides)),
     )
 
 
-def _merged(axis: FloatArray, begin: int, group: Sequence[PlacedRoute]) -> MergedRoute:
+def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> MergedRoute:
     """Merge a group; from its point number `begin` on, the axis is the first one's route."""
-    beside = [_beside(axis, each, begin if each is group[0] else None) for each in group]
+    axis = of_group.places
+    beside = [_beside(of_group, each, begin if each is group[0] else None) for each in group]
     counts = np.array([each.counts for each in beside])
     asides = np.where(counts, [each.asides for each in beside], np.nan)
     weights = 1.0 / np.array([each.variances for each in beside])

@@ -13,12 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from cable_tracker.arrays import IndexArray
+from cable_tracker.arrays import Image, IndexArray
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.metric.calibration import calibration_of, camera_for
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.homography import Overflight, move_states
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.survey.forward_pass import ForwardDive
@@ -126,14 +128,10 @@ def _look(  # noqa: PLR0917
     """Look for the cable around its state at a row's keyframe; tell whether it is seen."""
     number, keyframe = place
     row, (diameter, border_step) = rows[number], usual
-    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
-    flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
-    if depth_of_ground(flight) <= 0.0:
+    picture = _picture_of(row, flight, encoded)
+    if picture is None:
         return False
-    try:
-        grey = decode_grey(encoded)
-    except FrameError:
-        return False
+    grey, flight = picture
     aside, heading = (float(value) for value in course.cable.states[keyframe, :2])
     sigma = math.sqrt(float(course.cable.covariances[keyframe, 0, 0])) * math.cos(heading)
     reach = max(REACH * sigma / diameter, LEAST_REACH)
@@ -153,6 +151,25 @@ def _look(  # noqa: PLR0917
     row["again"] = SEEN
     _put_cable(row, state, (aside, heading), diameter)
     return True
+
+
+def _picture_of(
+    row: FrameRow, flight: Overflight, encoded: RawImage | CompressedImage
+) -> tuple[Image, Overflight] | None:
+    """Return a row's picture, and the flight when it was taken; None if one of them is of no use.
+
+    `flight` is that of the last picture of the dive: those before may have had another size.
+    """
+    try:
+        grey = decode_grey(encoded)
+    except FrameError:
+        return None
+    camera = camera_for(calibration_of(flight.camera), (grey.shape[1], grey.shape[0]))
+    if isinstance(camera, Withheld):
+        return None
+    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
+    flight = replace(flight, camera=camera, attitude=attitude, height=float(row["altitude"]))
+    return (grey, flight) if depth_of_ground(flight) > 0.0 else None
 
 
 def _put_cable(

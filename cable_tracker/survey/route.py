@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute, Profile
-from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
+from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed, is_measured, is_withheld
 from cable_tracker.survey.keyframes import Keyframes, filled
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
 from cable_tracker.survey.navigation import Poses
@@ -301,7 +301,7 @@ class _Piece:
             disk.let_go()
         with np.errstate(invalid="ignore", divide="ignore"):
             seen = np.where(number > 0, total / number, np.nan)
-        return Profile(0.0, seen, self._in_view(count))
+        return Profile(0.0, seen, self._in_view(count), self._withheld(count))
 
     def _telling(self, rows: Rows, owner: IndexArray) -> IndexArray:
         """Return the rows (of keyframes `owner`, (K,)) that say how the cable is seen."""
@@ -320,18 +320,43 @@ class _Piece:
         """Tell for each place whether the cable passed through a picture with the camera there."""
         keyframes, cable, disk = self._dive.keyframes, self._dive.cable, self._disk
         half_views = filled(self._dive.rows["half_view"], disk)
-        seen, passed = disk.array(count), disk.array(count)
-        for part in disk.blocks(self._end, self._start):
-            inside = np.abs(cable.states[part, 0]) < half_views[keyframes.first[part]]
-            way = cable.along[part] - float(self._wanted[0])
-            place = np.floor(way / PROFILE_SPACING).astype(np.int64)
+
+        def inside() -> Iterator[tuple[FloatArray, BoolArray]]:
+            for part in disk.blocks(self._end, self._start):
+                yield (
+                    cable.along[part],
+                    np.abs(cable.states[part, 0]) < half_views[keyframes.first[part]],
+                )
+
+        return self._mostly(count, inside())
+
+    def _withheld(self, count: int) -> BoolArray:
+        """Tell for each place whether claims with the camera there were without metres."""
+        rows, cable = self._dive.rows, self._dive.cable
+
+        def without_metres() -> Iterator[tuple[FloatArray, BoolArray]]:
+            for part, owner in self._row_blocks():
+                used = (owner >= 0) & (is_measured(rows[part]) | is_withheld(rows[part]))
+                yield cable.along[owner[used]], is_withheld(rows[part])[used]
+
+        return self._mostly(count, without_metres())
+
+    def _mostly(self, count: int, blocks: Iterable[tuple[FloatArray, BoolArray]]) -> BoolArray:
+        """Tell for each place whether something is so mostly.
+
+        Each block says for some ways along the cable (K,) [m] whether it is so there, (K,). Between
+        places of which none says anything, it is interpolated.
+        """
+        so, passed = self._disk.array(count), self._disk.array(count)
+        for along, is_so in blocks:
+            place = np.floor((along - float(self._wanted[0])) / PROFILE_SPACING).astype(np.int64)
             fine = (place >= 0) & (place < count)
-            np.add.at(seen, place[fine], inside[fine].astype(float))
+            np.add.at(so, place[fine], is_so[fine].astype(float))
             np.add.at(passed, place[fine], 1.0)
         known = np.flatnonzero(passed)
         if not len(known):
             return np.zeros(count, bool)
-        shares = seen[known] / passed[known]
+        shares = so[known] / passed[known]
         return np.asarray(np.interp(np.arange(count), known, shares) >= 0.5)
 
 

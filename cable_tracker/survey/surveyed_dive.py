@@ -110,6 +110,7 @@ def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -
         float(arrays[f"{number}_profile_start"]),
         arrays[f"{number}_profile_seen"],
         arrays[f"{number}_profile_in_view"],
+        arrays[f"{number}_profile_withheld"],
     )
     columns = {
         field_name: arrays[f"{number}_{field_name}"]

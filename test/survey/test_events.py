@@ -7,12 +7,12 @@ import pytest
 from survey_dives import Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.survey.dive_route import Profile
 from cable_tracker.survey.events import EventKind, Limits, _clusters, hidden_stretches
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import CrossingSight
+from cable_tracker.survey.frame_table import EMPTY, TRACKING, CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.survey.merging import merge
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import make_routes
 from cable_tracker.survey.smoothing import smooth
@@ -56,7 +56,7 @@ def test_what_stays_hidden_to_the_end_is_told_if_its_place_is_in_the_pictures(in
     route = surveyed.routes[0].route
     seen, shown = route.profile.seen.copy(), route.profile.in_view.copy()
     seen[-30:], shown[-30:] = 0.0, in_view
-    ended = replace(route, profile=Profile(0.0, seen, shown))
+    ended = replace(route, profile=replace(route.profile, seen=seen, in_view=shown))
     found = hidden_stretches(ended, 1.0)
     assert len(found) == count
     assert all(end == pytest.approx(route.along[-1], abs=0.2) for _, end, _ in found)
@@ -70,6 +70,24 @@ def test_the_cable_is_lost_and_found_again():
     dive = make_dive(Plan(hidden=((15.0, 21.0),)))
     assert len(events(dive, EventKind.FOUND)) == 2
     assert len(events(dive, EventKind.LOST)) == 1
+
+
+def test_an_altimeter_that_fails_buries_nothing():
+    dive = make_dive(Plan())
+    rows, number = dive.table.rows, dive.table.reason_number("unusable altitude")
+    failed = slice(300, 360)
+    frames, stamps = rows["frame"][failed].copy(), rows["stamp"][failed].copy()
+    rows[failed] = EMPTY
+    rows["frame"][failed], rows["stamp"][failed] = frames, stamps
+    rows["status"][failed], rows["reason"][failed] = TRACKING, number
+    surveyed, _ = analyse(dive, SurveySettings())
+    (placed,) = surveyed.routes
+    found, without = placed.events
+    assert (found.kind, without.kind) == (EventKind.FOUND, EventKind.NO_METRES)
+    assert without.detail == "unusable altitude"
+    assert (without.along, without.end) == pytest.approx((15.0, 18.0), abs=1.5)
+    (merged,) = merge(list(surveyed.routes))
+    assert np.isnan(merged.visible[(merged.along > 16.2) & (merged.along < 16.8)]).all()
 
 
 def test_a_vehicle_far_beside_is_out_of_view_and_too_far():

@@ -1,4 +1,5 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ from cable_tracker.metric.calibration import CameraModel, DistortionModel
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.homography import Overflight
-from cable_tracker.survey.frame_metres import on_ground, put_metres
+from cable_tracker.survey.frame_metres import on_ground, put_metres, put_view
 
 CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
 
@@ -30,6 +31,22 @@ def test_at_and_above_the_horizon_there_is_no_ground():
 def test_a_camera_that_is_no_higher_than_the_cable_sees_no_ground(height):
     flight = Overflight(CAMERA, Mounting(), Attitude(), height, 0.02)
     assert np.isnan(on_ground(flight, np.array([[0.0, 0.0], [30.0, -60.0]]))).all()
+
+
+@pytest.mark.parametrize(("turn", "reach"), [(0.0, 159.5), (90.0, 119.5), (180.0, 159.5)])
+def test_how_far_the_camera_sees_to_either_side_does_not_depend_on_how_it_is_turned(turn, reach):
+    flight = Overflight(CAMERA, Mounting(yaw=math.radians(turn)), Attitude(), 2.0, 0.02)
+    row = {}
+    put_view(row, flight, SimpleNamespace(image_size=(320, 240)))
+    assert row["half_view"] == pytest.approx(2.0 * reach / 300.0)
+
+
+def test_a_camera_that_looks_ahead_sees_as_far_to_the_side_as_its_middle_row():
+    flight = Overflight(CAMERA, Mounting(pitch=math.radians(50.0)), Attitude(), 2.0, 0.02)
+    row = {}
+    put_view(row, flight, SimpleNamespace(image_size=(320, 240)))
+    ends = on_ground(flight, np.array([[-159.5, 0.0], [159.5, 0.0]]))
+    assert row["half_view"] == pytest.approx(0.5 * (ends[0, 1] - ends[1, 1]))
 
 
 @pytest.mark.parametrize("look_ahead", [0.0, 1.0])

@@ -130,7 +130,7 @@ def straight(name: str, start: tuple[float, float], end: tuple[float, float]) ->
     columns["along"] = np.arange(count) * SPACING
     columns["headings"] = np.full(count, np.arctan2(*(last - first)[::-1]))
     bins = round(count * SPACING / PROFILE_SPACING)
-    profile = Profile(0.0, np.full(bins, 3.0), np.ones(bins, bool))
+    profile = Profile(0.0, np.full(bins, 3.0), np.ones(bins, bool), np.zeros(bins, bool))
     places = np.linspace(first, last, count)
     return PlacedRoute(name, replace(only, places=places, profile=profile, **columns), ())
 
@@ -143,6 +143,15 @@ def test_dives_over_cables_that_cross_stay_apart(turn):
     assert (one.recordings, other.recordings) == (("a",), ("b",))
     assert np.abs(one.places[:, 1]).max() < 1e-9
     assert np.abs(other.places[:, 0] - 50.0).max() < 1e-9
+
+
+@pytest.mark.parametrize("length", [80.0, 120.0])
+def test_whether_two_dives_are_of_one_cable_does_not_depend_on_which_is_longer(length):
+    unsure = straight("a", (0.0, 0.0), (100.0, 0.0))
+    doubt = np.full_like(unsure.route.sigmas, 25.0)
+    unsure = replace(unsure, route=replace(unsure.route, frame_variances=doubt))
+    (merged,) = merge([unsure, straight("b", (0.0, 8.0), (length, 8.0))])
+    assert merged.recordings == (("a", "b") if length < 100.0 else ("b", "a"))
 
 
 def joined(name: str, *corners: tuple[float, float]) -> PlacedRoute:

@@ -1,6 +1,7 @@
 """Pictures without a claim are read again where the dive has told where the cable is."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,6 +102,21 @@ def test_claims_that_count_stay_as_they_are(dive):
     assert (rows["again"][claimed] == NOT_AGAIN).mean() > 0.95
     same = rows["again"][claimed] == NOT_AGAIN
     assert (rows["aside"][claimed][same] == before["aside"][same]).all()
+
+
+def test_pictures_that_had_another_size_are_searched_at_their_own(dive):
+    course = course_of(dive)
+    smaller = CameraModel(
+        (WIDTH // 2, HEIGHT // 2),
+        DistortionModel.PLUMB_BOB,
+        (FOCAL / 2, FOCAL / 2),
+        ((WIDTH / 2 - 1) / 2, (HEIGHT / 2 - 1) / 2),
+    )
+    dive.flight = replace(FLIGHT, camera=smaller)
+    way = 0.05 * np.arange(len(dive.table.rows)) + LOOK
+    redetect_cable(dive, course)
+    dug_out = (way > DUG_OUT + 0.5) & (way < 22.0)
+    assert (dive.table.rows["again"][dug_out] == SEEN).mean() > 0.9
 
 
 def test_a_dive_without_metres_is_not_read_again(dive):

@@ -111,7 +111,7 @@ def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:
     return {
         "name": name,
         "length": f"{route.along[-1]:.1f}",
-        "visible": f"{100 * float(np.mean(route.visible > 0.5)):.1f}",
+        "visible": f"{100 * float(np.mean(route.visible[np.isfinite(route.visible)] > 0.5)):.1f}",
         "sigma": f"{float(np.median(route.sigmas)):.3f}",
         "worst": f"{float(np.max(route.sigmas)):.3f}",
         "dives": ", ".join(route.recordings),
