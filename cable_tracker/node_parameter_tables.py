@@ -375,7 +375,11 @@ FOLLOWER_PARAMETERS = (
         "How long to wait for the `relative_pose` that belongs to a `state`.",
     ),
     number(
-        "state_timeout", 1.0, "s", (0.05, 60.0), "Without a `state` for so long: stop the vehicle."
+        "state_timeout",
+        1.0,
+        "s",
+        (0.05, 60.0),
+        "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
     ),
 )
 """Read at start only."""
@@ -403,7 +407,11 @@ CONTROLLER_PARAMETERS = (
         "How long to wait for `cross_track` and `odometry` that belong to a `state`.",
     ),
     number(
-        "state_timeout", 1.0, "s", (0.05, 60.0), "Without a `state` for so long: stop the vehicle."
+        "state_timeout",
+        1.0,
+        "s",
+        (0.05, 60.0),
+        "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
     ),
 )
 """Read at start only."""

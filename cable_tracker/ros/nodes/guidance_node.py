@@ -18,6 +18,7 @@ from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
@@ -47,11 +48,11 @@ class GuidanceNode(ProcessNode):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped, and so it is while the tracker
-    says that it looks at nothing (switched off, warming up, or before a picture that stands still);
-    but not in lockstep. In lockstep
-    it waits, at most `settle_time`, until every message that the frame report announces has
-    arrived, so that the command does not depend on the order of messages. The first command waits
-    until it has a subscriber.
+    says that it looks at nothing (switched off, warming up, or before a picture that stands still),
+    or has refused every frame for `state_timeout`; but not in lockstep. In lockstep it waits, at
+    most `settle_time`, until every message that the frame report announces has arrived, so that the
+    command does not depend on the order of messages. The first command waits until it has a
+    subscriber.
 
     Parameters
     ----------
@@ -92,7 +93,8 @@ class GuidanceNode(ProcessNode):
             DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
         )
         self._expects_metres: OrderedDict[int, bool] = OrderedDict()
-        self._idle_status = ""
+        self._status = ""
+        self._last_accepted = time.monotonic()
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
         self.create_subscription(DiagnosticArray, self.REPORT.name, self.on_report, qos.RESULTS)
         self.create_subscription(JointState, node_topics.STATE.name, self.on_state, qos.RESULTS)
@@ -135,8 +137,17 @@ class GuidanceNode(ProcessNode):
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
         has_place = bool(message.status) and self._announces_place(message)
         keep(self._expects_metres, stamp_of(message.header), has_place)
-        status = report_status(message) if message.status else ""
-        self._idle_status = status if status in IDLE_STATUSES else ""
+        self._status = report_status(message) if message.status else ""
+        if self._status != REFUSED:
+            self._last_accepted = time.monotonic()
+
+    def _idle_status(self) -> str:
+        """Return the tracker's status while it looks at nothing; empty: it looks."""
+        # A refused frame among others is like one without a cable; of refused ones alone a
+        # vehicle that follows or searches would learn nothing.
+        blind_for = time.monotonic() - self._last_accepted if self._status == REFUSED else 0.0
+        is_idle = self._status in IDLE_STATUSES or blind_for > self._number("state_timeout")
+        return self._status if is_idle else ""
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -153,9 +164,10 @@ class GuidanceNode(ProcessNode):
         # A first command without a subscriber would stop a lockstep simulator for ever.
         if self._values["lockstep"] and not self._commands.get_subscription_count():
             return
-        if self._idle_status and not self._values["lockstep"]:
+        idle = "" if self._values["lockstep"] else self._idle_status()
+        if idle:
             self._states.pop(0)
-            self._stop_while_idle(stamp)
+            self._stop_while_idle(stamp, idle)
             return
         has_time = time.monotonic() - came < self._number("settle_time")
         is_placed = is_claimed and self._expects_metres.get(stamp, True)
@@ -168,12 +180,12 @@ class GuidanceNode(ProcessNode):
         self._last_command = command
         self._commands.publish(command)
 
-    def _stop_while_idle(self, stamp: int) -> None:
+    def _stop_while_idle(self, stamp: int, status: str) -> None:
         """Let the vehicle stop: to search makes no sense while the tracker does not look."""
         self._stop()
-        if self._is_news(self._idle_status):
-            self.get_logger().warning(f"the tracker says {self._idle_status}: the vehicle stops")
-            self._report(stamp, self._idle_status, Level.WARN)
+        if self._is_news(status):
+            self.get_logger().warning(f"the tracker says {status}: the vehicle stops")
+            self._report(stamp, status, Level.WARN)
 
     def _stop_if_silent(self) -> None:
         is_silent = time.monotonic() - self._last_state > self._number("state_timeout")

@@ -91,6 +91,14 @@ class Tracker:
             self.says_state(claims=False)
             self._world.spin(lambda count=count: len(self.commands) > count)
 
+    def refuses(self) -> None:
+        self.next_frame()
+        self.says_odometry()
+        self.reports("REFUSED")
+        self._world.empty_queues()
+        self.says_state(claims=False)
+        self._world.empty_queues()
+
 
 @pytest.fixture
 def tracker(world: Any) -> Tracker:
@@ -195,6 +203,34 @@ def test_while_the_tracker_looks_at_nothing_the_vehicle_stands(world, tracker, d
     world.empty_queues()
     tracker.tells(0.0, frames=10)
     assert tracker.commands[-1].linear.x > 0.0
+
+
+def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, diagnostics):
+    node = world.controller(settle_time=60.0, state_timeout=0.5)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=10)
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+
+    def is_told_after_one_more() -> bool:
+        tracker.refuses()
+        return [words for words, _ in diagnostics(node)][-1:] == ["REFUSED"]
+
+    world.spin(is_told_after_one_more, 60.0)
+    assert tracker.commands[-1] == Twist()
+    tracker.reports("TRACKING")
+    world.empty_queues()
+    tracker.tells(0.0, frames=10)
+    assert any(command.linear.x > 0.0 for command in tracker.commands[-10:])
+
+
+def test_one_refused_frame_is_like_one_without_a_cable(world, tracker, diagnostics):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=10)
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.refuses()
+    assert tracker.commands[-1].linear.x > 0.0
+    assert "REFUSED" not in [words for words, _ in diagnostics(node)]
 
 
 def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
