@@ -31,6 +31,9 @@ from cable_tracker.sequences.messages.poses import (
 
 STATE_NAMES = STATE_SYMBOLS[:4]
 
+NOT_KNOWN = UNKNOWN_VARIANCE * (1.0 - 1e-9)
+"""Least variance that counts as not known: a turned covariance loses the last digits."""
+
 
 def make_state(
     factory: MessageFactory,
@@ -131,7 +134,7 @@ def read_prior(message: Message) -> GivenState:
     state = CableState(distance, angle, 0.0)
     sigma = np.full(STATE_SIZE, np.inf)
     sigma[:2] = np.where(variances == 0.0, np.nan, np.sqrt(variances))
-    sigma[:2][variances >= UNKNOWN_VARIANCE] = np.inf
+    sigma[:2][variances >= NOT_KNOWN] = np.inf
     return GivenState(state, sigma)
 
 

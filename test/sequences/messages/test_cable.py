@@ -22,7 +22,7 @@ from cable_tracker.sequences.messages.cable import (
 )
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, make_stamped_pose
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
@@ -146,6 +146,15 @@ def test_a_prior_without_variances_leaves_them_unsaid():
 def test_a_prior_of_unknown_variance_is_not_known():
     prior = read_prior(pose_message(_0=1e6, _7=1e6, _35=0.04))
     assert prior.sigma[:2] == pytest.approx([np.inf, 0.2])
+
+
+def test_a_place_that_is_not_known_is_so_in_every_direction():
+    covariance = np.diag([UNKNOWN_VARIANCE] * 5 + [0.01])
+    messages = [
+        make_stamped_pose(FACTORY, HEADER, (0.0, 0.0, 0.0), math.radians(degrees), covariance)
+        for degrees in range(-180, 181)
+    ]
+    assert all(np.isinf(read_prior(message).sigma[0]) for message in messages)
 
 
 @pytest.mark.parametrize(
