@@ -16,6 +16,7 @@ import hashlib
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
@@ -106,9 +107,48 @@ def _entry(function: Function, **options: Any) -> Function:  # noqa: ANN401
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:
-        return cast(Function, numba.njit(cache=True, **options)(function))
+        entry = numba.njit(cache=True, **options)(function)
     finally:
         numba.config.CACHE_DIR = before
+    _do_without_disk(entry)
+    return cast(Function, entry)
+
+
+def _do_without_disk(entry: Any) -> None:  # noqa: ANN401
+    """Let a function be compiled and run also when its machine code cannot be saved or read.
+
+    A disk may be full, or a folder gone, long after it was found that it can be written to; Numba
+    would raise that at the call, though it has compiled the function.
+    """
+    # Without Numba's compiler, for a debugger, the function is as it was.
+    cache = getattr(entry, "_cache", None)
+    if cache is not None:
+        cache.load_overload = _or_warn(cache.load_overload)
+        cache.save_overload = _or_warn(cache.save_overload)
+
+
+def _or_warn(access: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that does the same, and warns where the disk refuses it."""
+
+    def access_or_warn(*arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            return access(*arguments)
+        except OSError as error:
+            _warn_of_disk(error.strerror or type(error).__name__)
+            return None
+
+    return access_or_warn
+
+
+@cache
+def _warn_of_disk(reason: str) -> None:
+    """Warn that machine code is not kept; once, for all functions have the same reason."""
+    warnings.warn(
+        f"compiled code is not kept ({reason}), so that each start compiles anew; make room on the"
+        " disk, or set NUMBA_CACHE_DIR",
+        RuntimeWarning,
+        stacklevel=1,
+    )
 
 
 def _cache_folders() -> Iterator[Path]:
@@ -131,8 +171,9 @@ def _cache_folders() -> Iterator[Path]:
 def _writable(bases: Iterator[Path], digest: str) -> Path | None:
     """Return the folder of a digest in the first base that can be written to; None if none can."""
     for base in bases:
-        if _can_write(base):
-            return base / digest
+        folder = base / digest
+        if _can_write(folder):
+            return folder
     return None
 
 

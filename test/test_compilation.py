@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 import os
+import runpy
+import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +73,33 @@ def test_what_cannot_be_kept_on_disk_is_compiled_all_the_same():
     namespace = {}
     exec("def twice(value):\n    return 2 * value", namespace)  # Of no file: there is no cache.
     assert compiled(namespace["twice"])(4) == 8
+
+
+@pytest.fixture
+def unkept(tmp_path, monkeypatch):
+    """A compiled function whose folder on disk is gone when it is called."""
+    monkeypatch.setattr(compilation, "PACKAGE", tmp_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    source = tmp_path / "kernel.py"
+    source.write_text("def twice(value):\n    return 2 * value\n")
+    function = compiled(runpy.run_path(str(source))["twice"])
+    (folder,) = (tmp_path / "cache" / "cable_tracker").iterdir()
+    shutil.rmtree(folder)
+    folder.write_text("no folder")
+    compilation._warn_of_disk.cache_clear()
+    return function
+
+
+def test_machine_code_that_cannot_be_saved_is_used_all_the_same(unkept):
+    with pytest.warns(RuntimeWarning, match="is not kept .*; make room"):
+        assert unkept(4) == 8
+
+
+def test_that_it_cannot_be_saved_is_shown_once(unkept):
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        assert (unkept(4), unkept(4.0)) == (8, 8.0)
+    assert len(shown) == 1
 
 
 @pytest.mark.parametrize("name", PRESETS)
