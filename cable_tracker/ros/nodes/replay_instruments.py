@@ -14,6 +14,7 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, JointState
 
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
+from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.recorded_messages import as_ros2
@@ -128,8 +129,9 @@ class InstrumentReplay:
     def send_until(self, frame: Frame) -> None:
         """Send what belongs to a frame, before the frame itself."""
         first, self._is_first = self._is_first, False
-        if first and self._calibration is not None:
-            self._send_calibration(frame)
+        if self._calibration is not None:
+            # As a camera driver does, with every frame: a tracker may be started again meanwhile.
+            self._send_calibration(self._calibration, frame)
         for message in self._feed.up_to(frame):
             assert frame.received is not None
             is_calibration = message.instrument is Instrument.CAMERA_INFO
@@ -151,9 +153,7 @@ class InstrumentReplay:
         if given.instrument in self._sent:
             self._sent[given.instrument] += 1
 
-    def _send_calibration(self, frame: Frame) -> None:
-        calibration = self._calibration
-        assert calibration is not None
+    def _send_calibration(self, calibration: Calibration, frame: Frame) -> None:
         (fx, fy), (cx, cy) = calibration.focal, calibration.centre
         width, height = calibration.image_size
         info = CameraInfo(
