@@ -145,7 +145,8 @@ class ReplayNode(ProcessNode):
     def _begin(self) -> None:
         if self._instruments is not None:
             self._instruments.begin()
-        self._frames: Iterator[Frame] = self._source.frames()
+        # What lies before the start is passed over unread: to seek takes no decoding.
+        self._frames: Iterator[Frame] = self._source.chosen_frames(self._is_from_start_on)
         self._first_stamp: int | None = None
         # Kept: a change of the parameter takes effect at the next restart only.
         self._start = self._nanoseconds("start")
@@ -177,17 +178,21 @@ class ReplayNode(ProcessNode):
             self._damage = error
             return None
 
+    def _is_from_start_on(self, stamp: int) -> bool:
+        """Tell whether the next frame, of a time [ns], is at the start or comes after it."""
+        if self._first_stamp is None:
+            self._first_stamp = stamp
+        # Only looked for once: where the recording's clock jumps back, no frame is left out.
+        self._found_start = self._found_start or stamp - self._first_stamp >= self._start
+        return self._found_start
+
     def _next_frame_wanted(self) -> Frame | None:
-        for frame in self._frames:
-            if self._first_stamp is None:
-                self._first_stamp = frame.stamp
-            elapsed = frame.stamp - self._first_stamp
-            # Only looked for once: where the recording's clock jumps back, no frame is left out.
-            self._found_start = self._found_start or elapsed >= self._start
-            if self._found_start:
-                duration = self._nanoseconds("duration")
-                return None if 0 < duration <= elapsed - self._start else frame
-        return None
+        frame = next(self._frames, None)
+        if frame is None or self._first_stamp is None:
+            return None
+        duration = self._nanoseconds("duration")
+        elapsed = frame.stamp - self._first_stamp - self._start
+        return None if 0 < duration <= elapsed else frame
 
     def _nanoseconds(self, name: str) -> int:
         return round(float(cast(float, self._values[name])) * NANOSECONDS)
@@ -412,8 +417,10 @@ class ReplayNode(ProcessNode):
         """Go to the time in the parameter `start`, which also makes it the way to seek."""
         self._begin()
         response.success = self._next is not None
-        response.message = f"at frame {self._next.index}" if self._next else NO_FRAME_THERE
-        if self._next is None:
+        if self._next is not None:
+            response.message = f"at frame {self._next.index}"
+        else:
+            response.message = str(self._damage) if self._damage is not None else NO_FRAME_THERE
             # Not the end of the node: the next restart may name a better time.
             self._awaits_restart = True
         return response

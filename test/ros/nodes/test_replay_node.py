@@ -62,6 +62,19 @@ def indices_of(messages: list[Any]) -> list[int]:
 
 
 @pytest.fixture
+def bag_with_a_bad_frame(tmp_path: Path, dive_frames: Callable[..., Iterator[Frame]]) -> Path:
+    """Write a dive of four frames, of which the third cannot be decoded."""
+    factory = RosbagsMessages()
+    with BagWriter(tmp_path / "bad") as bag:
+        for frame in dive_frames(4):
+            message = make_image(factory, frame.image, make_header(factory, frame.stamp, "camera"))
+            if frame.index == 2:
+                message.step = 1
+            bag.write("/image", "sensor_msgs/msg/Image", message, frame.stamp)
+    return tmp_path / "bad"
+
+
+@pytest.fixture
 def sources(
     tmp_path: Path, make_dive: Dive, dive_frames: Callable[..., Iterator[Frame]]
 ) -> Callable[[str], Path]:
@@ -159,21 +172,11 @@ class TestBadSources:
     def test_a_frame_that_cannot_be_decoded_is_sent_only_on_request(
         self,
         world: Any,
-        tmp_path: Path,
-        dive_frames: Callable[..., Iterator[Frame]],
+        bag_with_a_bad_frame: Path,
         skip: bool,
     ) -> None:
-        factory = RosbagsMessages()
-        with BagWriter(tmp_path / "bad") as bag:
-            for frame in dive_frames(4):
-                message = make_image(
-                    factory, frame.image, make_header(factory, frame.stamp, "camera")
-                )
-                if frame.index == 2:
-                    message.step = 1
-                bag.write("/image", "sensor_msgs/msg/Image", message, frame.stamp)
         heard = world.listen(Image, "image")
-        source = str(tmp_path / "bad")
+        source = str(bag_with_a_bad_frame)
         node = world.replay(source=source, rate=100, skip_bad_frames=skip)
         if skip:
             play_to_the_end(world, node, heard)
@@ -459,6 +462,19 @@ class TestServices:
         assert not response.success and response.message == "no frame after that time"
         node.set_parameters([Parameter("start", value=0.0)])
         assert world.call(Trigger, "replay/restart").success
+
+    def test_a_restart_goes_past_a_bad_frame_and_tells_of_one_that_it_meets(
+        self, world: Any, bag_with_a_bad_frame: Path
+    ) -> None:
+        node = world.replay(source=str(bag_with_a_bad_frame), paused=True)
+        node.set_parameters([Parameter("start", value=0.12)])
+        response = node.on_restart(Trigger.Request(), Trigger.Response())
+        assert response.success and response.message == "at frame 3"
+        node.set_parameters([Parameter("start", value=0.08)])
+        response = node.on_restart(Trigger.Request(), Trigger.Response())
+        assert not response.success and "frame 2 cannot be decoded" in response.message
+        node.work()
+        assert not node.finished
 
     def test_a_refused_restart_does_not_end_a_replay_that_runs(
         self, world: Any, make_dive: Dive
