@@ -33,6 +33,11 @@ _ROS1_SUFFIX = ".bag"
 _ROS2_SUFFIXES = (".db3", ".mcap")
 BAG_SUFFIXES = (*_ROS2_SUFFIXES, _ROS1_SUFFIX)
 
+MORE_THAN_ROS2 = (
+    "it is not of ROS 2 alone, or does not say that it is; what is of ROS 2 is read, without the"
+    " index, which takes longer"
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Topic:
@@ -328,10 +333,8 @@ def _crashed_files(path: Path) -> list[Path]:
     """Return the mcap files of a bag that were never closed."""
     return [
         file
-        for file in storage_files(path)
-        if file.suffix.lower() == ".mcap"
-        and file.stat().st_size
-        and not mcap_recovery.is_closed(file)
+        for file in _mcap_files(path)
+        if file.stat().st_size and not mcap_recovery.is_closed(file)
     ]
 
 
@@ -344,6 +347,18 @@ def _unmerged_log(path: Path) -> str:
         f"{waiting[0].name} holds messages of a recorder that did not end well; they are not read"
         " (merge them with: sqlite3 FILE.db3 'PRAGMA wal_checkpoint')"
     )
+
+
+def _mcap_files(path: Path) -> list[Path]:
+    return [file for file in storage_files(path) if file.suffix.lower() == ".mcap"]
+
+
+def _is_more_than_ros2(path: Path) -> bool:
+    """Tell whether a bag is of mcap files that are not of ROS 2 alone, or do not say so."""
+    try:
+        return not all(map(mcap_recovery.is_ros2_alone, _mcap_files(path)))
+    except Exception:  # noqa: BLE001  Damage, of which its reader tells.
+        return False
 
 
 def _open_without_metadata(path: Path) -> BagStorage:
@@ -381,6 +396,11 @@ def open_storage(path: Path) -> BagStorage:
         files = storage_files(path)
         if not files:
             raise damage from error
+        if _is_more_than_ros2(path):
+            # rosbags opens none of it, and nothing is damaged.
+            storage = SalvagedStorage(files, None)
+            storage.note = MORE_THAN_ROS2
+            return storage
         return SalvagedStorage(files, damage)
     storage.note = _unmerged_log(path)
     return storage
@@ -395,9 +415,15 @@ def open_bag(path: Path) -> BagStorage:
         Not one message can be read.
     """
     try:
-        return open_storage(path)
+        is_ros1_mcap = any(mcap_recovery.profile_of(file) == "ros1" for file in _mcap_files(path))
+        if not is_ros1_mcap:
+            return open_storage(path)
     except (RecordingError, OSError) as error:
         raise RecordingError(
             f"{path}: not one message can be read ({one_line(error)}); check that the"
             " recording is a bag and was copied completely"
         ) from error
+    raise RecordingError(
+        f"{path}: holds ROS 1 messages, which are not read from mcap; give the .bag that it was"
+        " made of, or convert it to a ROS 2 bag"
+    )

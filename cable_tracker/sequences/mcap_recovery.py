@@ -25,6 +25,10 @@ from cable_tracker.sequences.bag_limits import MCAP_UNPACKERS
 from cable_tracker.sequences.stored_message import StoredMessage
 
 MAGIC = b"\x89MCAP0\r\n"
+_ROS2_PROFILE = "ros2"
+_ROS2_ENCODING = "cdr"
+_START = struct.Struct("<8sBQI")
+_LONGEST_PROFILE = 64
 _FOOTER_RECORD = b"\x02\x14\x00\x00\x00\x00\x00\x00\x00"
 _FOOTER_LENGTH = 37
 _FIRST_PRIVATE_OPCODE = 0x80
@@ -52,6 +56,40 @@ def is_closed(path: Path) -> bool:
         file.seek(max(0, size - _FOOTER_LENGTH))
         end = file.read(_FOOTER_LENGTH)
     return end.startswith(_FOOTER_RECORD) and end.endswith(MAGIC)
+
+
+def profile_of(path: Path) -> str:
+    """Return what an mcap says it holds, "ros1" or "ros2"; empty: it says nothing."""
+    with path.open("rb") as file:
+        start, profile = file.read(_START.size), file.read(_LONGEST_PROFILE)
+    if len(start) < _START.size:
+        return ""
+    magic, opcode, _, length = _START.unpack(start)
+    is_mcap = magic == MAGIC and opcode == Opcode.HEADER
+    return profile[:length].decode(errors="replace") if is_mcap else ""
+
+
+def is_ros2_alone(path: Path) -> bool:
+    """Tell whether an mcap that was closed says it is of ROS 2, and so are all of its channels.
+
+    Raises
+    ------
+    Exception
+        It is damaged; the library that parses records does not say what it raises then.
+    """
+    if profile_of(path) != _ROS2_PROFILE:
+        return False
+    with path.open("rb") as file:
+        size = file.seek(0, 2)
+        file.seek(size - _FOOTER_LENGTH + len(_FOOTER_RECORD))
+        (summary,) = struct.unpack("<Q", file.read(8))
+        file.seek(summary or len(MAGIC))
+        channels = (each for each in _records(file, size) if each.opcode == Opcode.CHANNEL)
+        return all(_channel(each).message_encoding == _ROS2_ENCODING for each in channels)
+
+
+def _channel(record: _Record) -> Channel:
+    return Channel.read(ReadDataStream(BytesIO(record.content)))
 
 
 def _damage(what: str, position: int) -> RecordingError:
@@ -140,23 +178,28 @@ def _records(file: IO[bytes], size: int, *, inside_chunk: bool = False) -> Itera
 
 def _messages(records: Iterator[_Record]) -> Iterator[StoredMessage]:
     schemas: dict[int, str] = {}
-    channels: dict[int, tuple[str, str]] = {}
+    channels: dict[int, tuple[str, str] | None] = {}
     for record in records:
         stream = ReadDataStream(BytesIO(record.content))
         if record.opcode == Opcode.SCHEMA:
             schema = Schema.read(stream)
             schemas[schema.id] = schema.name
         elif record.opcode == Opcode.CHANNEL:
-            channel = Channel.read(stream)
-            channels[channel.id] = (channel.topic, schemas.get(channel.schema_id, ""))
+            channel = _channel(record)
+            is_ros2 = channel.message_encoding == _ROS2_ENCODING
+            kind = (channel.topic, schemas.get(channel.schema_id, ""))
+            channels[channel.id] = kind if is_ros2 else None
         elif len(record.content) > _MESSAGE_HEADER:
             message = Message.read(stream, len(record.content))
-            topic, msgtype = channels[message.channel_id]
-            yield StoredMessage(topic, msgtype, message.log_time, message.data)
+            of_channel = channels[message.channel_id]
+            if of_channel is not None:
+                yield StoredMessage(*of_channel, message.log_time, message.data)
 
 
 def read_messages(path: Path) -> Iterator[StoredMessage]:
     """Yield the messages of an mcap in the order of the file, until it ends or is cut off.
+
+    Those that are not of ROS 2, such as JSON, are left out.
 
     Raises
     ------

@@ -20,13 +20,24 @@ COMPRESSIONS = [CompressionType.NONE, CompressionType.LZ4, CompressionType.ZSTD]
 def make_mcap(tmp_path, maker, picture, first_stamp):
     """Write an mcap as a recorder does, with checksums."""
 
-    def make(compression=CompressionType.NONE, *, chunks=True, chunk_size=20_000) -> Path:
+    def make(
+        compression=CompressionType.NONE,
+        *,
+        chunks=True,
+        chunk_size=20_000,
+        profile="ros2",
+        beside=(),
+    ) -> Path:
         path = tmp_path / "dive.mcap"
         with path.open("wb") as file:
             writer = McapWriter(
                 file, chunk_size=chunk_size, compression=compression, use_chunking=chunks
             )
-            writer.start(profile="ros2", library="test")
+            writer.start(profile=profile, library="test")
+            for kind, encoding in beside:
+                other = writer.register_schema("Log", kind, b'\n{"\xff')
+                log = writer.register_channel(f"/{encoding}", encoding, other)
+                writer.add_message(log, first_stamp, b"{}", first_stamp)
             schema = writer.register_schema("sensor_msgs/msg/Image", "ros2msg", b"")
             channel = writer.register_channel("/image", "cdr", schema)
             for index in range(FRAMES):
@@ -153,3 +164,35 @@ def test_of_a_split_recording_only_the_last_file_is_cut(make_bag):
     (path / "bag.mcap").rename(path / "bag_0.mcap")
     (path / "bag_1.mcap").write_bytes(whole[: len(whole) // 2])
     assert 28 <= len(list(BagSource(path).frames())) <= 30
+
+
+@pytest.mark.parametrize("beside", [("jsonschema", "json"), ("protobuf", "protobuf")])
+@pytest.mark.parametrize("share", [1.0, 0.9])
+def test_what_is_of_ros2_is_read_beside_other_messages(make_mcap, beside, share):
+    path = cut(make_mcap(beside=[beside]), share)
+    with BagSource(path) as source:
+        count = len(list(source.frames()))
+        assert source.storage.topics.keys() == {"/image"}
+    assert count == FRAMES if share == 1.0 else 0 < count < FRAMES
+    assert source.note
+
+
+def test_an_mcap_that_does_not_say_what_it_holds_is_not_damaged(make_mcap):
+    with BagSource(make_mcap(profile="")) as source:
+        assert len(list(source.frames())) == FRAMES
+        assert "does not say that it is" in source.note
+
+
+def test_damage_beside_other_messages_is_told(make_mcap):
+    path = make_mcap(beside=[("jsonschema", "json")])
+    content = bytearray(path.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 200] = b"\x55" * 200
+    path.write_bytes(content)
+    assert 0 < frames_until_damage(path) < FRAMES
+
+
+def test_an_mcap_of_ros1_is_refused_in_words(make_mcap):
+    path = make_mcap(profile="ros1")
+    with pytest.raises(RecordingError, match=r"holds ROS 1 messages, .* convert it"):
+        BagSource(path)
