@@ -26,8 +26,11 @@ from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
 from cable_tracker.sequences.messages.target_particles import read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
 
-KEPT_FRAMES = 16
-"""Frames whose messages are waited for; older ones are given up."""
+KEPT_BYTES = 256 << 20
+"""Pictures whose answers are waited for may have so many bytes; beyond, the oldest are given up."""
+
+KEPT_SECONDS = 10.0
+"""So long an answer is waited for [s]: a tracker on a slow computer is some frames behind."""
 
 PATIENCE = 0.25
 """Longest wait of a picture for messages for display only: particles, report, truth [s]."""
@@ -44,6 +47,11 @@ class _Parts:
     report: Message | None = None
     truth: Message | None = None
     contour: Message | None = None
+
+    @property
+    def size(self) -> int:
+        """Size of the picture [bytes]."""
+        return 0 if self.image is None else self.image.data.nbytes
 
     def facts(self) -> dict[str, str]:
         """Return what the report says by name; nothing without one."""
@@ -111,9 +119,19 @@ class LiveFrames:
         stamp = stamp_of(header)
         if stamp not in self._parts:
             self._parts[stamp] = _Parts(image=self._unstamped)
-            while len(self._parts) > KEPT_FRAMES:
-                self._parts.popitem(last=False)
+            self._give_up_the_oldest()
         return self._parts[stamp]
+
+    def _give_up_the_oldest(self) -> None:
+        """Keep within the limits of memory and time; the newest frame is kept in any case."""
+        now = time.monotonic()
+        size = sum(parts.size for parts in self._parts.values())
+        while len(self._parts) > 1:
+            oldest = next(iter(self._parts.values()))
+            if size <= KEPT_BYTES and now - oldest.since <= KEPT_SECONDS:
+                return
+            size -= oldest.size
+            self._parts.popitem(last=False)
 
     def hand_on_what_is_due(self) -> None:
         """Hand on the newest frame that is ready; those before it are given up."""

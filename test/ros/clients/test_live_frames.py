@@ -26,6 +26,26 @@ def header(second):
     return made
 
 
+def answered_after_many(shown, count):
+    """Let a tracker answer the first of many pictures when all of them have come."""
+    frames = LiveFrames(shown.append)
+    for second in range(1, count + 1):
+        frames.take_image(header(second), picture(second))
+    frames.take_state(JointState(header=header(1)))
+    frames.hand_on_what_is_due()
+    return [each.stamp for each in shown]
+
+
+def test_a_frame_is_shown_however_many_came_while_the_tracker_worked_on_it(shown):
+    assert answered_after_many(shown, 200) == [1_000_000_000]
+
+
+@pytest.mark.parametrize(("limit", "value"), [("KEPT_BYTES", 5 * 48 * 64), ("KEPT_SECONDS", 0.0)])
+def test_what_takes_too_much_memory_or_time_is_given_up(shown, monkeypatch, limit, value):
+    monkeypatch.setattr(live_frames, limit, value)
+    assert not answered_after_many(shown, 20)
+
+
 def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_said_next(shown):
     frames = LiveFrames(shown.append)
     for second in (5, 6):
