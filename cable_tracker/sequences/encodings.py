@@ -248,11 +248,28 @@ def decode_picture_file(
     return np.asarray(picture)
 
 
+def _mosaic_of(image: CompressedImage) -> RawImage | None:
+    """Return the mosaic of a Bayer camera that was compressed as it is; None: it is a picture.
+
+    That is what image_transport makes of one: ``bayer_rggb8; jpeg compressed``.
+    """
+    encoding = image.format.partition(";")[0].strip()
+    pixel_format = _FORMATS.get(encoding)
+    if pixel_format is None or not pixel_format.bayer:
+        return None
+    pixels = decode_picture_file(image.data, cv2.IMREAD_UNCHANGED, _COMPRESSED_KINDS)
+    if pixels.ndim != 2:
+        return None
+    # Of 16 bits JPEG leaves 8.
+    return raw_from_array(pixels, f"{encoding.rstrip('0123456789')}{8 * pixels.itemsize}")
+
+
 def decode_grey(image: RawImage | CompressedImage) -> Image:
     """Decode an image to grey.
 
     * Colour becomes grey by OpenCV's weights (0.299 R + 0.587 G + 0.114 B); of YUV the Y bytes are
-      taken as they are; a Bayer pattern is interpolated.
+      taken as they are; a Bayer pattern is interpolated, also that of a compressed image whose
+      format names it.
     * 16-bit values are divided by 257, so that white is 255.
     * 32FC1: if any value is above 1.5 the values are taken as 0..255, otherwise as 0..1. What lies
       outside the range is clipped.
@@ -274,7 +291,10 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
         The image cannot be decoded; the message says why.
     """
     if isinstance(image, CompressedImage):
-        return decode_picture_file(image.data, cv2.IMREAD_GRAYSCALE, _COMPRESSED_KINDS)
+        mosaic = _mosaic_of(image)
+        if mosaic is None:
+            return decode_picture_file(image.data, cv2.IMREAD_GRAYSCALE, _COMPRESSED_KINDS)
+        image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
     if pixel_format.luma is not None:
@@ -296,7 +316,10 @@ def decode_bgr(image: RawImage | CompressedImage) -> Image:
         The image cannot be decoded; the message says why.
     """
     if isinstance(image, CompressedImage):
-        return decode_picture_file(image.data, cv2.IMREAD_COLOR, _COMPRESSED_KINDS)
+        mosaic = _mosaic_of(image)
+        if mosaic is None:
+            return decode_picture_file(image.data, cv2.IMREAD_COLOR, _COMPRESSED_KINDS)
+        image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
     if pixel_format.dtype == "u1":

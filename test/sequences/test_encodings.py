@@ -264,6 +264,32 @@ def test_other_kinds_of_pictures_are_refused(suffix):
         decode_grey(compressed(encoded(suffix)))
 
 
+@pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
+@pytest.mark.parametrize("bits", [8, 16])
+def test_a_compressed_mosaic_is_the_picture_that_it_is_uncompressed(pattern, bits):
+    mosaic = random_numbers(f"bayer_{pattern}{bits}")[..., 0]
+    raw = raw_from_array(mosaic, f"bayer_{pattern}{bits}")
+    data = memoryview(cv2.imencode(".png", mosaic)[1].tobytes())
+    image = CompressedImage(f"bayer_{pattern}{bits}; png compressed ", data)
+    np.testing.assert_array_equal(decode_grey(image), decode_grey(raw))
+    np.testing.assert_array_equal(decode_bgr(image), decode_bgr(raw))
+
+
+def test_of_16_bits_of_a_mosaic_jpeg_leaves_8():
+    grey = np.full((HEIGHT, WIDTH), 90, np.uint8)
+    data = memoryview(cv2.imencode(".jpg", grey)[1].tobytes())
+    image = CompressedImage("bayer_rggb16; jpeg compressed ", data)
+    np.testing.assert_allclose(decode_grey(image), 90.0, atol=1.0)
+
+
+def test_what_a_bayer_camera_sends_in_colour_is_no_mosaic():
+    colours = random_numbers("bgr8")
+    data = memoryview(cv2.imencode(".png", colours)[1].tobytes())
+    image = CompressedImage("bayer_rggb8; png compressed bgr8", data)
+    np.testing.assert_array_equal(decode_bgr(image), colours)
+    np.testing.assert_array_equal(decode_grey(image), decode_grey(compressed(bytes(data))))
+
+
 def test_garbage_is_refused():
     with pytest.raises(FrameError, match="no picture"):
         decode_grey(compressed(np.random.default_rng(1).bytes(5000)))
