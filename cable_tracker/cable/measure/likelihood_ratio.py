@@ -358,24 +358,32 @@ def _log_ratio_over_strengths(
     tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
     classes.
     """
-    total, first_alone, second_alone = 0.0, 0.0, 0.0
-    for border in range(2):
-        peak = sums[border, first]
-        for strength in range(1, CLASSES):
-            peak = max(peak, sums[border, first + strength])
-        mass = 0.0
-        for strength in range(CLASSES):
-            share = math.exp(tempering * (sums[border, first + strength] - peak))
-            shares[border, strength] = share
-            mass += share
-        total += tempering * peak
-        alone = tempering * peak + math.log(mass / CLASSES)
-        first_alone, second_alone = second_alone, alone
+    left_peak, left = _log_ratio_of_border(sums[0], first, tempering, shares[0])
+    right_peak, right = _log_ratio_of_border(sums[1], first, tempering, shares[1])
     joint = 0.0
-    for left in range(CLASSES):
-        for right in range(CLASSES):
-            joint += JOINT_STRENGTHS[left, right] * shares[0, left] * shares[1, right]
-    return total + math.log(joint), first_alone, second_alone
+    for i in range(CLASSES):
+        for j in range(CLASSES):
+            joint += JOINT_STRENGTHS[i, j] * shares[0, i] * shares[1, j]
+    return left_peak + right_peak + math.log(joint), left, right
+
+
+@compiled_inside
+def _log_ratio_of_border(
+    sums: Float32Array, first: int, tempering: float, shares: FloatArray
+) -> tuple[float, float]:
+    """Return the tempered ratio of a border's likeliest strength, and that over all of them [nats].
+
+    `sums` (8,) and `first` are those of `_log_ratio_over_strengths`; `shares` (4,) are filled with
+    the likelihoods of the strengths over that of the likeliest.
+    """
+    peak = sums[first]
+    for strength in range(1, CLASSES):
+        peak = max(peak, sums[first + strength])
+    mass = 0.0
+    for strength in range(CLASSES):
+        shares[strength] = math.exp(tempering * (sums[first + strength] - peak))
+        mass += shares[strength]
+    return tempering * peak, tempering * peak + math.log(mass / CLASSES)
 
 
 @compiled_inside
