@@ -355,8 +355,10 @@ def _mcap_files(path: Path) -> list[Path]:
 
 def _is_more_than_ros2(path: Path) -> bool:
     """Tell whether a bag is of mcap files that are not of ROS 2 alone, or do not say so."""
+    files = _mcap_files(path)
     try:
-        return not all(map(mcap_recovery.is_ros2_alone, _mcap_files(path)))
+        is_whole = all(map(mcap_recovery.is_closed, files))
+        return is_whole and not all(map(mcap_recovery.is_ros2_alone, files))
     except Exception:  # noqa: BLE001  Damage, of which its reader tells.
         return False
 
