@@ -31,7 +31,7 @@ from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.headers import check_stamp, make_header
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
@@ -303,6 +303,8 @@ class CameraNode(ProcessNode):
         try:
             if not stamp:
                 raise FrameError(NO_TIME)
+            # Before the filter moves: what is found could not be published.
+            check_stamp(stamp)
             picture = self._decode(frame.image)
             if self._watch.is_frozen(picture, stamp):
                 self._answer_frozen(header)

@@ -21,7 +21,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterSpec
@@ -131,7 +131,10 @@ class GuidanceNode(ProcessNode):
         """Take note that the tracker has seen a frame, and whether it claims something in it."""
         now = time.monotonic()
         self._last_state = now
-        self._states.append((stamp_of(message.header), bool(message.position), now))
+        stamp = stamp_of(message.header)
+        # Of another time nothing could be told; the tracker has refused such a frame.
+        if has_room_for(stamp):
+            self._states.append((stamp, bool(message.position), now))
 
     def on_report(self, message: Message) -> None:
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""

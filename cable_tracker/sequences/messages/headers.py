@@ -2,12 +2,46 @@
 
 from __future__ import annotations
 
+from cable_tracker.errors import FrameError
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.stamps import NANOSECONDS
 
+_SECONDS = 2**31
+"""So many seconds before and after zero a message has room for."""
+
+
+def has_room_for(stamp: int) -> bool:
+    """Tell whether a message has room for a time [ns].
+
+    Headers may come with a later one: their nanoseconds may be more than a second.
+    """
+    return -_SECONDS <= stamp // NANOSECONDS < _SECONDS
+
+
+def check_stamp(stamp: int) -> None:
+    """Check that a message has room for a time [ns].
+
+    Raises
+    ------
+    FrameError
+        It has none.
+    """
+    if not has_room_for(stamp):
+        raise FrameError(
+            f"the stamp {stamp / NANOSECONDS:.3f} s is none that a message has room for; check the"
+            " clock of the camera"
+        )
+
 
 def make_time(factory: MessageFactory, stamp: int) -> Message:
-    """Pack nanoseconds."""
+    """Pack nanoseconds.
+
+    Raises
+    ------
+    FrameError
+        The time is none that a message has room for.
+    """
+    check_stamp(stamp)
     return factory.make(
         "builtin_interfaces/msg/Time", sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS
     )

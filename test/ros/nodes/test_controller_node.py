@@ -233,6 +233,13 @@ def test_one_refused_frame_is_like_one_without_a_cable(world, tracker, diagnosti
     assert "REFUSED" not in [words for words, _ in diagnostics(node)]
 
 
+def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, tracker, diagnostics):
+    node = world.controller(settle_time=0.0, state_timeout=0.5)
+    node.on_state(JointState(header=Header(stamp=Time(sec=2**31 - 1, nanosec=10**9))))
+    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["NO STATE"])
+    assert not tracker.commands
+
+
 def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
     node = world.controller(**PATIENT)
     tracker.is_heard()

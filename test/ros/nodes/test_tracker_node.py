@@ -204,6 +204,24 @@ class TestBadFrames:
         world.spin(lambda: len(states) == 5)
         assert read_state(states[-1]) is not None
 
+    def test_a_stamp_beyond_the_last_second_is_refused_and_moves_nothing(
+        self,
+        world: Any,
+        near: str,
+        image_message: Callable[..., Any],
+        track_strip: Callable[..., list[Any]],
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        states = track_strip(node, 3)
+        before = node.tracker.particles
+        message = image_message(index=3)
+        message.header.stamp.sec, message.header.stamp.nanosec = 2**31 - 1, 10**9
+        world.show(node, message)
+        assert "check the clock" in node.statistics.last_bad_frame
+        assert node.tracker.particles is before
+        world.spin(lambda: len(states) == 4)
+        assert states[-1].header == message.header and not states[-1].position
+
     @pytest.mark.parametrize("length", [0, -1000])
     def test_a_truncated_jpeg_is_refused(
         self, world: Any, compressed_message: Callable[..., Any], length: int

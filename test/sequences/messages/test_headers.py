@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.errors import FrameError
 from cable_tracker.sequences.messages.headers import make_header, stamp_of, stamp_or_received
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
@@ -13,6 +14,17 @@ def test_stamps_are_kept_to_the_nanosecond(stamp, sent):
     header = sent(make_header(FACTORY, stamp, "eye"))
     assert stamp_of(header) == stamp
     assert header.frame_id == "eye"
+
+
+@pytest.mark.parametrize("stamp", [-(2**31) * 10**9, 2**31 * 10**9 - 1])
+def test_the_first_and_the_last_time_of_a_message_are_kept(stamp, sent):
+    assert stamp_of(sent(make_header(FACTORY, stamp, "eye"))) == stamp
+
+
+@pytest.mark.parametrize("stamp", [-(2**31) * 10**9 - 1, 2**31 * 10**9])
+def test_a_time_beyond_them_is_refused(stamp):
+    with pytest.raises(FrameError, match="check the clock"):
+        make_header(FACTORY, stamp, "eye")
 
 
 def test_a_message_without_a_stamp_is_of_when_it_was_received():
