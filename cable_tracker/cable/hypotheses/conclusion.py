@@ -204,8 +204,8 @@ def conclude(
 
     About each of the candidates particles are one group, however little they weigh.
     """
-    states = _wrapped_states(sample, drawn.count)
-    log_prior = importance_log_weights(sample, drawn.count, 0.0)
+    states = _wrapped_states(sample, drawn.filled)
+    log_prior = importance_log_weights(sample, drawn.filled, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
     anchors = np.concatenate((inputs.anchors, drawn.candidates))
     groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)

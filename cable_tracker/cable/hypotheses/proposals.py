@@ -59,7 +59,7 @@ class Drawn(NamedTuple):
 
     Attributes
     ----------
-    count : int
+    filled : int
         Number of rows of the sample that are filled.
     centres : FloatArray
         d, alpha, w, beta that a detector sees, in the particles' chart [px, rad], shape (K, 4).
@@ -70,7 +70,7 @@ class Drawn(NamedTuple):
         does not count.
     """
 
-    count: int
+    filled: int
     centres: FloatArray
     peaks: Peaks
     candidates: FloatArray
@@ -87,7 +87,7 @@ def draw_sample(
     drawn = _draw_first(sample, inputs, counts, config)
     for number in range(len(counts.refined)):
         weights = normalise_log_weights(
-            importance_log_weights(sample, drawn.count, config.powers[number])
+            importance_log_weights(sample, drawn.filled, config.powers[number])
         )
         if counts.refined[number] and not weights.degenerate:
             drawn = _draw_round(
@@ -132,7 +132,7 @@ def _draw_round(
     sample, before : Sample, Drawn
         The particles, and what of them was drawn in the rounds before.
     log_weights : FloatArray
-        Log-weights of those that the round goes by, shape (`before.count`,).
+        Log-weights of those that the round goes by, shape (`before.filled`,).
     map_strips : FloatArray
         Strips that the map shows, shape (S, 8).
     number : int
@@ -140,7 +140,7 @@ def _draw_round(
     inputs, counts, config : ProposalInputs, SampleCounts, ProposalConfig
         What it is drawn with.
     """
-    start, count = before.count, counts.refined[number]
+    start, count = before.filled, counts.refined[number]
     states, candidates = sample.states[:start], before.candidates
     if not config.is_known:
         log_likelihoods = sample.log_likelihoods[:start]
@@ -157,7 +157,7 @@ def _draw_round(
     _draw_rates_and_measure(sample, inputs, config, start, start + count)
     drawn = Drawn(start + count, before.centres, all_peaks(before.peaks, peaks), candidates)
     _fill_proposal_density(sample, start, drawn, counts, config)
-    _apply_shadow_losses(sample, drawn.count, inputs, config)
+    _apply_shadow_losses(sample, drawn.filled, inputs, config)
     return drawn
 
 
@@ -266,7 +266,7 @@ def _fill_proposal_density(
     """
     survivors = float(counts.survivors) if counts.survivors else LEAST_PROBABILITY
     births = float(counts.births) if counts.births else LEAST_PROBABILITY
-    states, stop, density = sample.states, drawn.count, sample.proposal_density
+    states, stop, density = sample.states, drawn.filled, sample.proposal_density
     for row in range(start, stop):
         density[row] = (
             survivors * sample.densities.survivor_proposal[row]
