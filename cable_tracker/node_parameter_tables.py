@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
 def word(name: str, default: str, meaning: str, choices: tuple[str, ...] = ()) -> ParameterSpec:

@@ -12,11 +12,7 @@ from pathlib import Path
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    ParameterSpec,
-    TrackerParameters,
-)
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.metric.altitude import Altitude
@@ -45,7 +41,7 @@ from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_prese
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
-from cable_tracker.tracking.parameter_table import parameter_table
+from cable_tracker.tracking.parameter_table import ParameterSpec, parameter_table
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.status import TrackingStatus
 
 DIVES = ("S1", "S2", "S3", "S4", "S5", "S6")
 FRAMES, SEED, STEP = 150, 1, 40_000_000

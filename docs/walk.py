@@ -21,7 +21,6 @@ from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker import arrays
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
@@ -29,6 +28,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.tracking.status import TrackingStatus
 
 PACKAGE = Path(arrays.__file__).parent
 FRAMES = 60

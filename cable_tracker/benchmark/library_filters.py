@@ -21,7 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import (
     GivenState,
     draw_given_states,
@@ -33,6 +33,7 @@ from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.tracking.status import TrackingStatus
 
 SMALLEST_WEIGHT = 1e-300
 """Added to weights before they are normalised, as the manual of filterpy does."""

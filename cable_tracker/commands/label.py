@@ -24,7 +24,8 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.terminal import console, counted, messages, progress_bar
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.source import ChosenRecording
 
 
 def label(  # noqa: PLR0917

@@ -11,11 +11,7 @@ from rich.padding import Padding
 from rich.text import Text
 
 from cable_tracker.atomic_output import output_file
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    ParameterSpec,
-    TrackerParameters,
-)
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import ForceOption, PresetName
 from cable_tracker.commands.terminal import console
@@ -24,6 +20,7 @@ from cable_tracker.tracking.parameter_files import (
     format_parameter_file,
     read_parameter_file,
 )
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
 class ParameterFormat(str, Enum):

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.working_image import check_frame, make_working_image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion, scaled_state
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import borders_cross_inside, relative_direction
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.detection.border_lines import BorderLines, turn_between
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 REGION_SHARE = 0.5
 """Share of the minimum score that is enough inside a region, where a cable is expected anyway."""

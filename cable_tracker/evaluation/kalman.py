@@ -15,8 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import wrapped_estimate
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 
 @dataclass(frozen=True, slots=True)

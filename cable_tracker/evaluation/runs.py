@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
@@ -15,6 +15,7 @@ from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.encoded_pictures import jpeg_bytes
+from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour

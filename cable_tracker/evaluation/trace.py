@@ -9,11 +9,12 @@ from itertools import compress
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import turned_covariance
 from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
+from cable_tracker.tracking.status import TrackingStatus
 
 UNKNOWN_VISIBILITY = float("nan")
 """Visibility of a frame that has no label; it is not judged."""

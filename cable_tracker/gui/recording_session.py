@@ -16,7 +16,7 @@ from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import pose_units
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.errors import MetricError, one_line
 from cable_tracker.libraries import REFUSALS
 from cable_tracker.metric.agreement_gate import AgreementGate
@@ -27,6 +26,8 @@ from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureGate, Tex
 from cable_tracker.metric.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.succession import is_out_of_order
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import (
     points_on_lines,
     project_borders,
@@ -29,6 +29,7 @@ from cable_tracker.metric.calibration import Calibration, CameraModel, camera_fo
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.tracking.status import TrackingStatus
 
 POINTS_PER_LINE = 11
 """Points along each line whose lines of sight are followed."""

@@ -20,8 +20,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.tracking.image_frame import image_to_pixel, pixel_to_image
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 MOST_CORNERS, FEWEST_CORNERS = 60, 12
 """Corners looked for, and how many it takes for a judgement."""

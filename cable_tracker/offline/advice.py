@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 TRACKING = "TRACKING"
 NEAR_LIMIT = 1.1

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
@@ -27,13 +27,14 @@ from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.sequences.source import Source
+from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.overlay import draw_overlay
 
 TRUTH = "truth"

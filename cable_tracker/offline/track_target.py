@@ -14,7 +14,7 @@ from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker

@@ -13,8 +13,8 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec, ParameterValue
 from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 FOREIGN_PREFIXES = ("qos_overrides.",)
 FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")

@@ -16,8 +16,6 @@ from cable_tracker.sequences.label_match import labels_by_frame
 from cable_tracker.sequences.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.video import VIDEO_SUFFIXES, VideoSource
 
-__all__ = ["ChosenRecording", "Source", "is_bag", "open_source"]
-
 
 def is_bag(path: Path) -> bool:
     """Tell whether a path is that of a bag: by its suffix, or by what its folder holds."""

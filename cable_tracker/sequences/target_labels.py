@@ -24,12 +24,13 @@ from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
 from cable_tracker.sequences.messages.headers import make_header, stamp_or_received
 from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.source import Source, is_bag
+from cable_tracker.sequences.source import is_bag
 from cable_tracker.sequences.unpacking import deserialise
 from cable_tracker.target.model.estimate import Box, box_corners
 

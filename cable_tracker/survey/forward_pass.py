@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
@@ -27,15 +27,17 @@ from cable_tracker.metric.recorded import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.poses import yaw_of
-from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.sequences.source import open_source
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.status import TrackingStatus
 
 POSE_WIDTH = 4
 """x, y, yaw, and speed [m, rad, m/s]."""

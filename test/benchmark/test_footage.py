@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.benchmark.footage import Footage, FrameLoop, at_rest, enlarged, footage
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.tracking.status import TrackingStatus
 
 
 @given(st.integers(1, 9), st.integers(0, 100))

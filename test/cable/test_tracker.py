@@ -8,7 +8,6 @@ import pytest
 
 from cable_tracker.cable.measure.bend import Bend, straightened
 from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
@@ -21,6 +20,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.status import TrackingStatus
 
 TRACKING, LOST, INITIALISING = (
     TrackingStatus.TRACKING,

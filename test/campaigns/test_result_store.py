@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from campaign_tasks import Square
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.campaigns.folder_tasks import run_in_folder
 from cable_tracker.campaigns.result_store import (
     STORE,
@@ -21,6 +20,7 @@ from cable_tracker.campaigns.result_store import (
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import OutputError
+from cable_tracker.tracking.status import TrackingStatus
 
 
 @dataclass(frozen=True)

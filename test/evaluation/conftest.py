@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
+from cable_tracker.tracking.status import TrackingStatus
 
 FRAME_NS = 40_000_000
 

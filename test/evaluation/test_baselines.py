@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.baselines import BaselineSettings, DetectorTracker
 from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
+from cable_tracker.tracking.status import TrackingStatus
 
 pytestmark = pytest.mark.slow
 

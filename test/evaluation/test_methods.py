@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.failure_criteria import is_off_cable
@@ -12,6 +11,7 @@ from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.tracking.status import TrackingStatus
 
 DETECTORS = ("hough", "segmentation", "lsd", "texture")
 

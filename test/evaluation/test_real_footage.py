@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.failure_criteria import is_off_cable
@@ -17,6 +17,7 @@ from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.status import TrackingStatus
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 FOOTAGE = DATA / "strip"

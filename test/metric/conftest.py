@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import Borders, states_from_borders, wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
+from cable_tracker.tracking.status import TrackingStatus
 
 SIZE = (320, 240)
 

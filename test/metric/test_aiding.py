@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.agreement_gate import CALM_FRAMES, FEWEST
 from cable_tracker.metric.aiding import MotionAiding
@@ -15,6 +14,7 @@ from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import Odometry
 from cable_tracker.metric.sea_bed_texture import CALM_PICTURES, SeaBedTexture
 from cable_tracker.metric.unaided import CABLE_DISAGREES, NOT_PROVED, TEXTURE_DISAGREES
+from cable_tracker.tracking.status import TrackingStatus
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.tracking.status import TrackingStatus
 
 DEGREE = math.pi / 180
 LEVEL = Attitude()

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
@@ -11,6 +11,7 @@ from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings
+from cable_tracker.tracking.status import TrackingStatus
 
 
 @pytest.fixture(scope="module")

@@ -22,15 +22,12 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import SetBool, Trigger
 
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    ParameterSpec,
-    TrackerParameters,
-)
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros.process.environment import PROFILE_VARIABLE, RANGE_VARIABLE
 from cable_tracker.ros.process.shared_memory import remove_dead_segments
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 pytestmark = pytest.mark.slow
 

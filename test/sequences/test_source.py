@@ -10,10 +10,11 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.sequence_file import Label, SequenceFileSource, write_labels
-from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.video import VideoSource
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 

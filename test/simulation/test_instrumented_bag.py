@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
@@ -11,6 +11,7 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.flight import flight_at
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
+from cable_tracker.tracking.status import TrackingStatus
 
 SETTINGS = SimulationSettings(frame_count=12, rate=10.0, image_size=(160, 120), clutter=0.0, seed=4)
 

@@ -2,9 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.status import StatusMachine
+from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 
 PARAMETERS = TrackerParameters(
     evidence_to_track=2.0, evidence_to_lose=1.0, confirmation_time=0.12, loss_time=0.4

@@ -21,13 +21,13 @@ from cable_tracker.cable.model.limits import possible_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence, predict_existence
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import event_probability
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 

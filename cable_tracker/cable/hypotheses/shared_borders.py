@@ -5,8 +5,8 @@ from __future__ import annotations
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import border_offset, relative_direction, wrap_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
 """Largest distance and angle between two borders that may be the same one [px at the reference

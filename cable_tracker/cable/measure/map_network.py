@@ -28,7 +28,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap, cable_map_of
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 NETWORK = "cable_map.onnx"
 """The network, as a file beside this module."""

@@ -10,8 +10,6 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.tracking.status import TrackingStatus
 
-__all__ = ["CableEstimate", "Hypothesis", "TrackingStatus"]
-
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:

@@ -11,9 +11,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import clip_to_limits, possible_limits, state_limits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 Range = TypeVar("Range", float, FloatArray)
 

@@ -11,10 +11,10 @@ from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import over_time
 
 ALMOST_UNDAMPED = 1e-3

@@ -16,26 +16,12 @@ from typing import ClassVar
 from cable_tracker.errors import ParameterError
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.tracking.parameter_table import (
-    REFERENCE_RATE,
-    REFERENCE_WIDTH,
     ParameterSet,
     ParameterSpec,
-    ParameterValue,
     number,
     parameter_table,
     word,
 )
-
-__all__ = [
-    "MAXIMUM_PARTICLES",
-    "PARAMETERS_BY_NAME",
-    "PARAMETER_TABLE",
-    "REFERENCE_RATE",
-    "REFERENCE_WIDTH",
-    "ParameterSpec",
-    "ParameterValue",
-    "TrackerParameters",
-]
 
 MAXIMUM_PARTICLES = 1_000_000
 

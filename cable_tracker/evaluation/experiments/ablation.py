@@ -9,7 +9,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
@@ -32,6 +31,7 @@ from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of
+from cable_tracker.tracking.parameter_table import ParameterValue
 
 MEAN_METRICS = (
     "wrong_claims", "silence", "median_d", "median_alpha", "nees_median", "ms",

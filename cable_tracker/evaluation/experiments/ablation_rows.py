@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import ParameterValue
 
 DEFAULT, THESIS = "default", "thesis"
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import StripSequence
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
@@ -15,6 +14,7 @@ from cable_tracker.evaluation.experiments.experiment_result import ExperimentRes
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 STRIPS_PER_SEED = 100
 """Number of strips drawn for each seed of the experiment: five seeds make 500."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Self
 
 from cable_tracker.arrays import eight_bits
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
@@ -22,10 +22,11 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable_particles import cloud_of
-from cable_tracker.sequences.source import Source
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
+from cable_tracker.tracking.status import TrackingStatus
 
 UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
 """Said in place of metres."""

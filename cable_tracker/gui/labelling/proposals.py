@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
@@ -18,6 +17,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.status import TrackingStatus
 
 MOST_FRAMES = 250
 """Largest number of frames from a label over which the tracker is sent; farther away a detector

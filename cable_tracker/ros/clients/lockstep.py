@@ -20,9 +20,10 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_table import ParameterValue
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
-from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.messages import NO_METRES_KEY, read_row_metres
 from cable_tracker.metric.recorded import RecordedVehicle
@@ -23,11 +23,12 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
-from cable_tracker.sequences.source import Source
+from cable_tracker.tracking.parameter_table import ParameterValue
 
 
 @dataclass(frozen=True, slots=True)

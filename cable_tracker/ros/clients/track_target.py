@@ -16,11 +16,11 @@ from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
 from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.source import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
 

@@ -13,7 +13,6 @@ from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
 from cable_tracker.ros import node_parameters
@@ -33,6 +32,7 @@ from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
+from cable_tracker.tracking.status import TrackingStatus
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
 """Limits of the period of the watchdog [s]; it is half the shortest time-out."""

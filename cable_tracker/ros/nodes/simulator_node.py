@@ -9,7 +9,6 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState, Range
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
@@ -23,6 +22,7 @@ from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.instrument_messages import BASE, CAMERA, make_range
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
 class SimulatorNode(VehicleNode):

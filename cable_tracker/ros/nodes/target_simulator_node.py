@@ -8,7 +8,6 @@ import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.publisher import Publisher
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
@@ -21,6 +20,7 @@ from cable_tracker.sequences.messages.target import make_relative_pose
 from cable_tracker.simulation.instrument_messages import BASE
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
 from cable_tracker.simulation.vehicle import VehicleState
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
 class TargetSimulatorNode(VehicleNode):

@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
@@ -41,6 +41,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import read_prior
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.tracking.status import TrackingStatus
 
 
 class TrackerNode(CameraNode):

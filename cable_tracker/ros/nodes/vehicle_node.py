@@ -12,7 +12,6 @@ from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu
 
-from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.errors import RosError
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
@@ -36,6 +35,7 @@ from cable_tracker.simulation.instrument_messages import (
 from cable_tracker.simulation.instruments import InstrumentSet
 from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""

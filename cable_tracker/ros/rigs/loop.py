@@ -15,7 +15,6 @@ from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
 from cable_tracker.evaluation.closed_loop.loop_table import (
@@ -48,6 +47,7 @@ from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import LiveSettings, cable_course
 from cable_tracker.simulation.seen_cable import MOUNTING
 from cable_tracker.simulation.tube import SETTLED
+from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 

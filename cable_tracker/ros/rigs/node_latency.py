@@ -24,7 +24,7 @@ from cable_tracker.benchmark.footage import FRAME_STEP, Footage
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.statistics import Percentiles
 from cable_tracker.cable.model.initial_state_text import format_initial_state
-from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos
@@ -40,6 +40,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.stamps import FIRST_STAMP
+from cable_tracker.tracking.parameter_table import ParameterValue
 
 BLOCK = 30
 """Frames that one of the competitors gets before it is the next one's turn."""

@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.tracking.status import TrackingStatus
 
 
 def test_standard_deviations_are_roots_and_never_nan():

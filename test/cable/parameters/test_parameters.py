@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
-    ParameterSpec,
     TrackerParameters,
 )
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 EACH = pytest.mark.parametrize("spec", PARAMETER_TABLE, ids=lambda spec: spec.name)
 NUMBERS = pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     EXPERIMENT_ERRORS,
@@ -22,6 +22,7 @@ from cable_tracker.metric.motion import Odometry, PoseChange
 from cable_tracker.simulation.instruments import InstrumentErrors
 from cable_tracker.simulation.scenario import scenario_dive, scenario_states
 from cable_tracker.stamps import FIRST_STAMP
+from cable_tracker.tracking.status import TrackingStatus
 
 pytestmark = pytest.mark.slow
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
 
-from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.offline.track_recording import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
@@ -16,6 +16,7 @@ from cable_tracker.sequences.frame import CompressedImage, Frame
 from cable_tracker.sequences.messages.cable import make_state, report_values
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.tracking.status import TrackingStatus
 
 FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))
 STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)

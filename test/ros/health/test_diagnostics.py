@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.health.diagnostics import (
     DISABLED,
@@ -19,6 +19,7 @@ from cable_tracker.ros.health.diagnostics import (
     make_diagnostics,
 )
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.tracking.status import TrackingStatus
 
 
 def test_every_status_has_a_level() -> None:

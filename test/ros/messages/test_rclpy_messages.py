@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros.health.diagnostics import (
@@ -36,6 +36,7 @@ from cable_tracker.sequences.messages import (
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.typestores import typestore
 from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.status import TrackingStatus
 
 STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)
 COVARIANCE = np.diag([1.0, 1e-3, 2.0, 1e-4, 5.0, 1e-2, 3.0, 1e-3]) + 1e-5

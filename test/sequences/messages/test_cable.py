@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
@@ -24,6 +24,7 @@ from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, make_stamped_pose
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.tracking.status import TrackingStatus
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
