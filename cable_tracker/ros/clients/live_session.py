@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped
 from rclpy.context import Context
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -32,6 +30,7 @@ from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.ros.process.ros_context import made_node, started_context
@@ -41,6 +40,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.sequences.messages.target import make_polygon
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.idle_status import DISABLED
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
@@ -83,9 +83,7 @@ class LiveSession(SnapshotFeed):
 
     subject: Subject = CABLE
     frames: type[LiveFrames] = LiveFrames
-    start_type: tuple[str, Any] = (
-        node_topics.INITIAL_STATE.type_name, PoseWithCovarianceStamped,
-    )  # fmt: skip
+    start_topic: NodeTopic = node_topics.INITIAL_STATE
 
     def __init__(self, namespace: str) -> None:
         super().__init__()
@@ -107,16 +105,12 @@ class LiveSession(SnapshotFeed):
         except RosError:
             rclpy.try_shutdown(context=self._context)
             raise
-        self._connection = LiveConnection(self._node, self._frames, self.start_type[1])
+        self._connection = LiveConnection(self._node, self._frames, self.start_topic)
         self._parameters = AsyncParameterClient(self._node, self.name)
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
-        self._node.create_subscription(
-            DiagnosticArray,
-            node_topics.DIAGNOSTICS.global_name,
-            self._on_diagnostics,
-            qos.RESULTS,
-        )
+        topic = node_topics.DIAGNOSTICS
+        subscription(self._node, topic, self._on_diagnostics, qos.RESULTS, name=topic.global_name)
         self._node.create_timer(LOOK_PERIOD, self._look)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
@@ -263,7 +257,7 @@ class LiveSession(SnapshotFeed):
         self._silent_since = time.monotonic()
         self._publish(snapshot)
 
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+    def _on_diagnostics(self, message: Message) -> None:
         for status in message.status:
             if status.hardware_id == self.name:
                 self._status = str(status.message)
@@ -272,7 +266,7 @@ class LiveSession(SnapshotFeed):
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""
         self._frames.hand_on_what_is_due()
-        topics = find_topics(self._node, self.name, self.start_type[0])
+        topics = find_topics(self._node, self.name, self.start_topic.type_name)
         self._is_there = topics is not None
         self._others = self._other_trackers()
         self._connection.change(topics)
@@ -296,7 +290,7 @@ class LiveTargetSession(LiveSession):
 
     subject = TARGET
     frames = LiveTargetFrames
-    start_type = (node_topics.INITIAL_TARGET.type_name, PolygonStamped)
+    start_topic = node_topics.INITIAL_TARGET
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"

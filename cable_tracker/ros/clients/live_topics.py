@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass
-from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PolygonStamped
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.qos import endpoint_name
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
+from cable_tracker.sequences.node_topics import NodeTopic
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
@@ -30,9 +28,8 @@ PUBLISHED_TYPES = {
     for topic in (node_topics.STATE, node_topics.PARTICLES, node_topics.CONTOUR, node_topics.BOX)
 }
 
-IMAGE_TYPES = {
-    node_topics.IMAGE.type_name: Image,
-    node_topics.COMPRESSED_IMAGE.type_name: CompressedImage,
+IMAGE_TOPICS = {
+    topic.type_name: topic for topic in (node_topics.IMAGE, node_topics.COMPRESSED_IMAGE)
 }
 
 
@@ -71,9 +68,9 @@ def find_topics(watcher: Node, name: str, start_type: str) -> LiveTopics | None:
         return None
     topics = watcher.get_topic_names_and_types()
     published = _of_node(name, topics, PUBLISHED_TYPES, watcher.get_publishers_info_by_topic)
-    read_types = {*IMAGE_TYPES, start_type}
+    read_types = {*IMAGE_TOPICS, start_type}
     read = _of_node(name, topics, read_types, watcher.get_subscriptions_info_by_topic)
-    image, image_type = _of_types(read, IMAGE_TYPES)
+    image, image_type = _of_types(read, IMAGE_TOPICS)
     # Ground truth is beside the image or the node, if it is published.
     beside = [
         f"{place}{node_topics.GROUND_TRUTH.global_name}"
@@ -144,8 +141,8 @@ class LiveConnection:
         Listens.
     frames : LiveFrames
         Takes the messages.
-    start_type : type
-        Message type of the topic that takes a start.
+    start_topic : NodeTopic
+        Takes a start.
 
     Attributes
     ----------
@@ -155,10 +152,10 @@ class LiveConnection:
         None while the node takes no start.
     """
 
-    def __init__(self, node: Node, frames: LiveFrames, start_type: type[Any]) -> None:
+    def __init__(self, node: Node, frames: LiveFrames, start_topic: NodeTopic) -> None:
         self._node = node
         self._frames = frames
-        self._start_type = start_type
+        self._start_topic = start_topic
         self._subscriptions: list[Subscription] = []
         self.topics: LiveTopics | None = None
         self.start: Publisher | None = None
@@ -167,29 +164,29 @@ class LiveConnection:
         """Listen to these topics from now on; None: to none."""
         if topics == self.topics:
             return
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
+        for each in self._subscriptions:
+            self._node.destroy_subscription(each)
         if self.start is not None:
             self._node.destroy_publisher(self.start)
         self._subscriptions, self.start, self.topics = [], None, topics
         if topics is None:
             return
-        image_type = IMAGE_TYPES.get(topics.image_type, Image)
-        on_image = self._on_image if image_type is Image else self._on_compressed_image
-        for kind, topic, callback in (
-            (image_type, topics.image, on_image),
-            (JointState, topics.truth, self._frames.take_truth),
-            (PolygonStamped, topics.contour, self._frames.take_contour),
-            (PointCloud2, topics.particles, self._frames.take_cloud),
-            (DiagnosticArray, topics.report, self._frames.take_report),
-            (JointState, topics.state, self._frames.take_state),
+        image = IMAGE_TOPICS.get(topics.image_type, node_topics.IMAGE)
+        on_image = self._on_image if image is node_topics.IMAGE else self._on_compressed_image
+        for topic, name, callback in (
+            (image, topics.image, on_image),
+            (node_topics.GROUND_TRUTH, topics.truth, self._frames.take_truth),
+            (node_topics.CONTOUR, topics.contour, self._frames.take_contour),
+            (node_topics.PARTICLES, topics.particles, self._frames.take_cloud),
+            (node_topics.FRAME_REPORT, topics.report, self._frames.take_report),
+            (node_topics.STATE, topics.state, self._frames.take_state),
         ):
-            if topic:
+            if name:
                 self._subscriptions.append(
-                    self._node.create_subscription(kind, topic, callback, WATCHED)
+                    subscription(self._node, topic, callback, WATCHED, name=name)
                 )
         if topics.start:
-            self.start = self._node.create_publisher(self._start_type, topics.start, qos.RESULTS)
+            self.start = publisher(self._node, self._start_topic, qos.RESULTS, name=topics.start)
 
     def _on_image(self, message: Message) -> None:
         self._frames.take_image(message.header, read_image(message))

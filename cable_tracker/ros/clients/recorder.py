@@ -12,10 +12,10 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState
 
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
@@ -82,14 +82,10 @@ class Recorder(Node):  # type: ignore[misc]
         super().__init__("recorder", context=context, namespace=namespace)
         self._queues: dict[NodeTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
         for topic in self.RECORDED:
-            self.create_subscription(
-                message_class(topic.type_name),
-                topic.name,
-                self._keep(topic),
-                qos.EVERYTHING,
-                raw=True,
-            )
-        self._acknowledged = self.create_publisher(JointState, ACKNOWLEDGED, qos.LATEST_RESULT)
+            subscription(self, topic, self._keep(topic), qos.EVERYTHING, raw=True)
+        self._acknowledged = publisher(
+            self, node_topics.STATE, qos.LATEST_RESULT, name=ACKNOWLEDGED
+        )
 
     def _keep(self, topic: NodeTopic) -> Callable[[bytes], None]:
         queue = self._queues[topic]

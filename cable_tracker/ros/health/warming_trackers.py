@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.tracking.idle_status import WARMING_UP
@@ -30,9 +30,8 @@ class WarmingTrackers:
 
     def __init__(self, node: Node) -> None:
         self._heard: dict[str, float] = {}
-        node.create_subscription(
-            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, self.on_diagnostics, qos.RESULTS
-        )
+        topic = node_topics.DIAGNOSTICS
+        subscription(node, topic, self.on_diagnostics, qos.RESULTS, name=topic.global_name)
 
     def on_diagnostics(self, message: Message) -> None:
         """Take what a node says of its health."""

@@ -8,7 +8,11 @@ from typing import Any
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
+
+from cable_tracker.ros.endpoints import publisher, subscription
+from cable_tracker.sequences.node_topics import NodeTopic
 
 
 class WatchedPublishers:
@@ -30,27 +34,28 @@ class WatchedPublishers:
     def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
         self._node = node
         self._on_mismatch = on_mismatch
-        self.profiles: dict[Publisher, Any] = {}
+        self.profiles: dict[Publisher, QoSProfile] = {}
 
-    def create(self, kind: type[Any], topic: str, profile: Any) -> Publisher:  # noqa: ANN401
-        """Create one."""
+    def create(self, topic: NodeTopic, profile: QoSProfile, name: str | None = None) -> Publisher:
+        """Create one; without a name under that of the topic."""
         # Without the defaults: the executor looks at each event in every turn.
         events = PublisherEventCallbacks(
             incompatible_qos=self._on_mismatch, use_default_callbacks=False
         )
-        publisher = self._node.create_publisher(kind, topic, profile, event_callbacks=events)
-        self.profiles[publisher] = profile
-        return publisher
+        created = publisher(self._node, topic, profile, name=name, events=events)
+        self.profiles[created] = profile
+        return created
 
 
-def create_watched_subscription(  # noqa: PLR0917
+def create_watched_subscription(
     node: Node,
-    kind: type[Any],
-    topic: str,
+    topic: NodeTopic,
     callback: Callable[[Any], None],
-    profile: Any,  # noqa: ANN401
+    profile: QoSProfile,
     on_mismatch: Callable[[Any], None],
+    *,
+    name: str | None = None,
 ) -> Subscription:
     """Create a subscription; `on_mismatch` is called when it cannot hear a publisher."""
     events = SubscriptionEventCallbacks(incompatible_qos=on_mismatch, use_default_callbacks=False)
-    return node.create_subscription(kind, topic, callback, profile, event_callbacks=events)
+    return subscription(node, topic, callback, profile, name=name, events=events)

@@ -9,9 +9,9 @@ from typing import Any, Final, TypeAlias
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from sensor_msgs.msg import CompressedImage, Image
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.health.diagnostics import FrameStatistics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
@@ -156,12 +156,10 @@ class ImageInput:
             incompatible_qos=on_mismatch,
             use_default_callbacks=False,
         )
-        kind, topic = Image, node_topics.IMAGE
-        if self._is_compressed:
-            kind, topic = CompressedImage, node_topics.COMPRESSED_IMAGE
+        topic = node_topics.COMPRESSED_IMAGE if self._is_compressed else node_topics.IMAGE
         # As bytes: a message object would cost two more copies of the pixels.
-        self._subscription = self._node.create_subscription(
-            kind, topic.name, on_image, self._profile, event_callbacks=events, raw=True
+        self._subscription = subscription(
+            self._node, topic, on_image, self._profile, events=events, raw=True
         )
 
     def read(self, message: bytes, info: Mapping[str, Any]) -> CameraFrame:

@@ -9,8 +9,8 @@ from rclpy.node import Node
 
 from cable_tracker.metric.settings import default_values, number
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -68,12 +68,7 @@ class InstrumentInputs(Generic[AnySight]):
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
         profile = qos.instrument_input(reliability)
         for instrument in self._instruments:
-            self._node.create_subscription(
-                message_class(TOPICS[instrument].type_name),
-                TOPICS[instrument].name,
-                self._taking(instrument, on_news),
-                profile,
-            )
+            subscription(self._node, TOPICS[instrument], self._taking(instrument, on_news), profile)
         self._sent.subscribe(self._node, reliability, on_news)
 
     def _taking(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -46,9 +46,9 @@ class InstrumentsSent:
     def subscribe(self, node: Node, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen if the instruments are read reliably; `on_news` is called after each message."""
         if reliability == RELIABLE:
-            node.create_subscription(
-                JointState,
-                node_topics.INSTRUMENTS_SENT.name,
+            subscription(
+                node,
+                node_topics.INSTRUMENTS_SENT,
                 followed_by(self.take, on_news),
                 qos.instrument_input(reliability),
             )

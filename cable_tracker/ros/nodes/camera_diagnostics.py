@@ -7,11 +7,11 @@ import time
 from collections.abc import Iterable, Mapping
 from typing import cast
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
 from cable_tracker.ros.inputs.image_input import ImageInput
@@ -60,8 +60,8 @@ class CameraDiagnostics:
         self._factory = RclpyMessages()
         self.period = 1.0
         self._last = -math.inf
-        self._publisher = node.create_publisher(
-            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
+        self._publisher = publisher(
+            node, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
 
     def apply(self, values: Mapping[str, object]) -> None:
@@ -82,9 +82,9 @@ class CameraDiagnostics:
         values["same picture for [s]"] = f"{self._watch.same_for:.1f}"
         values["QoS mismatch"] = self._mismatches.words()
         values["several cameras"] = self._camera.several_cameras()
-        for publisher in results:
-            readers = publisher.get_subscription_count()
-            values[f"subscribers of {publisher.topic_name}"] = str(readers)
+        for result in results:
+            readers = result.get_subscription_count()
+            values[f"subscribers of {result.topic_name}"] = str(readers)
         header = make_header(self._factory, self._node.get_clock().now().nanoseconds, "")
         name = self._node.get_fully_qualified_name()
         self._publisher.publish(make_diagnostics(self._factory, header, name, status, values))

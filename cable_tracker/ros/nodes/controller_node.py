@@ -6,8 +6,7 @@ import math
 from collections import OrderedDict
 from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import Twist
 
 from cable_tracker.example_controller.cable_memory import Pose
 from cable_tracker.example_controller.controller import (
@@ -20,6 +19,7 @@ from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettin
 from cable_tracker.metric.motion import LONGEST_HOLD
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
@@ -52,18 +52,10 @@ class ControllerNode(GuidanceNode):
         self._cables: OrderedDict[int, Cable] = OrderedDict()
         self._poses: OrderedDict[int, Pose] = OrderedDict()
         reliability = "reliable" if self._values["lockstep"] else "best_effort"
-        self.create_subscription(
-            Odometry,
-            node_topics.ODOMETRY.name,
-            self.on_odometry,
-            qos.instrument_input(reliability),
+        subscription(
+            self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
-        self.create_subscription(
-            PoseWithCovarianceStamped,
-            node_topics.CROSS_TRACK.name,
-            self.on_cross_track,
-            qos.RESULTS,
-        )
+        subscription(self, node_topics.CROSS_TRACK, self.on_cross_track, qos.RESULTS)
 
     @property
     def mode(self) -> Mode:

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from dataclasses import fields
 from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import Twist
 
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
@@ -16,6 +16,7 @@ from cable_tracker.example_controller.target_follower import (
 )
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
@@ -49,12 +50,7 @@ class FollowerNode(GuidanceNode):
             )
         )
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
-        self.create_subscription(
-            PoseWithCovarianceStamped,
-            node_topics.RELATIVE_POSE.name,
-            self.on_relative_pose,
-            qos.RESULTS,
-        )
+        subscription(self, node_topics.RELATIVE_POSE, self.on_relative_pose, qos.RESULTS)
 
     @property
     def mode(self) -> FollowMode:

@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Any, ClassVar, TypeVar, cast
 
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
-from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
@@ -88,16 +87,16 @@ class GuidanceNode(ProcessNode):
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
         self._last_command = Twist()
-        self._commands = self.create_publisher(Twist, node_topics.COMMAND.name, qos.RESULTS)
-        self._diagnostics = self.create_publisher(
-            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
+        self._commands = publisher(self, node_topics.COMMAND, qos.RESULTS)
+        self._diagnostics = publisher(
+            self, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
         self._expects_metres: OrderedDict[int, bool] = OrderedDict()
         self._status = ""
         self._last_accepted = time.monotonic()
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
-        self.create_subscription(DiagnosticArray, self.REPORT.name, self.on_report, qos.RESULTS)
-        self.create_subscription(JointState, node_topics.STATE.name, self.on_state, qos.RESULTS)
+        subscription(self, self.REPORT, self.on_report, qos.RESULTS)
+        subscription(self, node_topics.STATE, self.on_state, qos.RESULTS)
 
     @property
     def mode(self) -> Enum:

@@ -5,7 +5,6 @@ And odometry in, the vehicle's motion for the filter out.
 
 from __future__ import annotations
 
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.node import Node
 
 from cable_tracker.arrays import Image
@@ -61,7 +60,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = NO_FRAME
         self._publishers = {
-            topic: publishers.create(PoseWithCovarianceStamped, topic.name, qos.RESULTS)
+            topic: publishers.create(topic, qos.RESULTS)
             for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
         }
 

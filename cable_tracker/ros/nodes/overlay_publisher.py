@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from sensor_msgs.msg import CompressedImage, Image
-
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
@@ -29,8 +27,10 @@ class OverlayPublisher:
 
     def __init__(self, publishers: WatchedPublishers, compressed: NodeTopic) -> None:
         self._factory = RclpyMessages()
-        self._raw = publishers.create(Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES)
-        self._compressed = publishers.create(CompressedImage, compressed.of_node("~"), qos.PICTURES)
+        self._raw, self._compressed = (
+            publishers.create(topic, qos.PICTURES, topic.of_node("~"))
+            for topic in (node_topics.RAW_OVERLAY, compressed)
+        )
 
     @property
     def is_wanted(self) -> bool:

@@ -19,6 +19,7 @@ from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.recorded_messages import as_ros2
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
@@ -78,17 +79,13 @@ class InstrumentReplay:
         found = {} if self._source is None else self._source.found.topics
         sent = {*found, *([Instrument.CAMERA_INFO] if self._calibration is not None else [])}
         self._publishers: dict[Instrument, Publisher] = {
-            each: node.create_publisher(
-                message_class(TOPICS[each].type_name), TOPICS[each].name, qos.INSTRUMENTS
-            )
+            each: publisher(node, TOPICS[each], qos.INSTRUMENTS)
             for each in Instrument
             if each in sent
         }
         self._counts = None
         if sent:
-            self._counts = node.create_publisher(
-                JointState, node_topics.INSTRUMENTS_SENT.name, qos.INSTRUMENTS
-            )
+            self._counts = publisher(node, node_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS)
         self._sent = dict.fromkeys(CABLE_INSTRUMENTS, 0)
         self._feed = InstrumentFeed(None)
         self._is_first = True
@@ -108,9 +105,9 @@ class InstrumentReplay:
         except ImportError:
             node.get_logger().info(NO_STATIC_WORDS)
             return
-        publisher = node.create_publisher(kind, TF_STATIC, qos.LATCHED)
+        transforms = node.create_publisher(kind, TF_STATIC, qos.LATCHED)
         for _, message in messages:
-            publisher.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
+            transforms.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
 
     def unheard(self) -> list[Instrument]:
         """Return the instruments without a subscriber; fixes need none."""

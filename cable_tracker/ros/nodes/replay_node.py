@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, cast
 
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
@@ -17,6 +16,7 @@ from cable_tracker.node_parameter_tables import (
     REPLAY_START_PARAMETERS,
 )
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
@@ -124,20 +124,16 @@ class ReplayNode(ProcessNode):
 
     def _create_publishers(self) -> None:
         if self._source.compressed:
-            self._image = self.create_publisher(
-                CompressedImage, node_topics.COMPRESSED_IMAGE.name, qos.PICTURES
-            )
+            self._image = publisher(self, node_topics.COMPRESSED_IMAGE, qos.PICTURES)
         else:
-            self._image = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
-        self._truth = self.create_publisher(JointState, node_topics.GROUND_TRUTH.name, qos.RESULTS)
+            self._image = publisher(self, node_topics.IMAGE, qos.PICTURES)
+        self._truth = publisher(self, node_topics.GROUND_TRUTH, qos.RESULTS)
         self._clock_publisher = None
         if self._flag("publish_clock"):
-            self._clock_publisher = self.create_publisher(
-                Clock, node_topics.CLOCK.global_name, qos.RESULTS
+            self._clock_publisher = publisher(
+                self, node_topics.CLOCK, qos.RESULTS, name=node_topics.CLOCK.global_name
             )
-        self._state = self.create_subscription(
-            JointState, node_topics.STATE.name, self.on_state, qos.NEWEST_RESULT
-        )
+        self._state = subscription(self, node_topics.STATE, self.on_state, qos.NEWEST_RESULT)
         self.create_service(SetBool, "~/pause", self.on_pause)
         self.create_service(Trigger, "~/step", self.on_step)
         self.create_service(Trigger, "~/restart", self.on_restart)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.publisher import Publisher
-from sensor_msgs.msg import JointState, Range
 
 from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -68,13 +67,9 @@ class SimulatorNode(VehicleNode):
 
     def _create_topics(self) -> None:
         super()._create_topics()
-        self._range = self.create_publisher(Range, node_topics.ALTITUDE.name, qos.RESULTS)
-        self._true_state = self.create_publisher(
-            JointState, node_topics.GROUND_TRUTH.name, qos.RESULTS
-        )
-        self._true_cross_track = self.create_publisher(
-            PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK.name, qos.RESULTS
-        )
+        self._range = publisher(self, node_topics.ALTITUDE, qos.RESULTS)
+        self._true_state = publisher(self, node_topics.GROUND_TRUTH, qos.RESULTS)
+        self._true_cross_track = publisher(self, node_topics.TRUE_CROSS_TRACK, qos.RESULTS)
 
     def _draw(self, motion: VehicleState) -> RawImage:
         return raw_from_array(self._world.picture(motion), "mono8")

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped, Vector3Stamped
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from sensor_msgs.msg import JointState, PointCloud2
-from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
@@ -76,17 +71,17 @@ class OneTarget:
     def __init__(self, publishers: WatchedPublishers, prefix: str) -> None:
         self._factory = RclpyMessages()
 
-        def create(kind: type[Any], topic: NodeTopic, profile: QoSProfile) -> Publisher:
-            return publishers.create(kind, f"{prefix}{topic.name}", profile)
+        def create(topic: NodeTopic, profile: QoSProfile) -> Publisher:
+            return publishers.create(topic, profile, f"{prefix}{topic.name}")
 
-        self._state = create(JointState, node_topics.STATE, qos.LATEST_RESULT)
-        self._target = create(PoseWithCovarianceStamped, node_topics.TARGET, qos.RESULTS)
-        self._contour = create(PolygonStamped, node_topics.CONTOUR, qos.RESULTS)
-        self._box = create(PolygonStamped, node_topics.BOX, qos.RESULTS)
-        self._bearing = create(Vector3Stamped, node_topics.BEARING, qos.RESULTS)
-        self._relative = create(PoseWithCovarianceStamped, node_topics.RELATIVE_POSE, qos.RESULTS)
-        self._particles = create(PointCloud2, node_topics.PARTICLES, qos.PICTURES)
-        self._markers = create(MarkerArray, node_topics.MARKERS, qos.PICTURES)
+        self._state = create(node_topics.STATE, qos.LATEST_RESULT)
+        self._target = create(node_topics.TARGET, qos.RESULTS)
+        self._contour = create(node_topics.CONTOUR, qos.RESULTS)
+        self._box = create(node_topics.BOX, qos.RESULTS)
+        self._bearing = create(node_topics.BEARING, qos.RESULTS)
+        self._relative = create(node_topics.RELATIVE_POSE, qos.RESULTS)
+        self._particles = create(node_topics.PARTICLES, qos.PICTURES)
+        self._markers = create(node_topics.MARKERS, qos.PICTURES)
 
     def publish_results(
         self, header: Message, answer: TargetAnswer, base_frame: str, camera_place: FloatArray
@@ -137,7 +132,7 @@ class TargetOutputs:
         self._targets = [OneTarget(publishers, prefix) for prefix in prefixes]
         self._overlay = OverlayPublisher(publishers, node_topics.TARGET_OVERLAY)
         self._report = publishers.create(
-            DiagnosticArray, node_topics.TARGET_REPORT.of_node("~"), qos.RESULTS
+            node_topics.TARGET_REPORT, qos.RESULTS, node_topics.TARGET_REPORT.of_node("~")
         )
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.publisher import Publisher
 
 from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -63,9 +63,7 @@ class TargetSimulatorNode(VehicleNode):
 
     def _create_topics(self) -> None:
         super()._create_topics()
-        self._true_target = self.create_publisher(
-            PoseWithCovarianceStamped, node_topics.TRUE_TARGET.name, qos.RESULTS
-        )
+        self._true_target = publisher(self, node_topics.TRUE_TARGET, qos.RESULTS)
 
     def _draw(self, motion: VehicleState) -> RawImage:
         self._view = self._world.view(motion)

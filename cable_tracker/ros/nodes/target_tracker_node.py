@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from geometry_msgs.msg import PolygonStamped
-
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.node_parameter_tables import (
@@ -139,11 +137,11 @@ class TargetTrackerNode(CameraNode):
         for number, prefix in enumerate(self._prefixes):
             subscription = create_watched_subscription(
                 self,
-                PolygonStamped,
-                f"{prefix}{node_topics.INITIAL_TARGET.name}",
+                node_topics.INITIAL_TARGET,
                 self._marking(number),
                 qos.RESULTS,
                 self._mismatches.on_event,
+                name=f"{prefix}{node_topics.INITIAL_TARGET.name}",
             )
             self._mark_topics.append(str(subscription.topic_name))
 

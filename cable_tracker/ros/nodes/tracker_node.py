@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped
-
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -134,8 +132,7 @@ class TrackerNode(CameraNode):
         self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
         subscription = create_watched_subscription(
             self,
-            PoseWithCovarianceStamped,
-            node_topics.INITIAL_STATE.name,
+            node_topics.INITIAL_STATE,
             self.on_initial_state,
             qos.RESULTS,
             self._mismatches.on_event,

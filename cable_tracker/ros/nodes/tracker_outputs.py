@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from sensor_msgs.msg import JointState, PointCloud2
-from visualization_msgs.msg import MarkerArray
-
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
@@ -44,14 +39,14 @@ class TrackerOutputs:
     def __init__(self, publishers: WatchedPublishers) -> None:
         self._factory = RclpyMessages()
         create = publishers.create
-        self._state = create(JointState, node_topics.STATE.name, qos.LATEST_RESULT)
-        self._centreline = create(
-            PoseWithCovarianceStamped, node_topics.CENTRELINE.name, qos.RESULTS
-        )
-        self._particles = create(PointCloud2, node_topics.PARTICLES.name, qos.PICTURES)
-        self._markers = create(MarkerArray, node_topics.MARKERS.name, qos.PICTURES)
+        self._state = create(node_topics.STATE, qos.LATEST_RESULT)
+        self._centreline = create(node_topics.CENTRELINE, qos.RESULTS)
+        self._particles = create(node_topics.PARTICLES, qos.PICTURES)
+        self._markers = create(node_topics.MARKERS, qos.PICTURES)
         self._overlay = OverlayPublisher(publishers, node_topics.OVERLAY)
-        self._report = create(DiagnosticArray, node_topics.FRAME_REPORT.of_node("~"), qos.RESULTS)
+        self._report = create(
+            node_topics.FRAME_REPORT, qos.RESULTS, node_topics.FRAME_REPORT.of_node("~")
+        )
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""

@@ -6,14 +6,12 @@ import math
 import time
 from typing import Any, ClassVar, Protocol, cast
 
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, Imu
 
 from cable_tracker.errors import RosError
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
@@ -155,19 +153,17 @@ class VehicleNode(ProcessNode):
         raise NotImplementedError
 
     def _create_topics(self) -> None:
-        self._image = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
-        self._info = self.create_publisher(CameraInfo, node_topics.CAMERA_INFO.name, qos.RESULTS)
-        self._imu = self.create_publisher(Imu, node_topics.IMU.name, qos.RESULTS)
-        self._odometry = self.create_publisher(Odometry, node_topics.ODOMETRY.name, qos.RESULTS)
-        self._true_odometry = self.create_publisher(
-            Odometry, node_topics.TRUE_ODOMETRY.name, qos.RESULTS
-        )
+        self._image = publisher(self, node_topics.IMAGE, qos.PICTURES)
+        self._info = publisher(self, node_topics.CAMERA_INFO, qos.RESULTS)
+        self._imu = publisher(self, node_topics.IMU, qos.RESULTS)
+        self._odometry = publisher(self, node_topics.ODOMETRY, qos.RESULTS)
+        self._true_odometry = publisher(self, node_topics.TRUE_ODOMETRY, qos.RESULTS)
         self._clock_publisher = None
         if self._values["publish_clock"]:
-            self._clock_publisher = self.create_publisher(
-                Clock, node_topics.CLOCK.global_name, qos.RESULTS
+            self._clock_publisher = publisher(
+                self, node_topics.CLOCK, qos.RESULTS, name=node_topics.CLOCK.global_name
             )
-        self.create_subscription(Twist, node_topics.COMMAND.name, self.on_command, qos.RESULTS)
+        subscription(self, node_topics.COMMAND, self.on_command, qos.RESULTS)
 
     @property
     def frames(self) -> int:
@@ -212,7 +208,7 @@ class VehicleNode(ProcessNode):
             (self._odometry, self._whole("odometry_readers")),
             *((each, self._whole("truth_readers")) for each in self._last_publishers()),
         )
-        if any(publisher.get_subscription_count() < count for publisher, count in readers):
+        if any(each.get_subscription_count() < count for each, count in readers):
             return
         self._begun = True
         self._due = time.monotonic()

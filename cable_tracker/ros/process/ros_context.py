@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.errors import RosError, one_line
+from cable_tracker.ros.missing_ros import words_on_missing_ros
 
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -60,10 +61,16 @@ def made_node(make: Callable[[Context], NodeType], context: Context) -> NodeType
     Raises
     ------
     RosError
-        The middleware refuses it.
+        The middleware refuses it, or the package of its messages is not installed.
     """
     try:
         return make(context)
+    except ImportError as error:
+        # Of a topic's messages, which are looked up by the name of their type.
+        words = words_on_missing_ros(error)
+        if not words:
+            raise
+        raise RosError(words) from error
     except rclpy_implementation.RCLError as error:
         # Security that it was not built with, a domain out of range.
         raise RosError(

@@ -7,10 +7,7 @@ from collections.abc import Callable
 from itertools import islice
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
-from sensor_msgs.msg import CompressedImage, JointState
 
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
@@ -45,17 +42,14 @@ class ChaseRecorder(RunRecorder):
         self.overlays: list[Any] = []
         self._open: list[int] = []
         self._recorded = 0
-        pose = PoseWithCovarianceStamped
-        for kind, topic, kept in (
-            (pose, node_topics.TRUE_TARGET, self.truths),
-            (JointState, node_topics.STATE, self.states),
-            (pose, node_topics.RELATIVE_POSE, self.places),
-            (DiagnosticArray, node_topics.TARGET_REPORT, self.reports),
+        for topic, kept in (
+            (node_topics.TRUE_TARGET, self.truths),
+            (node_topics.STATE, self.states),
+            (node_topics.RELATIVE_POSE, self.places),
+            (node_topics.TARGET_REPORT, self.reports),
         ):
-            self._record(kind, topic, kept.__setitem__)
-        self._record(
-            CompressedImage, node_topics.TARGET_OVERLAY, lambda _, each: self.overlays.append(each)
-        )
+            self._record(topic, kept.__setitem__)
+        self._record(node_topics.TARGET_OVERLAY, lambda _, each: self.overlays.append(each))
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""

@@ -9,11 +9,10 @@ import sys
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from sensor_msgs.msg import Image, JointState
 
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import stop_on_signals
@@ -37,13 +36,9 @@ class EchoNode(ProcessNode):
         super().__init__("echo", **node_arguments)
         self._factory = RclpyMessages()
         self._covariance = np.eye(STATE_SIZE)
-        self._state = self.create_publisher(JointState, node_topics.STATE.name, qos.LATEST_RESULT)
-        self._centreline = self.create_publisher(
-            PoseWithCovarianceStamped, node_topics.CENTRELINE.name, qos.RESULTS
-        )
-        self.create_subscription(
-            Image, node_topics.IMAGE.name, self.on_image, qos.image_input("best_effort")
-        )
+        self._state = publisher(self, node_topics.STATE, qos.LATEST_RESULT)
+        self._centreline = publisher(self, node_topics.CENTRELINE, qos.RESULTS)
+        subscription(self, node_topics.IMAGE, self.on_image, qos.image_input("best_effort"))
 
     def on_image(self, message: Message) -> None:
         """Answer."""

@@ -6,11 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import partial
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import Odometry
 from rclpy.context import Context
-from sensor_msgs.msg import Image, JointState
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
@@ -113,15 +109,15 @@ class LoopRecorder(RunRecorder):
         self._with_images = with_images
         self._drawn = -1
         self._taken = 0
-        for kind, topic, name in (
-            *([(Image, node_topics.IMAGE, "image")] if with_images else []),
-            (JointState, node_topics.STATE, "state"),
-            (DiagnosticArray, node_topics.FRAME_REPORT, "report"),
-            (Odometry, node_topics.TRUE_ODOMETRY, "odometry"),
-            (PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK, "truth"),
-            (PoseWithCovarianceStamped, node_topics.CROSS_TRACK, "cable"),
+        for topic, name in (
+            *([(node_topics.IMAGE, "image")] if with_images else []),
+            (node_topics.STATE, "state"),
+            (node_topics.FRAME_REPORT, "report"),
+            (node_topics.TRUE_ODOMETRY, "odometry"),
+            (node_topics.TRUE_CROSS_TRACK, "truth"),
+            (node_topics.CROSS_TRACK, "cable"),
         ):
-            self._record(kind, topic, partial(self._keep, name))
+            self._record(topic, partial(self._keep, name))
 
     def _keep(self, name: str, stamp: int, message: Message) -> None:
         if stamp not in self._frames:

@@ -11,12 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import rclpy
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import Trigger
 
 from cable_tracker.arrays import Image as Picture
@@ -29,6 +27,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
@@ -202,17 +201,15 @@ class _Bench:
         group = stack.enter_context(NodeGroup(namespace))
         self._groups.append(group)
         process = group.start(name, parameters, module=module)
-        publisher = self._node.create_publisher(
-            Image, f"{namespace}{node_topics.IMAGE.global_name}", CAMERA
-        )
-        target = _Target(process, publisher)
-        for kind, topic, arrivals in (
-            (JointState, node_topics.STATE, target.states),
-            (PoseWithCovarianceStamped, node_topics.CENTRELINE, target.centrelines),
+        image = node_topics.IMAGE
+        camera = publisher(self._node, image, CAMERA, name=f"{namespace}{image.global_name}")
+        target = _Target(process, camera)
+        for topic, arrivals in (
+            (node_topics.STATE, target.states),
+            (node_topics.CENTRELINE, target.centrelines),
         ):
-            self._node.create_subscription(
-                kind, f"{namespace}{topic.global_name}", target.noting(arrivals), qos.RESULTS
-            )
+            name = f"{namespace}{topic.global_name}"
+            subscription(self._node, topic, target.noting(arrivals), qos.RESULTS, name=name)
         return target
 
     def run(self) -> NodeTiming:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from typing import Any, Final
 
-from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 
@@ -41,14 +41,14 @@ class ReleasedCommands:
         self.heard = 0
         self._released = 0
         self._waiting: deque[Message] = deque(maxlen=KEPT)
-        self._publisher = node.create_publisher(Twist, RELEASED, qos.RESULTS)
+        self._publisher = publisher(node, node_topics.COMMAND, qos.RESULTS, name=RELEASED)
 
         # A plain function: rclpy wants to see a callback's signature.
         def hear(message: Any) -> None:  # noqa: ANN401
             self.heard += 1
             self._waiting.append(message)
 
-        node.create_subscription(Twist, COMMAND, hear, qos.EVERYTHING)
+        subscription(node, node_topics.COMMAND, hear, qos.EVERYTHING)
 
     def release(self, recorded: int) -> None:
         """Hand on what has waited long enough.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences import node_topics
@@ -41,13 +41,9 @@ class RunRecorder(Node):  # type: ignore[misc]
         self.heard = 0
         self._told = ToldReadiness()
         self._commands = ReleasedCommands(self)
-        self.create_subscription(
-            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.EVERYTHING
-        )
+        subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.EVERYTHING)
 
-    def _record(
-        self, kind: type[Any], topic: NodeTopic, keep: Callable[[int, Message], None]
-    ) -> None:
+    def _record(self, topic: NodeTopic, keep: Callable[[int, Message], None]) -> None:
         """Call `keep` with stamp [ns] and message for all that comes on a topic."""
 
         # A plain function: rclpy wants to see a callback's signature.
@@ -55,7 +51,7 @@ class RunRecorder(Node):  # type: ignore[misc]
             self.heard += 1
             keep(stamp_of(message.header), message)
 
-        self.create_subscription(kind, topic.name, hear, qos.EVERYTHING)
+        subscription(self, topic, hear, qos.EVERYTHING)
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CompressedImage, Image, JointState
-from visualization_msgs.msg import MarkerArray
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import Image
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.rigs.soak_checks import (
+    Check,
     markers_are_finite,
     picture_is_whole,
     report_is_finite,
@@ -26,6 +26,7 @@ from cable_tracker.ros.rigs.soaked_node import CABLE_NODE, SoakedNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
 
 BEST_EFFORT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
@@ -76,27 +77,22 @@ class SoakCamera(Node):  # type: ignore[misc]
         self.last_stamp: int | None = None
         self.last_claims = False
         self.status = ""
-        self._raw = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
-        self._compressed = self.create_publisher(
-            CompressedImage, node_topics.COMPRESSED_IMAGE.name, qos.PICTURES
-        )
-        self.mark = self.create_publisher(soaked.mark_type, soaked.mark_topic, qos.RESULTS)
-        self._viewers: list[Any] = []
-        self.create_subscription(JointState, node_topics.STATE.name, self._on_state, qos.RESULTS)
-        for kind, topic, check in soaked.heard:
-            self._listen(kind, topic, check)
-        self._listen(
-            DiagnosticArray, node_topics.FRAME_REPORT.of_node(soaked.name), report_is_finite
-        )
-        self.create_subscription(
-            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.RESULTS
-        )
+        self._raw = publisher(self, node_topics.IMAGE, qos.PICTURES)
+        self._compressed = publisher(self, node_topics.COMPRESSED_IMAGE, qos.PICTURES)
+        self.mark = publisher(self, soaked.mark, qos.RESULTS)
+        self._viewers: list[Subscription] = []
+        subscription(self, node_topics.STATE, self._on_state, qos.RESULTS)
+        for topic, check in soaked.heard:
+            self._listen(topic, topic.name, check)
+        report = node_topics.FRAME_REPORT
+        self._listen(report, report.of_node(soaked.name), report_is_finite)
+        subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.RESULTS)
 
-    def _listen(self, kind: type, topic: str, check: Callable[[Message], bool]) -> Any:  # noqa: ANN401
+    def _listen(self, topic: NodeTopic, name: str, check: Check) -> Subscription:
         def hear(message: Message) -> None:
-            self._check(topic, check(message))
+            self._check(name, check(message))
 
-        return self.create_subscription(kind, topic, hear, qos.PICTURES)
+        return subscription(self, topic, hear, qos.PICTURES, name=name)
 
     def _check(self, topic: str, holds: bool) -> None:
         self._record.messages[topic] += 1
@@ -116,11 +112,13 @@ class SoakCamera(Node):  # type: ignore[misc]
 
     def watch_pictures(self) -> None:
         """Subscribe to everything that is built for viewers only."""
-        node = self._soaked.name
+        markers = node_topics.MARKERS
         self._viewers = [
-            self._listen(MarkerArray, node_topics.MARKERS.name, markers_are_finite),
-            self._listen(Image, node_topics.RAW_OVERLAY.of_node(node), picture_is_whole),
-            self._listen(CompressedImage, node_topics.OVERLAY.of_node(node), picture_is_whole),
+            self._listen(markers, markers.name, markers_are_finite),
+            *(
+                self._listen(topic, topic.of_node(self._soaked.name), picture_is_whole)
+                for topic in (node_topics.RAW_OVERLAY, node_topics.OVERLAY)
+            ),
         ]
 
     def leave_pictures(self) -> None:
@@ -131,8 +129,8 @@ class SoakCamera(Node):  # type: ignore[misc]
 
     def send(self, message: Message) -> None:
         """Publish a frame, compressed or not."""
-        publisher = self._raw if isinstance(message, Image) else self._compressed
-        publisher.publish(message)
+        camera = self._raw if isinstance(message, Image) else self._compressed
+        camera.publish(message)
         self._record.sent += 1
 
     def send_with_other_qos(self, messages: Iterable[Message]) -> None:
@@ -140,11 +138,11 @@ class SoakCamera(Node):  # type: ignore[misc]
         messages = list(messages)
         is_raw = isinstance(messages[0], Image)
         topic = node_topics.IMAGE if is_raw else node_topics.COMPRESSED_IMAGE
-        publisher = self.create_publisher(type(messages[0]), topic.name, BEST_EFFORT)
+        camera = publisher(self, topic, BEST_EFFORT)
         for message in messages:
-            publisher.publish(message)
+            camera.publish(message)
             self.pass_time(TURN)
-        self.destroy_publisher(publisher)
+        self.destroy_publisher(camera)
 
     def spin_until(self, condition: Callable[[], bool], patience: float) -> bool:
         """Run callbacks until a condition holds; tell whether it came to hold in time."""

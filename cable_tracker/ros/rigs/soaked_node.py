@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped
-from sensor_msgs.msg import PointCloud2
+from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import preset
@@ -23,6 +21,7 @@ from cable_tracker.ros.rigs.soak_checks import (
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import make_polygon
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
@@ -44,11 +43,11 @@ class SoakedNode:
         Returns a preset by its name.
     start : mapping
         Parameters that it is started with, beside the usual ones.
-    mark_type, mark_topic
-        Type of the messages that say where to start.
+    mark : NodeTopic
+        Its messages say where to start.
     bad_mark : callable
         Returns a spoilt mark of a header.
-    heard : tuple of (type, str, Check)
+    heard : tuple of (NodeTopic, Check)
         Topics of results, and how their numbers are looked at.
     """
 
@@ -57,10 +56,9 @@ class SoakedNode:
     table: tuple[ParameterSpec, ...]
     preset: Callable[[str], ParameterSet]
     start: Mapping[str, str]
-    mark_type: type[Any]
-    mark_topic: str
+    mark: NodeTopic
     bad_mark: Callable[[Message, np.random.Generator], Message]
-    heard: tuple[tuple[type[Any], str, Check], ...]
+    heard: tuple[tuple[NodeTopic, Check], ...]
 
 
 def _bad_prior(header: Message, rng: np.random.Generator) -> Message:
@@ -84,12 +82,11 @@ CABLE_NODE = SoakedNode(
     table=PARAMETER_TABLE,
     preset=preset,
     start={},
-    mark_type=PoseWithCovarianceStamped,
-    mark_topic=node_topics.INITIAL_STATE.name,
+    mark=node_topics.INITIAL_STATE,
     bad_mark=_bad_prior,
     heard=(
-        (PoseWithCovarianceStamped, node_topics.CENTRELINE.name, centreline_is_finite),
-        (PointCloud2, node_topics.PARTICLES.name, cloud_is_finite),
+        (node_topics.CENTRELINE, centreline_is_finite),
+        (node_topics.PARTICLES, cloud_is_finite),
     ),
 )
 
@@ -99,14 +96,13 @@ TARGET_NODE = SoakedNode(
     table=parameter_table(TargetParameters),
     preset=target_preset,
     start={"initial_target": "detect", "detector": "contours"},
-    mark_type=PolygonStamped,
-    mark_topic=node_topics.INITIAL_TARGET.name,
+    mark=node_topics.INITIAL_TARGET,
     bad_mark=_bad_outline,
     heard=(
-        (PoseWithCovarianceStamped, node_topics.TARGET.name, centreline_is_finite),
-        (PolygonStamped, node_topics.CONTOUR.name, polygon_is_finite),
-        (PolygonStamped, node_topics.BOX.name, polygon_is_finite),
-        (PointCloud2, node_topics.PARTICLES.name, points_are_finite),
+        (node_topics.TARGET, centreline_is_finite),
+        (node_topics.CONTOUR, polygon_is_finite),
+        (node_topics.BOX, polygon_is_finite),
+        (node_topics.PARTICLES, points_are_finite),
     ),
 )
 
