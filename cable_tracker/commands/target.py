@@ -138,11 +138,13 @@ def target(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.TargetTrackingRequest(
-                replayed, parameters, init, node_values(described, target_size)
-            )
+            own = node_values(described, target_size)
             damage = client.track_target_over_ros(
-                recording, request, results, lambda: advance(progress)
+                recording,
+                client.target_nodes(replayed, parameters, init, own),
+                results,
+                lambda: advance(progress),
+                with_metres=bool(own),
             )
         else:
             tracker = TargetTracker(parameters)

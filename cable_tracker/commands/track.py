@@ -118,11 +118,11 @@ def track(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.CableTrackingRequest(
+            nodes = client.cable_nodes(
                 replayed, parameters, _words_for_node(start, given), described
             )
             damage = client.track_recording_over_ros(
-                recording, request, results, lambda: advance(progress)
+                recording, nodes, results, lambda: advance(progress)
             )
         else:
             tracker = make_tracker(parameters)

@@ -26,7 +26,7 @@ from cable_tracker.offline.track_recording import (
     given_state_for,
     track_recording,
 )
-from cable_tracker.ros.clients.track_recording import CableTrackingRequest, track_recording_over_ros
+from cable_tracker.ros.clients.track_recording import cable_nodes, track_recording_over_ros
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
@@ -82,8 +82,8 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 steps.append(None)
 
             if over_ros:
-                request = CableTrackingRequest({"source": str(path)}, PARAMETERS, words)
-                damage = track_recording_over_ros(source, request, results, advance)
+                nodes = cable_nodes({"source": str(path)}, PARAMETERS, words)
+                damage = track_recording_over_ros(source, nodes, results, advance)
             else:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import cast
 
@@ -31,13 +30,17 @@ from cable_tracker.sequences.messages.frame_report import fact_number, report_fa
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 
-@dataclass(frozen=True, slots=True)
-class CableTrackingRequest:
-    """Which recording to track, and how, in words that the nodes understand.
+def cable_nodes(
+    replay: Mapping[str, ParameterValue],
+    parameters: TrackerParameters,
+    initial_state: str,
+    vehicle: RecordedVehicle | None = None,
+) -> LockstepNodes:
+    """Return the nodes that track a cable.
 
-    Attributes
+    Parameters
     ----------
-    source : dict
+    replay : mapping
         Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TrackerParameters
         Parameters of the filter.
@@ -46,45 +49,18 @@ class CableTrackingRequest:
     vehicle : RecordedVehicle or None
         With its instruments; None: everything stays in pixels.
     """
-
-    source: dict[str, ParameterValue]
-    parameters: TrackerParameters
-    initial_state: str
-    vehicle: RecordedVehicle | None = None
+    start: dict[str, ParameterValue] = {"initial_state": initial_state}
+    own = {**parameters.as_mapping(), **start, **_vehicle_parameters(vehicle)}
+    return LockstepNodes("tracker", own, replay)
 
 
 def track_recording_over_ros(
     source: Source,
-    request: CableTrackingRequest,
+    nodes: LockstepNodes,
     results: ResultFolder,
     advance: Callable[[], None] = lambda: None,
 ) -> RecordingError | None:
-    """Track all frames of a source with a `tracker` and a `replay` process.
-
-    Both run under a namespace of this process, so that they meet no other node. The replay sends a
-    frame only when everything about the frame before has been recorded.
-
-    Parameters
-    ----------
-    source : Source
-        The same recording, open in this process, for the pictures and the ground truth.
-    request : CableTrackingRequest
-        Recording, parameters and start, as the nodes' parameters.
-    results : ResultFolder
-        Folder of results.
-    advance : callable
-        Called after each frame.
-
-    Returns
-    -------
-    RecordingError or None
-        Where the recording broke off; the frames before that are in the results.
-
-    Raises
-    ------
-    RosError
-        The processes do not find each other, or one of them has died.
-    """
+    """Track all frames of a source with `cable_nodes`; see `track_in_lockstep`."""
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_truth(results.bag, frame)
@@ -96,16 +72,7 @@ def track_recording_over_ros(
         results.add(frame, _row(frame, recorded, state), cloud)
         return state
 
-    nodes = LockstepNodes("tracker", _tracker_parameters(request), request.source)
     return track_in_lockstep(source, nodes, take, advance)
-
-
-def _tracker_parameters(request: CableTrackingRequest) -> dict[str, ParameterValue]:
-    return {
-        **request.parameters.as_mapping(),
-        "initial_state": request.initial_state,
-        **_vehicle_parameters(request.vehicle),
-    }
 
 
 def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import ClassVar
 
@@ -23,28 +22,6 @@ from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
-
-
-@dataclass(frozen=True, slots=True)
-class TargetTrackingRequest:
-    """Which recording to follow a target in, and how, in words that the nodes understand.
-
-    Attributes
-    ----------
-    source : dict
-        Parameters of the replay node that name the recording, see `replay_parameters`.
-    parameters : TargetParameters
-        Parameters of the filter.
-    initial_target : str
-        `detect`, or a box.
-    sight : dict
-        Parameters of the tracker about camera and instruments.
-    """
-
-    source: dict[str, ParameterValue]
-    parameters: TargetParameters
-    initial_target: str
-    sight: dict[str, ParameterValue] = field(default_factory=dict)
 
 
 class TargetRecorder(Recorder):
@@ -69,38 +46,39 @@ class TargetRecorder(Recorder):
         return target_topics(report)
 
 
-def track_target_over_ros(
-    source: Source,
-    request: TargetTrackingRequest,
-    results: TargetFolder,
-    advance: Callable[[], None] = lambda: None,
-) -> RecordingError | None:
-    """Follow a target with a `target_tracker` and a `replay` process.
-
-    Both run under a namespace of this process, so that they meet no other node. The replay sends a
-    frame only when everything about the frame before has been recorded.
+def target_nodes(
+    replay: Mapping[str, ParameterValue],
+    parameters: TargetParameters,
+    initial_target: str,
+    sight: Mapping[str, ParameterValue],
+) -> LockstepNodes:
+    """Return the nodes that follow a target.
 
     Parameters
     ----------
-    source : Source
-        The same recording, open in this process.
-    request : TargetTrackingRequest
-        Recording, parameters and start, as the nodes' parameters.
-    results : TargetFolder
-        Folder of results.
-    advance : callable
-        Called after each frame.
-
-    Returns
-    -------
-    RecordingError or None
-        Where the recording broke off; the frames before that are in the results.
-
-    Raises
-    ------
-    RosError
-        The processes do not find each other, or one of them has died.
+    replay : mapping
+        Parameters of the replay node that name the recording, see `replay_parameters`.
+    parameters : TargetParameters
+        Parameters of the filter.
+    initial_target : str
+        `detect`, or a box.
+    sight : mapping
+        Parameters of the tracker about camera and instruments.
     """
+    start: dict[str, ParameterValue] = {"initial_target": initial_target}
+    own = {**parameters.as_mapping(), **sight, **start}
+    return LockstepNodes("target_tracker", own, replay, TargetRecorder)
+
+
+def track_target_over_ros(
+    source: Source,
+    nodes: LockstepNodes,
+    results: TargetFolder,
+    advance: Callable[[], None] = lambda: None,
+    *,
+    with_metres: bool = False,
+) -> RecordingError | None:
+    """Follow a target with `target_nodes`, in metres too; see `track_in_lockstep`."""
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_messages(results.bag, frame, recorded)
@@ -109,18 +87,12 @@ def track_target_over_ros(
         if node_topics.TARGET_OVERLAY in recorded.messages:
             overlay = read_compressed_image(recorded.read(node_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
-            if request.sight:
+            if with_metres:
                 facts = report_facts(recorded.read(node_topics.TARGET_REPORT))
                 results.metres.append(metres_row(frame, facts))
         results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
 
-    parameters = {
-        **request.parameters.as_mapping(),
-        **request.sight,
-        "initial_target": request.initial_target,
-    }
-    nodes = LockstepNodes("target_tracker", parameters, request.source, TargetRecorder)
     return track_in_lockstep(source, nodes, take, advance)
 
 
