@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
@@ -18,11 +18,7 @@ from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.sequences.target_labels import (
-    LabelledFrame,
-    write_target_bag,
-    write_target_pictures,
-)
+from cable_tracker.sequences.target_labels import write_target_bag, write_target_pictures
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import (
@@ -38,7 +34,11 @@ from cable_tracker.simulation.setting_checks import check_frames, check_seed, ch
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
-from cable_tracker.simulation.targets.sequence import find_target_scenario, simulate_target
+from cable_tracker.simulation.targets.sequence import (
+    TargetFrame,
+    find_target_scenario,
+    simulate_target,
+)
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
@@ -151,8 +151,9 @@ def simulate_command(  # noqa: PLR0917
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
     if target is not None:
-        seen = TargetRequest(target, frames, rate, image_size, seed)
-        _simulate_target(output, seen, output_format, storage, force)
+        _check_target(target, frames, rate, image_size, seed)
+        simulated = simulate_target(target, seed, frames, rate=rate, size=image_size)
+        _write_target(output, simulated, frames, output_format, storage=storage, force=force)
         return
     if survey is not None:
         usual = usual_survey(survey, seed, cable_seed or 0)
@@ -263,36 +264,31 @@ def _write_cable(
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 
-@dataclass(frozen=True, slots=True)
-class TargetRequest:
-    """Request for the simulation of a target; see `simulate_target`."""
-
-    scenario: str
-    frames: int
-    rate: float
-    size: tuple[int, int]
-    seed: int
-
-    def labelled(self, advance: Callable[[], None]) -> Iterator[LabelledFrame]:
-        """Yield frames and boxes; `advance` is called after each."""
-        simulated = simulate_target(
-            self.scenario, self.seed, self.frames, rate=self.rate, size=self.size
-        )
-        for index, each in enumerate(simulated):
-            yield Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box
-            advance()
+def _check_target(
+    scenario: str, frames: int, rate: float, image_size: tuple[int, int], seed: int
+) -> None:
+    """Refuse what no target can be simulated with."""
+    find_target_scenario(scenario)
+    check_size(image_size)
+    check_seed(seed)
+    check_frames(frames, rate)
 
 
-def _simulate_target(
-    output: Path, request: TargetRequest, kind: SimulationFormat, storage: Storage, force: bool
+def _write_target(
+    output: Path,
+    simulated: Iterable[TargetFrame],
+    frames: int,
+    kind: SimulationFormat,
+    *,
+    storage: Storage,
+    force: bool,
 ) -> None:
     """Write the frames of a target's scenario, with its boxes."""
-    find_target_scenario(request.scenario)
-    check_size(request.size)
-    check_seed(request.seed)
-    check_frames(request.frames, request.rate)
-    with progress_bar("simulating", request.frames) as progress:
-        labelled = request.labelled(lambda: advance(progress))
+    with progress_bar("simulating", frames) as progress:
+        labelled = (
+            (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
+            for index, each in enumerate(counted(simulated, progress))
+        )
         if kind is SimulationFormat.BAG:
             count = write_target_bag(output, labelled, storage=storage.value, overwrite=force)
         else:

@@ -40,7 +40,7 @@ from cable_tracker.commands.results import (
     print_statuses,
 )
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, print_files, progress_bar
+from cable_tracker.commands.terminal import counted, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
@@ -132,6 +132,7 @@ def target(  # noqa: PLR0917
             TargetFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("following", recording.frame_count))
+        frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
         if ros:
             client = need_ros("clients.track_target")
@@ -139,20 +140,15 @@ def target(  # noqa: PLR0917
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
             own = node_values(described, target_size)
-            damage = client.track_target_over_ros(
-                recording,
-                client.target_nodes(replayed, parameters, init, own),
-                results,
-                lambda: advance(progress),
-                with_metres=bool(own),
-            )
+            nodes = client.target_nodes(recording.compressed, replayed, parameters, init, own)
+            damage = client.track_target_over_ros(frames, nodes, results, with_metres=bool(own))
         else:
             tracker = TargetTracker(parameters)
             if start is not None:
                 tracker.initialise(start)
             sight = RecordedSight(described, target_size) if described.has_instruments else None
             with sight or nullcontext():
-                damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
+                damage = track_target(frames, tracker, results, sight)
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print(results)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import (
@@ -17,7 +18,7 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from cable_tracker.sequences.frame import Frame
+AnyFrame = TypeVar("AnyFrame")
 
 console = Console(markup=False, highlight=False)
 messages = Console(stderr=True, markup=False, highlight=False)
@@ -47,7 +48,7 @@ def advance(progress: Progress, count: int = 1) -> None:
     progress.advance(progress.task_ids[0], count)
 
 
-def counted(frames: Iterable[Frame], progress: Progress) -> Iterator[Frame]:
+def counted(frames: Iterable[AnyFrame], progress: Progress) -> Iterator[AnyFrame]:
     """Move the progress bar with every frame that passes."""
     for frame in frames:
         yield frame

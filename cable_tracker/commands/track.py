@@ -47,7 +47,7 @@ from cable_tracker.commands.results import (
     print_statuses,
 )
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, console, print_files, print_table, progress_bar
+from cable_tracker.commands.terminal import console, counted, print_files, print_table, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
@@ -112,6 +112,7 @@ def track(  # noqa: PLR0917
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
+        frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
         if ros:
             client = need_ros("clients.track_recording")
@@ -119,20 +120,20 @@ def track(  # noqa: PLR0917
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
             nodes = client.cable_nodes(
-                replayed, parameters, _words_for_node(start, given), described
+                recording.compressed,
+                replayed,
+                parameters,
+                _words_for_node(start, given),
+                described,
             )
-            damage = client.track_recording_over_ros(
-                recording, nodes, results, lambda: advance(progress)
-            )
+            damage = client.track_recording_over_ros(frames, nodes, results)
         else:
             tracker = make_tracker(parameters)
             if given is not None:
                 tracker.initialise(given)
             metres = described.metres()
             with metres or nullcontext():
-                damage = track_recording(
-                    recording, tracker, results, lambda: advance(progress), metres
-                )
+                damage = track_recording(frames, tracker, results, metres)
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print_results(results, wants_metres=described.wants_metres)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Iterable
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -126,20 +126,19 @@ def row_of(
 
 
 def track_recording(
-    source: Source,
+    frames: Iterable[Frame],
     tracker: CableTracker,
     results: ResultFolder,
-    advance: Callable[[], None] = lambda: None,
     metres: RecordedMetres | None = None,
 ) -> RecordingError | None:
-    """Track all frames of a source and collect the results.
+    """Track all frames of a recording and collect the results.
 
     Parameters
     ----------
+    frames : iterable of Frame
+        Those of the recording.
     tracker : CableTracker
         The tracker, initialised as wanted.
-    advance : callable
-        Called after each frame.
     metres : RecordedMetres or None
         The recording's instruments; None: everything stays in pixels.
 
@@ -149,9 +148,8 @@ def track_recording(
         Where the recording broke off; the frames before that are in the results.
     """
     try:
-        for frame in source.frames():
+        for frame in frames:
             _track_frame(frame, tracker, results, metres)
-            advance()
     except RecordingError as error:
         return error
     return None

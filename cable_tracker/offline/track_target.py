@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Iterable
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight
@@ -14,7 +14,6 @@ from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
@@ -38,20 +37,19 @@ def parse_start(init: str) -> TargetStart | None:
 
 
 def track_target(
-    source: Source,
+    frames: Iterable[Frame],
     tracker: TargetTracker,
     results: TargetFolder,
-    advance: Callable[[], None],
     sight: RecordedSight | None = None,
 ) -> RecordingError | None:
     """Follow the target through a recording, and collect the results.
 
     Parameters
     ----------
+    frames : iterable of Frame
+        Those of the recording.
     tracker : TargetTracker
         Ready to begin.
-    advance : callable
-        Called after every frame.
     sight : RecordedSight or None
         Instruments of the recording; None: everything stays in pixels.
 
@@ -61,9 +59,8 @@ def track_target(
         Why the recording ended early.
     """
     try:
-        for frame in source.frames():
+        for frame in frames:
             _follow(frame, tracker, results, sight)
-            advance()
     except RecordingError as error:
         return error
     return None

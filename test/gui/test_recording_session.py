@@ -128,7 +128,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source, tracker, results)
+            track_recording(source.frames(), tracker, results)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch().play_to_the_end()
     assert [row.state for row in rows[1:]] == [played[row.frame].state for row in rows[1:]]
@@ -144,7 +144,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
         start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source, tracker, results, metres=metres)
+            track_recording(source.frames(), tracker, results, metres=metres)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()
     shown = [played[row.frame] for row in rows[1:]]

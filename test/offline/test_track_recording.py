@@ -46,7 +46,7 @@ def track(tmp_path):
         if given is not None:
             tracker.initialise(given)
         with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
-            damage = track_recording(recording, tracker, results)
+            damage = track_recording(recording.frames(), tracker, results)
         return results.path, damage
 
     return run
@@ -154,13 +154,6 @@ def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recordi
     statuses = [row.status for row in read_estimates(folder / ESTIMATES)]
     assert statuses[3] == "REFUSED"
     assert statuses.count("TRACKING") == 12
-
-
-def test_the_progress_is_told_after_every_frame(tmp_path, make_recording):
-    calls = []
-    with ResultFolder(tmp_path / "out", wanted=TABLE_AND_BAG) as results:
-        track_recording(make_recording(), CableTracker(), results, lambda: calls.append(1))
-    assert len(calls) == 12
 
 
 def test_where_to_start(make_recording, dive):

@@ -62,7 +62,6 @@ class Outcome:
     truths: dict[int, CableState]
     bag: Path
     damage: RecordingError | None
-    advanced: int
 
 
 @pytest.fixture
@@ -73,23 +72,19 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
         path: Path, over_ros: bool, words: str = RANDOM, given: GivenState | None = None
     ) -> Outcome:
         folder = tmp_path / ("ros" if over_ros else "core")
-        steps: list[None] = []
         with ExitStack() as stack:
             source = stack.enter_context(open_source(path))
             results = stack.enter_context(TableAndBag(folder))
 
-            def advance() -> None:
-                steps.append(None)
-
             if over_ros:
-                nodes = cable_nodes({"source": str(path)}, PARAMETERS, words)
-                damage = track_recording_over_ros(source, nodes, results, advance)
+                nodes = cable_nodes(source.compressed, {"source": str(path)}, PARAMETERS, words)
+                damage = track_recording_over_ros(source.frames(), nodes, results)
             else:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:
                     tracker.initialise(given)
-                damage = track_recording(source, tracker, results, advance)
-        return Outcome(results.rows, results.truths, folder / BAG, damage, len(steps))
+                damage = track_recording(source.frames(), tracker, results)
+        return Outcome(results.rows, results.truths, folder / BAG, damage)
 
     return tracked
 
@@ -116,7 +111,7 @@ def rewritten(data: bytes, msgtype: str) -> bytes:
 
 
 def assert_same(ros: Outcome, core: Outcome, frames: int) -> None:
-    assert len(core.rows) == ros.advanced == core.advanced == frames
+    assert len(core.rows) == frames
     assert without_times(ros.rows) == without_times(core.rows)
     assert ros.truths == core.truths
     assert all(row.ms is not None and row.ms > 0.0 for row in ros.rows if row.n_eff)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,6 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.source import ChosenRecording
@@ -96,6 +95,8 @@ class LockstepNodes:
     ----------
     tracker : str
         Name of the tracker node.
+    compressed : bool
+        Whether the pictures of the recording are compressed.
     parameters : mapping
         Parameters of its method, and where it starts.
     replay : mapping
@@ -105,32 +106,30 @@ class LockstepNodes:
     """
 
     tracker: str
+    compressed: bool
     parameters: Mapping[str, ParameterValue]
     replay: Mapping[str, ParameterValue]
     recorder: type[Recorder] = Recorder
 
 
 def track_in_lockstep(
-    source: Source,
+    frames: Iterable[Frame],
     nodes: LockstepNodes,
     take: Callable[[Frame, RecordedFrame], Message],
-    advance: Callable[[], None],
 ) -> RecordingError | None:
-    """Let a tracker's process answer all frames of a source, which a replay's process sends.
+    """Let a tracker's process answer all frames of a recording, which a replay's process sends.
 
     Both run under a namespace of this process, so that they meet no other node. The replay sends a
     frame only when everything about the frame before has been taken.
 
     Parameters
     ----------
-    source : Source
-        The same recording, open in this process.
+    frames : iterable of Frame
+        Those of the same recording, which is open in this process, too.
     nodes : LockstepNodes
         Node group with tracker and replay, to be started.
     take : callable
         Called with each frame and what the tracker published about it; returns its state.
-    advance : callable
-        Called after each frame.
 
     Returns
     -------
@@ -150,7 +149,7 @@ def track_in_lockstep(
         )
         group = stack.enter_context(NodeGroup(namespace))
         run = _Run(executor, recorder, group, take)
-        group.start(nodes.tracker, {**nodes.parameters, **_tracker_parameters(source)})
+        group.start(nodes.tracker, {**nodes.parameters, **_tracker_parameters(nodes.compressed)})
         run.wait_for_tracker()
         replay = group.start(
             "replay",
@@ -158,16 +157,16 @@ def track_in_lockstep(
             {node_topics.STATE.name: ACKNOWLEDGED},
             may_end=True,
         )
-        damage = run.record_all(source, advance)
+        damage = run.record_all(frames)
         _finish(replay, damage)
     return damage
 
 
-def _tracker_parameters(source: Source) -> dict[str, ParameterValue]:
+def _tracker_parameters(compressed: bool) -> dict[str, ParameterValue]:
     return {
         **EVERY_FRAME,
         **READY_SOON,
-        "image_transport": "compressed" if source.compressed else "raw",
+        "image_transport": "compressed" if compressed else "raw",
         # The same estimates as without ROS, whatever the recording shows.
         "frozen_timeout": 0.0,
     }
@@ -207,12 +206,11 @@ class _Run:
             self._recorder.is_warming,
         )
 
-    def record_all(self, source: Source, advance: Callable[[], None]) -> RecordingError | None:
-        """Record every frame of the source."""
+    def record_all(self, frames: Iterable[Frame]) -> RecordingError | None:
+        """Record every frame of the recording."""
         try:
-            for frame in source.frames():
+            for frame in frames:
                 self._record(frame)
-                advance()
         except RecordingError as error:
             return error
         return None

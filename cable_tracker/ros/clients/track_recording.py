@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import cast
 
@@ -22,7 +22,6 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.factory import Message
@@ -31,6 +30,7 @@ from cable_tracker.tracking.parameter_table import ParameterValue
 
 
 def cable_nodes(
+    compressed: bool,
     replay: Mapping[str, ParameterValue],
     parameters: TrackerParameters,
     initial_state: str,
@@ -40,6 +40,8 @@ def cable_nodes(
 
     Parameters
     ----------
+    compressed : bool
+        Whether the pictures of the recording are compressed.
     replay : mapping
         Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TrackerParameters
@@ -51,16 +53,15 @@ def cable_nodes(
     """
     start: dict[str, ParameterValue] = {"initial_state": initial_state}
     own = {**parameters.as_mapping(), **start, **_vehicle_parameters(vehicle)}
-    return LockstepNodes("tracker", own, replay)
+    return LockstepNodes("tracker", compressed, own, replay)
 
 
 def track_recording_over_ros(
-    source: Source,
+    frames: Iterable[Frame],
     nodes: LockstepNodes,
     results: ResultFolder,
-    advance: Callable[[], None] = lambda: None,
 ) -> RecordingError | None:
-    """Track all frames of a source with `cable_nodes`; see `track_in_lockstep`."""
+    """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`."""
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_truth(results.bag, frame)
@@ -72,7 +73,7 @@ def track_recording_over_ros(
         results.add(frame, _row(frame, recorded, state), cloud)
         return state
 
-    return track_in_lockstep(source, nodes, take, advance)
+    return track_in_lockstep(frames, nodes, take)
 
 
 def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import ClassVar
 
@@ -15,7 +15,6 @@ from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
 from cable_tracker.sequences.messages.images import read_compressed_image
@@ -47,6 +46,7 @@ class TargetRecorder(Recorder):
 
 
 def target_nodes(
+    compressed: bool,
     replay: Mapping[str, ParameterValue],
     parameters: TargetParameters,
     initial_target: str,
@@ -56,6 +56,8 @@ def target_nodes(
 
     Parameters
     ----------
+    compressed : bool
+        Whether the pictures of the recording are compressed.
     replay : mapping
         Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TargetParameters
@@ -67,14 +69,13 @@ def target_nodes(
     """
     start: dict[str, ParameterValue] = {"initial_target": initial_target}
     own = {**parameters.as_mapping(), **sight, **start}
-    return LockstepNodes("target_tracker", own, replay, TargetRecorder)
+    return LockstepNodes("target_tracker", compressed, own, replay, TargetRecorder)
 
 
 def track_target_over_ros(
-    source: Source,
+    frames: Iterable[Frame],
     nodes: LockstepNodes,
     results: TargetFolder,
-    advance: Callable[[], None] = lambda: None,
     *,
     with_metres: bool = False,
 ) -> RecordingError | None:
@@ -93,7 +94,7 @@ def track_target_over_ros(
         results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
 
-    return track_in_lockstep(source, nodes, take, advance)
+    return track_in_lockstep(frames, nodes, take)
 
 
 def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:
