@@ -27,7 +27,7 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_loops
+from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopTask, run_loops
 from cable_tracker.commands.options import ForceOption, refuse_without_effect
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
@@ -143,9 +143,10 @@ def loop(  # noqa: PLR0917
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     arguments = _shared_arguments(request, detector, params)
-    campaign = LoopCampaign(methods, chosen, arguments, _files_of(params))
+    files = _files_of(params)
+    tasks = [LoopTask(method, each, arguments, files) for method in methods for each in chosen]
     path = output if output is not None else Path("loop_runs")
-    _run_several(campaign, path, cluster, force=force, resume=resume)
+    _run_several(tasks, path, cluster, force=force, resume=resume)
 
 
 def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dict[str, object]:
@@ -154,23 +155,23 @@ def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dic
     return values | {"seed": seed} | ({"detector": detector} if detector is not None else {})
 
 
-def _files_of(params: Path | None) -> list[Path]:
+def _files_of(params: Path | None) -> tuple[Path, ...]:
     """Return a parameter file and the response table that it names."""
     if params is None:
-        return []
+        return ()
     table = read_parameter_file(params).get("response_table")
-    return [params, *([Path(str(table))] if table else [])]
+    return (params, *([Path(str(table))] if table else []))
 
 
 def _shared_arguments(
     request: Any,  # noqa: ANN401  A class of the ROS part.
     detector: str | None,
     params: Path | None,
-) -> list[str]:
+) -> tuple[str, ...]:
     """Return the options of `cable-tracker loop` that each run of several is started with."""
     world = request.world
     width, height = world.image_size
-    return [
+    return (
         f"--length={world.length}", f"--buried={world.buried}", f"--current={world.current}",
         f"--altitude={world.altitude}", f"--speed={request.speed}", f"--size={width}x{height}",
         f"--rate={world.rate}", f"--standstill={request.standstill}",
@@ -178,7 +179,7 @@ def _shared_arguments(
         *([f"--detector={detector}"] if detector is not None else []),
         *([f"--params={params.resolve()}"] if params is not None else []),
         *(["--realtime"] if request.realtime else []),
-    ]  # fmt: skip
+    )  # fmt: skip
 
 
 def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
@@ -203,7 +204,12 @@ def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None: 
 
 
 def _run_several(
-    campaign: LoopCampaign, path: Path, cluster: ClusterSettings, *, force: bool, resume: bool
+    tasks: Sequence[LoopTask],
+    path: Path,
+    cluster: ClusterSettings,
+    *,
+    force: bool,
+    resume: bool,
 ) -> None:
     with (
         output_folder(path, RUNS, overwrite=force or resume) as folder,
@@ -215,9 +221,9 @@ def _run_several(
                 # A run of a newer campaign, which was ended, is kept instead.
                 if not (settings.store / run.name).exists():
                     shutil.copytree(run, settings.store / run.name)
-        with progress_bar("runs", len(campaign.cases())) as progress:
+        with progress_bar("runs", len(tasks)) as progress:
             outcomes = run_loops(
-                campaign, settings.store, lambda: advance(progress), cluster=cluster, resume=resume
+                tasks, settings.store, cluster, resume=resume, advance=lambda: advance(progress)
             )
         # The folders of the runs stand beside the tables.
         for run in settings.store.iterdir():

@@ -41,32 +41,6 @@ ends."""
 
 
 @dataclass(frozen=True, slots=True)
-class LoopCampaign:
-    """Runs of a closed-loop campaign.
-
-    Attributes
-    ----------
-    methods : sequence of str
-        Methods, keys of `evaluation.methods.METHODS`.
-    seeds : sequence of int
-        Seeds; each method runs with each of them.
-    arguments : sequence of str
-        Arguments of `cable-tracker loop`, which all runs share.
-    files : sequence of Path
-        Files that the arguments name.
-    """
-
-    methods: Sequence[str]
-    seeds: Sequence[int]
-    arguments: Sequence[str] = ()
-    files: Sequence[Path] = ()
-
-    def cases(self) -> list[tuple[str, int]]:
-        """Return method and seed of all runs."""
-        return [(method, seed) for method in self.methods for seed in self.seeds]
-
-
-@dataclass(frozen=True, slots=True)
 class LoopTask:
     """One run.
 
@@ -155,42 +129,38 @@ def free_domain() -> Iterator[int]:
 
 
 def run_loops(
-    campaign: LoopCampaign,
+    tasks: Sequence[LoopTask],
     folder: Path,
-    advance: Callable[[], None] = lambda: None,
+    cluster: ClusterSettings,
     *,
-    cluster: ClusterSettings | None = None,
     resume: bool = False,
+    advance: Callable[[], None] = lambda: None,
 ) -> list[LoopOutcome]:
     """Run everything; a run that fails is an outcome like any other.
 
     Parameters
     ----------
+    tasks : sequence of LoopTask
+        The runs.
     folder : Path
         Gets a folder METHOD_SEED for each run that comes to its end.
-    advance : callable
-        Called after each run.
-    cluster : ClusterSettings or None
-        Where; None: one after the other, here.
+    cluster : ClusterSettings
+        Where they run.
     resume : bool
         Keep the runs that are there already.
+    advance : callable
+        Called after each run.
 
     Returns
     -------
     list of LoopOutcome
-        By method, then seed, in the campaign's order.
+        One for each run, in their order.
     """
     with needing_dask():
         from cable_tracker.campaigns.runner import run_campaign  # noqa: PLC0415
 
-    shared = (tuple(campaign.arguments), tuple(campaign.files))
-    tasks = [LoopTask(*case, *shared) for case in campaign.cases()]
     outcomes = run_campaign(
-        tasks,
-        folder,
-        cluster or ClusterSettings(),
-        resume=resume,
-        finished=lambda outcome: advance(),
+        tasks, folder, cluster, resume=resume, finished=lambda outcome: advance()
     )
     return [_outcome(task, each, folder) for task, each in zip(tasks, outcomes, strict=True)]
 

@@ -110,9 +110,9 @@ def test_live_needs_no_folder_and_takes_none(tmp_path):
 def test_each_run_of_several_finds_the_parameter_file_from_any_folder(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.yaml").write_text("particle_count: 100\n")
-    campaigns = []
-    monkeypatch.setattr(
-        loop_command, "_run_several", lambda campaign, *_, **__: campaigns.append(campaign)
-    )
+    chosen = []
+    monkeypatch.setattr(loop_command, "_run_several", lambda tasks, *_, **__: chosen.append(tasks))
     run("loop", "--seeds", "2", "--length", "20", "--params", "mine.yaml")
-    assert f"--params={tmp_path / 'mine.yaml'}" in campaigns[0].arguments
+    assert [(task.method, task.seed) for task in chosen[0]] == [("default", 0), ("default", 1)]
+    for task in chosen[0]:
+        assert f"--params={tmp_path / 'mine.yaml'}" in task.arguments

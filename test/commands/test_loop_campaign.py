@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.commands.loop_campaign import LoopCampaign, LoopTask, run_loops
+from cable_tracker.campaigns.settings import ClusterSettings
+from cable_tracker.commands.loop_campaign import LoopTask, run_loops
 
 pytestmark = pytest.mark.slow
 
@@ -13,18 +14,13 @@ SHORT = ("--length=1", "--buried=0", "--size=160x120", "--no-video")
 
 def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
     done: list[bool] = []
-    campaign = LoopCampaign(("hough",), (-1, 5), SHORT)
-    bad, good = run_loops(campaign, tmp_path, lambda: done.append(True))
+    tasks = [LoopTask("hough", seed, SHORT) for seed in (-1, 5)]
+    bad, good = run_loops(tasks, tmp_path, ClusterSettings(), advance=lambda: done.append(True))
     assert (bad.seed, bad.summary) == (-1, None)
     assert bad.failure.startswith("seed is -1")
     assert good.summary is not None and good.summary.seed == 5
     assert good.failure == ""
     assert len(done) == 2
-
-
-def test_methods_come_first_in_the_order_of_runs():
-    campaign = LoopCampaign(("lsd", "hough"), (3, 4))
-    assert campaign.cases() == [("lsd", 3), ("lsd", 4), ("hough", 3), ("hough", 4)]
 
 
 def test_a_run_is_another_one_when_its_parameters_were_edited(tmp_path):
