@@ -8,7 +8,6 @@ from rclpy.node import Node
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -45,13 +44,16 @@ class InstrumentsSent:
 
     def subscribe(self, node: Node, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen if the instruments are read reliably; `on_news` is called after each message."""
-        if reliability == RELIABLE:
-            subscription(
-                node,
-                node_topics.INSTRUMENTS_SENT,
-                followed_by(self.take, on_news),
-                qos.instrument_input(reliability),
-            )
+        if reliability != RELIABLE:
+            return
+
+        # A plain function: rclpy wants to see a callback's signature.
+        def taken(message: Message) -> None:
+            self.take(message)
+            on_news()
+
+        profile = qos.instrument_input(reliability)
+        subscription(node, node_topics.INSTRUMENTS_SENT, taken, profile)
 
     def take(self, message: Message) -> None:
         """Take how much a replay has sent before a frame."""
