@@ -134,4 +134,4 @@ class FrameLoop:
         image, stamp = next(self._numbers)
         estimate = self._method.process(image, stamp)
         self.frames += 1
-        self.claimed += estimate.status.value == "TRACKING"
+        self.claimed += estimate.is_claimed

@@ -15,7 +15,6 @@ from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.encoded_pictures import jpeg_bytes
-from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
@@ -143,10 +142,9 @@ class MethodRun:
         if not sheet.wants_next():
             sheet.add(None, frame.index)
             return
-        claimed = estimate.status is TrackingStatus.TRACKING
         overlay = draw_overlay(
             frame.image,
-            state=estimate.state if claimed else None,
+            state=estimate.claimed_state,
             status=estimate.status.value,
             truth=frame.truth if frame.visibility > 0.0 else None,
             hypotheses=estimate.hypotheses,

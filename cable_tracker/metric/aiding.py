@@ -27,7 +27,6 @@ from cable_tracker.metric.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
-from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.succession import is_out_of_order
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
@@ -183,9 +182,7 @@ class MotionAiding:
         """Take the filter's answer to that frame: predictions are judged by it."""
         before, self._before = self._before, estimate
         predicted, self._predicted = self._predicted, None
-        is_tracked = before is not None and all(
-            each.status is TrackingStatus.TRACKING for each in (before, estimate)
-        )
+        is_tracked = before is not None and before.is_claimed and estimate.is_claimed
         if before is None or predicted is None or not is_tracked or estimate.event:
             self._gate.interrupt()
             return

@@ -29,7 +29,6 @@ from cable_tracker.metric.calibration import Calibration, CameraModel, camera_fo
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.tracking.status import TrackingStatus
 
 POINTS_PER_LINE = 11
 """Points along each line whose lines of sight are followed."""
@@ -184,7 +183,7 @@ class CrossTrackMeter:
         MetricError
             Altitude or attitude is something else, such as a number.
         """
-        if estimate.status is not TrackingStatus.TRACKING:
+        if not estimate.is_claimed:
             return Withheld(Reason.NOT_TRACKING, f"the tracker's status is {estimate.status.value}")
         for given in (altitude, attitude):
             if isinstance(given, Withheld):

@@ -34,7 +34,6 @@ from cable_tracker.sequences.messages.cable_particles import cloud_of, make_part
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.overlay import draw_overlay
 
 TRUTH = "truth"
@@ -106,14 +105,13 @@ def row_of(
     metres: CrossTrack | Withheld | None = None,
 ) -> EstimateRow:
     """Return the row of the table for a tracked frame."""
-    claimed = estimate.status is TrackingStatus.TRACKING
     d, alpha, w, beta = (float(value) for value in estimate.standard_deviations()[:4])
     return EstimateRow(
         frame=frame.index,
         stamp=frame.stamp,
         status=estimate.status.value,
-        state=estimate.state if claimed else None,
-        sigma=(d, alpha, w, beta) if claimed else None,
+        state=estimate.claimed_state,
+        sigma=(d, alpha, w, beta) if estimate.is_claimed else None,
         n_eff=estimate.effective_sample_size,
         presence=estimate.presence,
         evidence=estimate.evidence,
@@ -210,7 +208,7 @@ class _CableMessages(FrameMessages):
     ) -> None:
         """Write everything about a tracked frame."""
         factory, header = self._factory, self._header
-        claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
+        claimed = estimate.claimed_state
         sigma = estimate.standard_deviations()[:4]
         self._write(node_topics.STATE, make_state(factory, header, claimed, sigma))
         values = report_values(estimate, ms) | ({} if known is None else report_metres(known))

@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 
 from cable_tracker.benchmark.footage import Footage, FrameLoop, at_rest, enlarged, footage
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.tracking.status import TrackingStatus
 
 
 @given(st.integers(1, 9), st.integers(0, 100))
@@ -49,7 +48,7 @@ class Listener:
 
     def process(self, image, stamp):
         self.stamps.append(stamp)
-        return type("Answer", (), {"status": TrackingStatus.TRACKING})
+        return type("Answer", (), {"is_claimed": True})
 
 
 def test_a_loop_tells_the_truth_whenever_the_first_frame_comes_back(shown):

@@ -72,6 +72,16 @@ class CableEstimate:
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 
+    @property
+    def is_claimed(self) -> bool:
+        """Whether a cable is claimed."""
+        return self.status is TrackingStatus.TRACKING
+
+    @property
+    def claimed_state(self) -> CableState | None:
+        """State that is claimed to a controller; None while none is."""
+        return self.state if self.is_claimed else None
+
     def standard_deviations(self) -> FloatArray:
         """Return the square roots of the covariance's diagonal, shape (8,)."""
         variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)

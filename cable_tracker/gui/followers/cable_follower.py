@@ -26,7 +26,6 @@ from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
-from cable_tracker.tracking.status import TrackingStatus
 
 UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
 """Said in place of metres."""
@@ -140,7 +139,6 @@ class CableFollower(Follower):
         )
 
     def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
-        is_claimed = estimate.status is TrackingStatus.TRACKING
         particles = self._tracker.particles
         return Snapshot(
             number=number,
@@ -149,8 +147,8 @@ class CableFollower(Follower):
             grey=self._grey,
             status=estimate.status.value,
             reason=estimate.event,
-            state=estimate.state if is_claimed else None,
-            sigma=estimate.standard_deviations() if is_claimed else None,
+            state=estimate.claimed_state,
+            sigma=estimate.standard_deviations() if estimate.is_claimed else None,
             cloud=cloud_of(particles) if particles is not None else None,
             hypotheses=estimate.hypotheses,
             presence=estimate.presence,

@@ -17,7 +17,6 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.trackers import make_tracker
-from cable_tracker.tracking.status import TrackingStatus
 
 MOST_FRAMES = 250
 """Largest number of frames from a label over which the tracker is sent; farther away a detector
@@ -108,7 +107,7 @@ class Proposer:
                 if number == frame:
                     return LabelProposal(frame, None, str(error))
         words = f"tracked from frame {start}"
-        if estimate is not None and estimate.status is TrackingStatus.TRACKING:
+        if estimate is not None and estimate.is_claimed:
             return LabelProposal(frame, at_rest(estimate.state), words)
         if estimate is not None and frame - start <= MOST_FRAMES_IN_DOUBT:
             return LabelProposal(frame, at_rest(estimate.state), f"{words}, in doubt")
@@ -140,7 +139,7 @@ class Proposer:
         tracker = make_tracker(self._parameters)
         tracker.initialise(GivenState.around(found[0].state, is_guess=True))
         estimate = tracker.process(grey, picture.stamp)
-        if estimate.status is not TrackingStatus.TRACKING:
+        if not estimate.is_claimed:
             return LabelProposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")
         return LabelProposal(frame, at_rest(estimate.state), "detected in this frame")
 

@@ -39,7 +39,6 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import read_prior
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
-from cable_tracker.tracking.status import TrackingStatus
 
 
 class TrackerNode(CameraNode):
@@ -157,7 +156,7 @@ class TrackerNode(CameraNode):
         self._metric.publish(header, estimate)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
-        if estimate.status is TrackingStatus.TRACKING:
+        if estimate.is_claimed:
             self._search.stop()
         self._estimate = estimate
         self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
@@ -18,13 +17,7 @@ from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.overlay import draw_overlay
-
-
-def claimed_state(estimate: CableEstimate) -> CableState | None:
-    """Return the state that is claimed to a controller; None while none is."""
-    return estimate.state if estimate.status is TrackingStatus.TRACKING else None
 
 
 class TrackerOutputs:
@@ -56,7 +49,7 @@ class TrackerOutputs:
 
     def publish_centreline(self, header: Message, estimate: CableEstimate) -> None:
         """Publish where the cable runs, if one is claimed."""
-        claimed = claimed_state(estimate)
+        claimed = estimate.claimed_state
         if claimed is not None and self._centreline.get_subscription_count():
             self._centreline.publish(
                 make_centreline(self._factory, header, claimed, estimate.covariance)
@@ -70,12 +63,12 @@ class TrackerOutputs:
             self._particles.publish(make_particles(self._factory, header, cloud_of(particles)))
         if self._markers.get_subscription_count():
             self._markers.publish(
-                make_markers(self._factory, header, claimed_state(estimate), estimate.image_size)
+                make_markers(self._factory, header, estimate.claimed_state, estimate.image_size)
             )
         if self._overlay.is_wanted:
             picture = draw_overlay(
                 grey,
-                state=claimed_state(estimate),
+                state=estimate.claimed_state,
                 status=estimate.status.value,
                 sigma=estimate.standard_deviations()[:4],
                 cloud=cloud_of(particles) if particles is not None else None,
@@ -100,4 +93,4 @@ class TrackerOutputs:
             values = report_values(estimate, milliseconds) | dict(metres)
             self._report.publish(make_report(self._factory, header, estimate.status.value, values))
         sigma = estimate.standard_deviations()[:4]
-        self._state.publish(make_state(self._factory, header, claimed_state(estimate), sigma))
+        self._state.publish(make_state(self._factory, header, estimate.claimed_state, sigma))
