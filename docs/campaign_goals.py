@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.folder_tasks import TaskState, run_in_folder
-from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
@@ -52,7 +52,7 @@ def main() -> None:
     begin, begun, processor = time.perf_counter(), time.time(), _processor_time()
     settings = ClusterSettings(workers=chosen.workers)
     (root / "all").mkdir(parents=True)
-    outcomes = run_campaign(tasks, root / "all", settings)
+    outcomes = run_folder_tasks(tasks, root / "all", settings)
     seconds, processor = time.perf_counter() - begin, _processor_time() - processor
     failed = sum(outcome.state is TaskState.FAILED for outcome in outcomes)
     share = each * len(tasks) / chosen.workers

@@ -85,7 +85,7 @@ def _other_version(version: str) -> str:
     )
 
 
-def run_campaign(
+def run_folder_tasks(
     tasks: Sequence[FolderTask],
     root: Path,
     settings: ClusterSettings,

@@ -15,7 +15,7 @@ from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.terminal import advance, console, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.report import (
     REPORT,
@@ -97,7 +97,7 @@ def evaluate_cables(
         stored_beside(output, cluster, resume=resume) as settings,
     ):
         with progress_bar("evaluating", total) as progress:
-            results = run_campaign(
+            results = evaluate_methods(
                 campaign, workers=settings, advance=lambda count: advance(progress, count)
             )
         move_store(settings, folder)

@@ -157,9 +157,9 @@ def run_loops(
         One for each run, in their order.
     """
     with needing_dask():
-        from cable_tracker.campaigns.runner import run_campaign  # noqa: PLC0415
+        from cable_tracker.campaigns.runner import run_folder_tasks  # noqa: PLC0415
 
-    outcomes = run_campaign(
+    outcomes = run_folder_tasks(
         tasks, folder, cluster, resume=resume, finished=lambda outcome: advance()
     )
     return [_outcome(task, each, folder) for task, each in zip(tasks, outcomes, strict=True)]

@@ -111,13 +111,13 @@ class _Task:
         return run_together(runs, frames, self.sequence.name, advance)
 
 
-def run_campaign(
+def evaluate_methods(
     campaign: Campaign,
     *,
     workers: Workers = 1,
     advance: Callable[[int], None] = lambda frames: None,
 ) -> list[RunResult]:
-    """Run everything.
+    """Run each method on each sequence with each seed.
 
     The results do not depend on the number of workers, except for the times.
 

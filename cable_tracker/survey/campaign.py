@@ -16,7 +16,7 @@ from cable_tracker.campaigns.folder_tasks import (
     fingerprint_of_files,
     is_done,
 )
-from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
@@ -138,7 +138,7 @@ def run_survey(
         return sum(is_done(task, root / task.name, __version__) for task in tasks)
 
     with saying_what_stays(root, finished):
-        outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
+        outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
         return _put_together(output, outcomes, datum)
 
 

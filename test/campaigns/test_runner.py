@@ -28,7 +28,7 @@ from distributed import Client, LocalCluster  # noqa: E402
 from cable_tracker.atomic_output import output_file  # noqa: E402
 from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
 from cable_tracker.campaigns.result_tasks import run_all  # noqa: E402
-from cable_tracker.campaigns.runner import _Progress, run_campaign  # noqa: E402
+from cable_tracker.campaigns.runner import _Progress, run_folder_tasks  # noqa: E402
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings  # noqa: E402
 from cable_tracker.errors import ParameterError, RecordingError  # noqa: E402
 
@@ -70,7 +70,7 @@ def wait_until_idle(cluster):
 
 
 def test_results_lie_on_the_disk_in_folders_of_their_own(both, tmp_path):
-    outcomes = run_campaign([Square(n) for n in range(6)], tmp_path, both)
+    outcomes = run_folder_tasks([Square(n) for n in range(6)], tmp_path, both)
     assert states(outcomes) == [TaskState.DONE] * 6
     assert [(tmp_path / f"number_{n}/square.txt").read_text() for n in range(6)] == [
         str(n * n) for n in range(6)
@@ -78,7 +78,7 @@ def test_results_lie_on_the_disk_in_folders_of_their_own(both, tmp_path):
 
 
 def test_what_fails_is_a_row_that_says_why(both, tmp_path):
-    outcomes = run_campaign([Square(1), Failing(2), Square(3)], tmp_path, both)
+    outcomes = run_folder_tasks([Square(1), Failing(2), Square(3)], tmp_path, both)
     assert states(outcomes) == [TaskState.DONE, TaskState.FAILED, TaskState.DONE]
     assert outcomes[1].reason == "number_2: holds no frames"
     assert not (tmp_path / "number_2").exists()
@@ -87,7 +87,7 @@ def test_what_fails_is_a_row_that_says_why(both, tmp_path):
 @pytest.mark.parametrize("where", [ALONE, "both"])
 def test_an_error_that_is_not_foreseen_ends_no_other_task_either(request, tmp_path, where):
     settings = request.getfixturevalue(where) if isinstance(where, str) else where
-    outcomes = run_campaign([Square(1), Erring(2), Square(3)], tmp_path, settings)
+    outcomes = run_folder_tasks([Square(1), Erring(2), Square(3)], tmp_path, settings)
     assert states(outcomes) == [TaskState.DONE, TaskState.FAILED, TaskState.DONE]
     assert outcomes[1].reason == "ZeroDivisionError: division by zero"
 
@@ -98,24 +98,24 @@ class Stopped(Square):
 
 
 def test_an_earlier_result_stays_until_the_new_one_is_complete(tmp_path):
-    run_campaign([Square(1), Square(2)], tmp_path, ALONE)
+    run_folder_tasks([Square(1), Square(2)], tmp_path, ALONE)
     with pytest.raises(KeyboardInterrupt):
-        run_campaign([Stopped(1), Square(2, parameter="another")], tmp_path, ALONE)
+        run_folder_tasks([Stopped(1), Square(2, parameter="another")], tmp_path, ALONE)
     assert [(tmp_path / f"number_{n}/square.txt").read_text() for n in (1, 2)] == ["1", "4"]
 
 
 @pytest.mark.parametrize("task", [Failing(1), Erring(1)])
 def test_a_task_that_fails_now_leaves_no_earlier_result(tmp_path, task):
-    run_campaign([Square(1)], tmp_path, ALONE)
-    assert states(run_campaign([task], tmp_path, ALONE)) == [TaskState.FAILED]
+    run_folder_tasks([Square(1)], tmp_path, ALONE)
+    assert states(run_folder_tasks([task], tmp_path, ALONE)) == [TaskState.FAILED]
     assert not (tmp_path / "number_1").exists()
 
 
 def test_a_result_that_another_run_is_making_anew_stays(tmp_path):
-    run_campaign([Square(1)], tmp_path, ALONE)
+    run_folder_tasks([Square(1)], tmp_path, ALONE)
     with output_file(tmp_path / "number_1", lambda _earlier: True, overwrite=True) as folder:
         folder.mkdir()
-        (outcome,) = run_campaign([Square(1, parameter="another")], tmp_path, ALONE)
+        (outcome,) = run_folder_tasks([Square(1, parameter="another")], tmp_path, ALONE)
         assert "another run is writing it" in outcome.reason
         assert (tmp_path / "number_1/square.txt").read_text() == "1"
 
@@ -123,16 +123,16 @@ def test_a_result_that_another_run_is_making_anew_stays(tmp_path):
 def test_an_earlier_result_is_not_taken_for_that_of_a_worker_that_does_not_share_the_folder(
     both, tmp_path, monkeypatch
 ):
-    run_campaign([Square(1)], tmp_path, ALONE)
+    run_folder_tasks([Square(1)], tmp_path, ALONE)
     monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", done_elsewhere)
-    (outcome,) = run_campaign([Square(1, parameter="another")], tmp_path, both)
+    (outcome,) = run_folder_tasks([Square(1, parameter="another")], tmp_path, both)
     assert outcome.state is TaskState.FAILED
     assert "workers on other machines must share this folder" in outcome.reason
 
 
 def test_a_worker_of_an_earlier_version_that_comes_late_is_told(both, tmp_path, monkeypatch):
     monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", of_an_earlier_version)
-    (outcome,) = run_campaign([Square(1)], tmp_path, both)
+    (outcome,) = run_folder_tasks([Square(1)], tmp_path, both)
     assert outcome.reason == "the worker has cable_tracker 0.1"
 
 
@@ -140,7 +140,7 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
     traces = tmp_path / "traces"
     traces.mkdir()
     tasks = [Square(1), KillsItsWorkerOnce(2, traces=str(traces)), Square(3)]
-    outcomes = run_campaign(tasks, tmp_path / "results", both)
+    outcomes = run_folder_tasks(tasks, tmp_path / "results", both)
     assert states(outcomes) == [TaskState.DONE] * 3
 
 
@@ -148,7 +148,7 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
 def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path, count):
     counted = []
     tasks = [Square(n) for n in range(count)]
-    outcomes = run_campaign(tasks, tmp_path, both, advance=counted.append)
+    outcomes = run_folder_tasks(tasks, tmp_path, both, advance=counted.append)
     assert states(outcomes) == [TaskState.DONE] * count
 
 
@@ -187,17 +187,17 @@ def test_the_first_error_ends_tasks_whose_results_are_sent_back(both):
 
 
 def test_resuming_does_only_what_is_missing_or_has_changed(tmp_path):
-    run_campaign([Square(1), Square(2)], tmp_path, ALONE)
+    run_folder_tasks([Square(1), Square(2)], tmp_path, ALONE)
     again = [Square(1), Square(2, parameter="another"), Square(3)]
-    assert states(run_campaign(again, tmp_path, ALONE, resume=True)) == [
+    assert states(run_folder_tasks(again, tmp_path, ALONE, resume=True)) == [
         TaskState.KEPT, TaskState.DONE, TaskState.DONE,
     ]  # fmt: skip
 
 
 def test_another_version_does_everything_again(tmp_path, monkeypatch):
-    run_campaign([Square(1)], tmp_path, ALONE)
+    run_folder_tasks([Square(1)], tmp_path, ALONE)
     monkeypatch.setattr("cable_tracker.campaigns.runner.__version__", "999.0")
-    assert states(run_campaign([Square(1)], tmp_path, ALONE, resume=True)) == [TaskState.DONE]
+    assert states(run_folder_tasks([Square(1)], tmp_path, ALONE, resume=True)) == [TaskState.DONE]
 
 
 def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
@@ -205,11 +205,11 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
         "from pathlib import Path\n"
         "from campaign_tasks import Square, Waiting\n"
         "from cable_tracker.campaigns.settings import ClusterSettings\n"
-        "from cable_tracker.campaigns.runner import run_campaign\n"
+        "from cable_tracker.campaigns.runner import run_folder_tasks\n"
         f"settings = ClusterSettings(scheduler={cluster.scheduler_address!r})\n"
         f"late = [Waiting(n, until={str(tmp_path / 'end')!r}) for n in (2, 3)]\n"
         "tasks = [Square(0), Square(1), *late]\n"
-        f"run_campaign(tasks, Path({str(tmp_path)!r}), settings)\n"
+        f"run_folder_tasks(tasks, Path({str(tmp_path)!r}), settings)\n"
     )
     path = f"{HERE}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     client = subprocess.Popen(
@@ -227,19 +227,19 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
         (tmp_path / "end").touch()
     wait_until_idle(cluster)
     # The same tasks as before but for their waiting, which is no part of what they are.
-    outcomes = run_campaign([Square(n) for n in range(4)], tmp_path, ALONE, resume=True)
+    outcomes = run_folder_tasks([Square(n) for n in range(4)], tmp_path, ALONE, resume=True)
     assert states(outcomes) == [TaskState.KEPT] * 2 + [TaskState.DONE] * 2
 
 
 def test_workers_of_another_version_are_refused_with_words(both, tmp_path, monkeypatch):
     monkeypatch.setattr("cable_tracker.campaigns.cluster.__version__", "999.0")
     with pytest.raises(ParameterError, match=r"this is cable_tracker 999\.0, but .* has .*install"):
-        run_campaign([Square(1), Square(2)], tmp_path, both)
+        run_folder_tasks([Square(1), Square(2)], tmp_path, both)
 
 
 def test_a_worker_of_another_version_that_comes_later_does_nothing(both, tmp_path, monkeypatch):
     monkeypatch.setattr("cable_tracker.campaigns.runner.__version__", "999.0")
-    outcomes = run_campaign([Square(1), Square(2)], tmp_path, both)
+    outcomes = run_folder_tasks([Square(1), Square(2)], tmp_path, both)
     assert states(outcomes) == [TaskState.FAILED] * 2
     assert "install one version" in outcomes[0].reason
 
@@ -247,9 +247,9 @@ def test_a_worker_of_another_version_that_comes_later_does_nothing(both, tmp_pat
 def test_no_scheduler_is_said(tmp_path, monkeypatch):
     monkeypatch.setattr("cable_tracker.campaigns.cluster.CONNECT_TIMEOUT", 1.0)
     with pytest.raises(ParameterError, match=r"none answers at tcp://127\.0\.0\.1:9"):
-        run_campaign([Square(1)], tmp_path, ClusterSettings(scheduler="tcp://127.0.0.1:9"))
+        run_folder_tasks([Square(1)], tmp_path, ClusterSettings(scheduler="tcp://127.0.0.1:9"))
 
 
 def test_two_recordings_of_one_name_are_refused(tmp_path):
     with pytest.raises(ParameterError, match="two recordings are called number_1"):
-        run_campaign([Square(1), Square(1)], tmp_path, ALONE)
+        run_folder_tasks([Square(1), Square(1)], tmp_path, ALONE)

@@ -5,7 +5,7 @@ from cable_tracker import __version__
 from cable_tracker.campaigns.folder_tasks import is_done
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
-from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError
@@ -41,7 +41,7 @@ def test_who_stops_a_campaign_hears_what_is_kept(tmp_path):
         return sum(is_done(task, tmp_path / task.name, __version__) for task in tasks)
 
     with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, finished):
-        run_campaign(tasks, tmp_path, ClusterSettings())
+        run_folder_tasks(tasks, tmp_path, ClusterSettings())
     assert (
         notes_of(stopped) == f"2 finished tasks are kept in {tmp_path}; --resume goes on from there"
     )
@@ -59,7 +59,7 @@ def test_results_in_a_store_are_kept_too(tmp_path):
 
 def test_without_a_finished_task_there_is_nothing_to_say(tmp_path):
     with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, lambda: 0):
-        run_campaign([Stopping(1)], tmp_path, ClusterSettings())
+        run_folder_tasks([Stopping(1)], tmp_path, ClusterSettings())
     assert not notes_of(stopped)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
@@ -109,7 +109,7 @@ def results(stripe: EvaluationSequence) -> list[RunResult]:
     """What came of two methods on two sequences with two seeds."""
     sequences = (stripe, _StripeSequence("<other> & more"))
     campaign = Campaign(("default", "thesis"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
-    return run_campaign(campaign)
+    return evaluate_methods(campaign)
 
 
 @pytest.fixture
@@ -124,7 +124,7 @@ def run_apart() -> Callable[[Campaign], list[RunResult]]:
     def run(campaign: Campaign) -> list[RunResult]:
         for _ in ("compiles", "tells"):
             with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-                told = pool.submit(run_campaign, campaign).result()
+                told = pool.submit(evaluate_methods, campaign).result()
         return told
 
     return run

@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.evaluation.campaign import Campaign, _Task, run_campaign
+from cable_tracker.evaluation.campaign import Campaign, _Task, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import RecordingSequence, ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
@@ -48,16 +48,16 @@ def test_the_number_of_workers_does_not_change_the_results(run_apart):
     campaign = Campaign(("thesis", "lsd"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
     told = []
     alone = run_apart(campaign)
-    together = run_campaign(campaign, workers=2, advance=told.append)
+    together = evaluate_methods(campaign, workers=2, advance=told.append)
     assert [numbers(result) for result in alone] == [numbers(result) for result in together]
     assert sum(told) == campaign.frame_count() == 6
 
 
 def test_what_is_kept_of_a_run_counts_in_a_campaign_that_begins_with_it(stripe, tmp_path):
     settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
-    run_campaign(Campaign(("thesis",), (stripe,), (0, 1)), workers=settings)
+    evaluate_methods(Campaign(("thesis",), (stripe,), (0, 1)), workers=settings)
     told = []
-    run_campaign(Campaign(("thesis",), (stripe,), (1,)), workers=settings, advance=told.append)
+    evaluate_methods(Campaign(("thesis",), (stripe,), (1,)), workers=settings, advance=told.append)
     assert not told
 
 
@@ -69,7 +69,9 @@ def test_another_seed_is_another_run(results):
 def test_filters_of_ones_own_are_run_after_the_methods(stripe):
     own = ConfiguredFilter("small", preset("thesis").replaced({"particle_count": 50}))
     same = ConfiguredFilter("same", preset("thesis"))
-    named, small, again = run_campaign(Campaign(("thesis",), (stripe,), (1,), filters=(own, same)))
+    named, small, again = evaluate_methods(
+        Campaign(("thesis",), (stripe,), (1,), filters=(own, same))
+    )
     assert [result.method for result in (named, small, again)] == ["thesis", "small", "same"]
     assert np.array_equal(named.trace.estimates, again.trace.estimates)
     assert not np.array_equal(named.trace.estimates, small.trace.estimates)
@@ -88,7 +90,7 @@ def test_an_error_in_a_worker_reaches_the_caller(tmp_path):
     missing = tuple(RecordingSequence(tmp_path / name) for name in "ab")
     campaign = Campaign(("thesis",), missing, (0,))
     with pytest.raises(RecordingError, match="no such file"):
-        run_campaign(campaign, workers=2)
+        evaluate_methods(campaign, workers=2)
 
 
 def test_an_unknown_method_is_named_with_what_there_is(stripe):

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
 from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
 from cable_tracker.evaluation.runs import RunResult
 
@@ -28,4 +28,4 @@ class CampaignExperiment(ABC):
 
     def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; `advance` is told now and then how many more frames are done."""
-        return self.result_of(run_campaign(self.campaign(), workers=workers, advance=advance))
+        return self.result_of(evaluate_methods(self.campaign(), workers=workers, advance=advance))
