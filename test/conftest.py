@@ -101,3 +101,29 @@ def kept_surfaces() -> Iterator[None]:
         patch.setattr(dive, "make_bed", keep(dive.make_bed))
         patch.setattr(dive, "make_cable", keep(dive.make_cable))
         yield
+
+
+@pytest.fixture(scope="session")
+def draw_strip() -> Callable[..., Any]:
+    """Draw an ideal strip between two soft straight borders; uint8."""
+    import numpy as np  # noqa: PLC0415
+
+    from cable_tracker.arrays import Image  # noqa: PLC0415
+    from cable_tracker.cable.model.geometry import project_borders  # noqa: PLC0415
+    from cable_tracker.cable.model.state import CableState  # noqa: PLC0415
+
+    def drawn(
+        state: CableState, size: tuple[int, int] = (320, 240), *, strip=200.0, ground=60.0, blur=1.0
+    ) -> Image:
+        width, height = size
+        x = (np.arange(width) - (width - 1) / 2)[None, :]
+        y = ((height - 1) / 2 - np.arange(height))[:, None]
+        borders = project_borders(state.to_array()[None, :])
+        (left, right), (low, high) = borders.angles[0], borders.offsets[0]
+        inside = 1.0
+        for angle, offset, sign in ((left, low, 1.0), (right, high, -1.0)):
+            across = sign * (x * np.cos(angle) + y * np.sin(angle) - offset)
+            inside = inside * (1 + np.tanh(across / blur)) / 2
+        return np.rint(ground + (strip - ground) * inside).astype(np.uint8)
+
+    return drawn

@@ -7,26 +7,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.geometry import project_borders
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
-
-
-def strip_picture(
-    state: CableState, size: tuple[int, int] = (320, 240), *, strip=200.0, ground=60.0, blur=1.0
-) -> Image:
-    """Draw an ideal strip between two soft straight borders; uint8."""
-    width, height = size
-    x = (np.arange(width) - (width - 1) / 2)[None, :]
-    y = ((height - 1) / 2 - np.arange(height))[:, None]
-    borders = project_borders(state.to_array()[None, :])
-    (left, right), (low, high) = borders.angles[0], borders.offsets[0]
-    inside = 1.0
-    for angle, offset, sign in ((left, low, 1.0), (right, high, -1.0)):
-        across = sign * (x * np.cos(angle) + y * np.sin(angle) - offset)
-        inside = inside * (1 + np.tanh(across / blur)) / 2
-    return np.rint(ground + (strip - ground) * inside).astype(np.uint8)
 
 
 @cache
@@ -42,11 +24,6 @@ def simulated_dive(size: tuple[int, int], frames: int, clutter: float, seed: int
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(4711)
-
-
-@pytest.fixture
-def draw_strip() -> Callable[..., Image]:
-    return strip_picture
 
 
 @pytest.fixture

@@ -1,29 +1,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.geometry import project_borders, states_in_chart
+from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.edges import EdgePoints
-
-
-def strip_picture(
-    state: CableState, size: tuple[int, int] = (320, 240), *, strip=180.0, ground=70.0
-) -> Image:
-    """Draw an ideal strip between two soft straight borders; uint8."""
-    width, height = size
-    x = (np.arange(width) - (width - 1) / 2)[None, :]
-    y = ((height - 1) / 2 - np.arange(height))[:, None]
-    borders = project_borders(state.to_array()[None, :])
-    inside = 1.0
-    for angle, offset, sign in zip(borders.angles[0], borders.offsets[0], (1.0, -1.0), strict=True):
-        across = sign * (x * np.cos(angle) + y * np.sin(angle) - offset)
-        inside = inside * (1 + np.tanh(across)) / 2
-    return np.rint(ground + (strip - ground) * inside).astype(np.uint8)
 
 
 def errors_between(found: CableState, truth: CableState) -> np.ndarray:
@@ -44,8 +30,9 @@ def points_along(angle: float, offset: float, start=-100.0, end=100.0, contrast=
 
 
 @pytest.fixture
-def draw_strip() -> Callable[..., Image]:
-    return strip_picture
+def draw_strip(draw_strip: Callable[..., Image]) -> Callable[..., Image]:
+    """Draw strips of a lower contrast than elsewhere."""
+    return partial(draw_strip, strip=180.0, ground=70.0)
 
 
 @pytest.fixture

@@ -41,13 +41,6 @@ def appearance(picture, state=STRIP, cable_map=NO_MAP) -> float:
 
 
 @pytest.fixture
-def bottom():
-    """Grain of a few pixels on an even bottom."""
-    grain = np.random.default_rng(3).normal(0.0, 1.0, SIZE[::-1]).astype(np.float32)
-    return 100.0 + 40.0 * cv2.GaussianBlur(grain, (0, 0), 1.5)
-
-
-@pytest.fixture
 def inside(draw_strip):
     """Where a strip is, from 0 to 1, shape (h, w)."""
 

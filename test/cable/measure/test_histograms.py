@@ -2,16 +2,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from measured_points import points
 
 from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
-from cable_tracker.cable.measure.response_bins import CLASSES, PointMeasures
+from cable_tracker.cable.measure.response_bins import CLASSES
 from cable_tracker.cable.measure.response_table import RATIO_LIMIT
 from cable_tracker.errors import ParameterError
-
-
-def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
-    arrays = np.broadcast_arrays(responses, slopes, contrasts)
-    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
 
 
 def histograms(rng, response, count=4000) -> ResponseHistograms:

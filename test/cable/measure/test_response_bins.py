@@ -4,23 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measured_points import points
 
 from cable_tracker.cable.measure.response_bins import (
     CONTRAST_BINS,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
-    PointMeasures,
     border_strength,
     point_cell,
     strength_class,
 )
 
 NUMBERS = st.floats(-1e6, 1e6, width=32)
-
-
-def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
-    arrays = np.broadcast_arrays(responses, slopes, contrasts)
-    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
 
 
 def test_the_strength_of_a_border_is_the_mean_of_its_upper_half():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measured_points import points
 
 from cable_tracker.cable.measure.response_bins import (
     CLASSES,
@@ -15,7 +16,6 @@ from cable_tracker.cable.measure.response_bins import (
     EDGE_SHAPE,
     RESPONSE_BINS,
     RESPONSE_LIMIT,
-    PointMeasures,
 )
 from cable_tracker.cable.measure.response_table import (
     LARGEST_RATIO,
@@ -24,11 +24,6 @@ from cable_tracker.cable.measure.response_table import (
     parse_table,
 )
 from cable_tracker.errors import ParameterError
-
-
-def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
-    arrays = np.broadcast_arrays(responses, slopes, contrasts)
-    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
 
 
 def any_table(rng) -> ResponseTable:

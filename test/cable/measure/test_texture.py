@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -39,13 +38,6 @@ def texture_evidence(image, state=STRIP):
 def inside(draw_strip):
     """Where the strip is, from 0 to 1, shape (h, w)."""
     return draw_strip(STRIP, SIZE, strip=255.0, ground=0.0).astype(np.float32) / 255.0
-
-
-@pytest.fixture
-def bottom():
-    """Grain of a few pixels on an even bottom."""
-    grain = np.random.default_rng(3).normal(0.0, 1.0, SIZE[::-1]).astype(np.float32)
-    return 100.0 + 40.0 * cv2.GaussianBlur(grain, (0, 0), 1.5)
 
 
 def test_a_smooth_strip_on_a_rough_bottom_of_its_brightness_is_found_by_its_texture(bottom, inside):
