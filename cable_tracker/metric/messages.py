@@ -20,6 +20,7 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.estimates import RowMetres
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
     YAW,
     Y,
@@ -168,12 +169,13 @@ def make_cross_track(
 
 
 def cross_track_messages(
-    factory: MessageFactory, header: Message, known: CrossTrack
+    factory: MessageFactory, stamp: int, base_frame: str, known: CrossTrack
 ) -> dict[NodeTopic, Message]:
     """Return the messages about a cable in metres, by topic: beside the vehicle, and ahead.
 
-    `header`: the time of the frame, in the vehicle's frame.
+    They are of the time of the frame [ns], in the vehicle's frame.
     """
+    header = make_header(factory, stamp, base_frame)
     points = {
         node_topics.CROSS_TRACK: (0.0, known.at_foot()),
         node_topics.CROSS_TRACK_AHEAD: (known.look_ahead, known.ahead()),

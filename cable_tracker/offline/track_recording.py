@@ -32,9 +32,8 @@ from cable_tracker.sequences.messages.cable import make_centreline, make_state, 
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.visualisation.overlay import draw_overlay
+from cable_tracker.visualisation.overlay import draw_estimate
 
 TRUTH = "truth"
 
@@ -220,20 +219,12 @@ class _CableMessages(FrameMessages):
         self._write(node_topics.PARTICLES, make_particles(factory, header, cloud))
         markers = make_markers(factory, header, claimed, estimate.image_size)
         self._write(node_topics.MARKERS, markers)
-        overlay = draw_overlay(
-            grey,
-            state=claimed,
-            status=estimate.status.value,
-            sigma=sigma,
-            cloud=cloud,
-            hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
-        )
+        overlay = draw_estimate(grey, estimate, cloud)
         jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
         self._write(node_topics.OVERLAY, jpeg)
 
     def write_metres(self, known: CrossTrack, base_frame: str) -> None:
         """Write where the cable is in metres, in the vehicle's frame of that name."""
-        header = make_header(self._factory, stamp_of(self._header), base_frame)
-        for topic, message in cross_track_messages(self._factory, header, known).items():
+        messages = cross_track_messages(self._factory, self._stamp, base_frame, known)
+        for topic, message in messages.items():
             self._write(topic, message)

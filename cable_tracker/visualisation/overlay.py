@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.segments import (
     Segment,
@@ -75,6 +75,19 @@ class _Pen:
         height, width = canvas.shape[:2]
         scale = min(width / 480, height / 360)
         return cls((width, height), max(1, round(1.7 * scale)), max(1, round(scale)), 9 * scale)
+
+
+def draw_estimate(image: Image, estimate: CableEstimate, cloud: FloatArray | None) -> Image:
+    """Draw all that an estimate says, and a cloud of particles; see `draw_overlay`."""
+    return draw_overlay(
+        image,
+        state=estimate.claimed_state,
+        status=estimate.status.value,
+        sigma=estimate.standard_deviations()[:4],
+        cloud=cloud,
+        hypotheses=estimate.hypotheses,
+        presence=estimate.presence,
+    )
 
 
 def draw_overlay(

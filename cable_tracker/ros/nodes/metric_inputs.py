@@ -22,7 +22,7 @@ from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import stamp_of
 
 AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 """Instruments for which a frame waits also before they have spoken."""
@@ -102,8 +102,8 @@ class MetricInputs(InstrumentInputs[CableSight]):
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
         self._tell_of_mounting()
-        own_header = make_header(self._factory, stamp_of(header), self.base_frame)
-        for topic, message in cross_track_messages(self._factory, own_header, result).items():
+        messages = cross_track_messages(self._factory, stamp_of(header), self.base_frame, result)
+        for topic, message in messages.items():
             self._publishers[topic].publish(message)
 
     def _tell_of_mounting(self) -> None:

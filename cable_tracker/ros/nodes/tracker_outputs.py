@@ -17,7 +17,7 @@ from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.visualisation.overlay import draw_overlay
+from cable_tracker.visualisation.overlay import draw_estimate
 
 
 class TrackerOutputs:
@@ -66,16 +66,8 @@ class TrackerOutputs:
                 make_markers(self._factory, header, estimate.claimed_state, estimate.image_size)
             )
         if self._overlay.is_wanted:
-            picture = draw_overlay(
-                grey,
-                state=estimate.claimed_state,
-                status=estimate.status.value,
-                sigma=estimate.standard_deviations()[:4],
-                cloud=cloud_of(particles) if particles is not None else None,
-                hypotheses=estimate.hypotheses,
-                presence=estimate.presence,
-            )
-            self._overlay.publish(header, picture)
+            cloud = cloud_of(particles) if particles is not None else None
+            self._overlay.publish(header, draw_estimate(grey, estimate, cloud))
 
     def publish_state(
         self,

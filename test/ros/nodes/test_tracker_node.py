@@ -382,7 +382,7 @@ class TestTopics:
     ) -> None:
         node = world.tracker()
         builders = {
-            "draw_overlay": tracker_outputs,
+            "draw_estimate": tracker_outputs,
             "make_particles": tracker_outputs,
             "make_markers": tracker_outputs,
             "encode_jpeg": overlay_publisher,
@@ -405,11 +405,11 @@ class TestTopics:
         raw = world.listen(Image, "tracker/overlay")
         compressed = world.listen(CompressedImage, "tracker/overlay/compressed")
         built: list[str] = []
-        drawn = spy(tracker_outputs.draw_overlay, "draw_overlay", built)
-        monkeypatch.setattr(tracker_outputs, "draw_overlay", drawn)
+        drawn = spy(tracker_outputs.draw_estimate, "draw_estimate", built)
+        monkeypatch.setattr(tracker_outputs, "draw_estimate", drawn)
         world.show(node, image_message())
         world.spin(lambda: raw and compressed)
-        assert built == ["draw_overlay"]
+        assert built == ["draw_estimate"]
         assert raw[0].encoding == "bgr8"
         assert raw[0].header == compressed[0].header == image_message().header
         assert bytes(compressed[0].data[:2]) == b"\xff\xd8"
