@@ -168,9 +168,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         keyframes = course.keyframes
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
-        placing = None if earth is None else earth.apply
-        turn = 0.0 if earth is None else earth.turn
-        routes = make_routes(keyframes, course.cable, rows, placing, turn, disk)
+        routes = make_routes(keyframes, course.cable, rows, earth, disk)
     name = dive.name
     placed = tuple(
         PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -12,6 +12,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute, Profile
 from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed, is_measured, is_withheld
+from cable_tracker.survey.georeference import Georeference
 from cable_tracker.survey.keyframes import Keyframes, filled
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
 from cable_tracker.survey.navigation import Poses
@@ -63,16 +64,11 @@ class Course:
     cable: SmoothedCable
 
 
-Placing = Callable[[FloatArray, IndexArray], tuple[FloatArray, FloatArray]]
-"""Takes places (N, 2) and stamps (N,) to places of another frame and variances (N,) [m²]."""
-
-
-def make_routes(  # noqa: PLR0917
+def make_routes(
     keyframes: Keyframes,
     cable: SmoothedCable,
     rows: Rows,
-    placing: Placing | None = None,
-    turn: float = 0.0,
+    earth: Georeference | None = None,
     disk: Disk | None = None,
 ) -> list[DiveRoute]:
     """Return one route for each connected piece of a dive that was claimed at all.
@@ -83,14 +79,12 @@ def make_routes(  # noqa: PLR0917
         Keyframes, and their smoothed states, of `smoothing`.
     rows : Rows
         Rows of the `FrameTable`, shape (N,).
-    placing : callable or None
-        Takes places of the dive's frame to the frame of the route; None leaves them.
-    turn : float
-        By how much directions turn with it [rad].
+    earth : Georeference or None
+        Takes the dive's frame to that of the routes; None: they stay in it.
     disk : Disk or None
         Allocator of intermediate arrays; None: temporary files.
     """
-    dive = _Smoothed(keyframes, cable, rows, (placing, turn), disk or Disk())
+    dive = _Smoothed(keyframes, cable, rows, earth, disk or Disk())
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
@@ -107,7 +101,7 @@ class _Smoothed:
     keyframes: Keyframes
     cable: SmoothedCable
     rows: Rows
-    frame: tuple[Placing | None, float]
+    earth: Georeference | None
     disk: Disk
 
 
@@ -207,10 +201,11 @@ class _Piece:
         keyframes, cable = self._dive.keyframes, self._dive.cable
         headings: FloatArray = self._disk.array(len(order))
         unwrapping = Unwrapping()
+        turn = 0.0 if self._dive.earth is None else self._dive.earth.turn
         for part in self._disk.blocks(len(order)):
             own = order[part] + self._start
             raw = keyframes.places[own, 2] + cable.states[own, 1]
-            headings[order[part]] = unwrapping.apply(raw) + self._dive.frame[1]
+            headings[order[part]] = unwrapping.apply(raw) + turn
         return headings
 
     def _columns(self, part: slice, headings: FloatArray) -> Iterator[FloatArray]:
@@ -219,15 +214,15 @@ class _Piece:
         x, y, direction, standard deviation across, what the frame adds to its square, curvature,
         its standard deviation, lateral distance.
         """
-        keyframes, cable, placing = self._dive.keyframes, self._dive.cable, self._dive.frame[0]
+        keyframes, cable, earth = self._dive.keyframes, self._dive.cable, self._dive.earth
         own = slice(part.start + self._start, part.stop + self._start)
         aside, yaw = cable.states[own, 0], keyframes.places[own, 2]
         points = keyframes.places[own, :2].copy()
         points[:, 0] -= aside * np.sin(yaw)
         points[:, 1] += aside * np.cos(yaw)
         frame_variances = np.zeros(len(points))
-        if placing is not None:
-            points, frame_variances = placing(points, keyframes.stamps[own])
+        if earth is not None:
+            points, frame_variances = earth.apply(points, keyframes.stamps[own])
         yield from points.T
         yield headings[part]
         slope = np.abs(np.cos(cable.states[own, 1]))
