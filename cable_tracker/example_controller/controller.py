@@ -12,13 +12,8 @@ from cable_tracker.example_controller.cable_memory import (
     RememberedLine,
     line_at,
 )
-from cable_tracker.example_controller.line_of_sight import (
-    STOP,
-    Cable,
-    Command,
-    GuidanceSettings,
-    LineOfSight,
-)
+from cable_tracker.example_controller.command import STOP, Command
+from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings, LineOfSight
 from cable_tracker.example_controller.step_clock import StepClock
 
 NEAR, NEAR_TURNED = 0.2, math.radians(20.0)

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cable_tracker.example_controller.command import Command
+
 
 @dataclass(frozen=True, slots=True)
 class GuidanceSettings:
@@ -37,26 +39,6 @@ class GuidanceSettings:
     most_integral: float = 1.5
     turn_gain: float = 1.2
     most_turn: float = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """Command to the vehicle.
-
-    Attributes
-    ----------
-    surge : float
-        Velocity forward [m/s].
-    turn : float
-        Rate of turn to the left [rad/s].
-    """
-
-    surge: float
-    turn: float
-
-
-STOP = Command(0.0, 0.0)
-"""Stand still."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+from cable_tracker.example_controller.command import STOP, Command
 from cable_tracker.example_controller.step_clock import StepClock
 
 
@@ -84,23 +85,6 @@ class TargetPlace:
         return math.atan2(self.left, self.ahead)
 
 
-@dataclass(frozen=True, slots=True)
-class FollowCommand:
-    """Command to the vehicle.
-
-    Attributes
-    ----------
-    surge, heave : float
-        Velocity forward and up [m/s].
-    turn : float
-        Rate of turn to the left [rad/s].
-    """
-
-    surge: float = 0.0
-    heave: float = 0.0
-    turn: float = 0.0
-
-
 class FollowMode(str, Enum):
     """Mode of the follower."""
 
@@ -133,7 +117,7 @@ class TargetController:
         """Mode of the follower."""
         return self._mode
 
-    def step(self, time: float, place: TargetPlace | None) -> FollowCommand:
+    def step(self, time: float, place: TargetPlace | None) -> Command:
         """Return what to do.
 
         Parameters
@@ -150,20 +134,20 @@ class TargetController:
             return self._follow(place, dt)
         if self._last is None:
             self._mode = FollowMode.WAITING
-            return FollowCommand()
+            return STOP
         lost = self._clock.now - self._seen
         if lost > self._settings.give_up:
             self._mode = FollowMode.GIVEN_UP
-            return FollowCommand()
+            return STOP
         if lost <= self._settings.memory_time:
             self._mode = FollowMode.REMEMBERING
             # The turn for the last bearing fades away: by then the vehicle has made it.
             turn = self._turn(self._last.bearing) * math.exp(-lost)
-            return FollowCommand(self._limited(self._integral), 0.0, turn)
+            return Command(self._limited(self._integral), turn)
         self._mode = FollowMode.SEARCHING
         return self._search(lost - self._settings.memory_time, self._last.bearing)
 
-    def _follow(self, place: TargetPlace, dt: float) -> FollowCommand:
+    def _follow(self, place: TargetPlace, dt: float) -> Command:
         settings = self._settings
         too_far = place.range - settings.distance
         wanted = settings.gain * too_far + self._integral
@@ -172,19 +156,19 @@ class TargetController:
             self._integral += settings.integral_gain * too_far * dt
         surge = self._limited(wanted) * max(math.cos(place.bearing), 0.0)
         heave = min(max(settings.climb_gain * place.up, -settings.most_heave), settings.most_heave)
-        return FollowCommand(surge, heave, self._turn(place.bearing))
+        return Command(surge, self._turn(place.bearing), heave)
 
-    def _search(self, seconds: float, bearing: float) -> FollowCommand:
+    def _search(self, seconds: float, bearing: float) -> Command:
         """Look to both sides, `seconds` after the search has begun."""
         settings = self._settings
         surge, side = self._limited(self._integral), 1.0 if bearing >= 0.0 else -1.0
         if settings.search_angle == 0.0:
-            return FollowCommand(surge)
+            return Command(surge)
         # Each leg goes from one side to the other, and farther than the one before: by 1, 3, 5 ...
         # times the first angle, so that the first n of them take n squared times as long.
         legs = math.isqrt(int(seconds * settings.search_turn / settings.search_angle))
         turn = -side * settings.search_turn if legs % 2 else side * settings.search_turn
-        return FollowCommand(surge, 0.0, turn)
+        return Command(surge, turn)
 
     def _limited(self, surge: float) -> float:
         most = self._settings.most_surge

@@ -8,13 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.example_controller.cable_memory import Pose, RememberedLine
+from cable_tracker.example_controller.command import STOP, Command
 from cable_tracker.example_controller.controller import (
     Controller,
     ControllerSettings,
     Mode,
     SearchSettings,
 )
-from cable_tracker.example_controller.line_of_sight import STOP, Cable, Command
+from cable_tracker.example_controller.line_of_sight import Cable
 
 STEP = 0.1
 SEARCH = SearchSettings()

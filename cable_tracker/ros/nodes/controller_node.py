@@ -6,9 +6,8 @@ import math
 from collections import OrderedDict
 from typing import Any
 
-from geometry_msgs.msg import Twist
-
 from cable_tracker.example_controller.cable_memory import Pose
+from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import (
     Controller,
     ControllerSettings,
@@ -103,10 +102,6 @@ class ControllerNode(GuidanceNode):
             return None
         return self._poses[newest]
 
-    def _command(self, stamp: int, is_claimed: bool) -> Twist:
+    def _command(self, stamp: int, is_claimed: bool) -> Command:
         cable = self._cables.get(stamp) if is_claimed else None
-        command = self._controller.step(stamp / NANOSECONDS, cable, self._pose_at(stamp))
-        message = Twist()
-        message.linear.x = command.surge
-        message.angular.z = command.turn
-        return message
+        return self._controller.step(stamp / NANOSECONDS, cable, self._pose_at(stamp))

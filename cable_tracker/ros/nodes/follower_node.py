@@ -6,8 +6,7 @@ from collections import OrderedDict
 from dataclasses import fields
 from typing import Any
 
-from geometry_msgs.msg import Twist
-
+from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
     FollowSettings,
@@ -69,11 +68,6 @@ class FollowerNode(GuidanceNode):
     def _announces_place(self, report: Message) -> bool:
         return node_topics.RELATIVE_POSE in target_topics(report)
 
-    def _command(self, stamp: int, is_claimed: bool) -> Twist:
+    def _command(self, stamp: int, is_claimed: bool) -> Command:
         place = self._places.get(stamp) if is_claimed else None
-        command = self._follower.step(stamp / NANOSECONDS, place)
-        message = Twist()
-        message.linear.x = command.surge
-        message.linear.z = command.heave
-        message.angular.z = command.turn
-        return message
+        return self._follower.step(stamp / NANOSECONDS, place)

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, TypeVar, cast
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
 
+from cable_tracker.example_controller.command import STOP, Command
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
@@ -86,7 +87,7 @@ class GuidanceNode(ProcessNode):
         self._told: str | None = None
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
-        self._last_command = Twist()
+        self._last_command = STOP
         self._commands = publisher(self, node_topics.COMMAND, qos.RESULTS)
         self._diagnostics = publisher(
             self, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
@@ -119,7 +120,7 @@ class GuidanceNode(ProcessNode):
         """Tell whether a place in metres comes with a frame, by the tracker's report of it."""
         raise NotImplementedError
 
-    def _command(self, stamp: int, is_claimed: bool) -> Twist:
+    def _command(self, stamp: int, is_claimed: bool) -> Command:
         """Return the answer to a frame of a time [ns]."""
         raise NotImplementedError
 
@@ -179,8 +180,7 @@ class GuidanceNode(ProcessNode):
         command = self._command(stamp, is_claimed)
         # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._report_mode_change(stamp)
-        self._last_command = command
-        self._commands.publish(command)
+        self._send(command)
 
     def _stop_while_idle(self, stamp: int, status: str) -> None:
         """Let the vehicle stop: to search makes no sense while the tracker does not look."""
@@ -205,11 +205,17 @@ class GuidanceNode(ProcessNode):
 
     def _stop(self) -> bool:
         """Let the vehicle stop if a command lets it move; tell whether one did."""
-        if self._last_command == Twist():
+        if self._last_command == STOP:
             return False
-        self._last_command = Twist()
-        self._commands.publish(self._last_command)
+        self._send(STOP)
         return True
+
+    def _send(self, command: Command) -> None:
+        self._last_command = command
+        message = Twist()
+        message.linear.x, message.linear.z = command.surge, command.heave
+        message.angular.z = command.turn
+        self._commands.publish(message)
 
     def _report_mode_change(self, stamp: int) -> None:
         """Report a change of mode in the log and in diagnostics."""

@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
+from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import Mode, SearchSettings
 from cable_tracker.ros.nodes.controller_node import ControllerNode
 from cable_tracker.ros.process.ros_context import started_context
@@ -303,6 +304,6 @@ def test_odometry_that_does_not_know_or_is_old_does_not_count(world):
 def test_a_controller_whose_context_is_gone_ends_all_the_same():
     context = started_context([])
     node = ControllerNode(context=context)
-    node._last_command.linear.x = 0.3
+    node._last_command = Command(surge=0.3)
     rclpy.try_shutdown(context=context)
     node.destroy_node()
