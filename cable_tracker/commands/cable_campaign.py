@@ -36,7 +36,10 @@ PRINTED_METRICS = (
 """Metrics that fit on a terminal; the report has more."""
 
 START_NOTES = {
-    Start.TRUTH: "told where the cable is in the first frame; --init random for a cold start",
+    Start.TRUTH: (
+        "told where the cable is in the first frame, if that has a label; --init random for a cold"
+        " start"
+    ),
     Start.RANDOM: "not told where the cable is, a cold start; --init truth tells it",
 }
 """What is said of how the runs began."""

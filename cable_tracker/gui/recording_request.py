@@ -27,3 +27,11 @@ class RecordingRequest(ChosenRecording):
     init: str = RANDOM
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
+
+    def choice_for(self, path: Path) -> InstrumentChoice:
+        """Return the topics of the instruments of another recording, opened like this one.
+
+        Topics that were named are those of the recording that was named with them, or of the first
+        one that is opened if none was.
+        """
+        return self.choice if self.path in (path, Path()) else InstrumentChoice()

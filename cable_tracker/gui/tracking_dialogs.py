@@ -14,7 +14,6 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracking_commands import KeyBinding
 from cable_tracker.gui.typed_paths import typed_path
-from cable_tracker.sequences.instruments import InstrumentChoice
 
 CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"
 TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
@@ -126,12 +125,10 @@ class OpenDialog(FormDialog):
     async def do(self) -> None:
         """Open it."""
         template, path = self._template(), typed_path(self._path.value)
-        # Topics that were named on the command line are those of the recording named there.
-        choice = template.choice if path == template.path else InstrumentChoice()
         request = replace(
             template,
             path=path,
-            choice=choice,
+            choice=template.choice_for(path),
             init=self._init.value.strip() or template.init,
             topic=self._topic.value.strip() or None,
             truth=typed_path(self._truth.value) if self._truth.value.strip() else None,

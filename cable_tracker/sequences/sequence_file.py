@@ -8,6 +8,7 @@ that begin with ``#`` are comments.
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -17,7 +18,14 @@ import numpy as np
 
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, RecordingError, one_line, read_failure, write_failure
+from cable_tracker.errors import (
+    FrameError,
+    OutputError,
+    RecordingError,
+    one_line,
+    read_failure,
+    write_failure,
+)
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
@@ -174,7 +182,9 @@ def write_labels(path: Path, labels: Iterable[Label]) -> None:
     try:
         with path.open("w", encoding="utf-8", newline="\n") as file:
             file.write(format_labels(labels))
-    except (OSError, ValueError) as error:
+    except ValueError as error:
+        raise OutputError(f"{path}: cannot be written ({error}); rename the recording") from error
+    except OSError as error:
         raise write_failure(path, error) from error
 
 
@@ -192,11 +202,19 @@ def format_labels(labels: Iterable[Label], *, allow_outside: bool = False) -> st
 def _format_label(label: Label, allow_outside: bool) -> str:
     state, name = label.state, str(label)
     read_back = _parse_name(name.strip())
-    if read_back != (label.filename, label.frame) or not name or not name.isprintable():
+    if read_back != (label.filename, label.frame) or not name or _breaks_a_line(name):
         raise ValueError(f"{name!r} is no usable file name")
     _check_name(label.filename, allow_outside)
     numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
     return f"{numbers} # {name}\n"
+
+
+def _breaks_a_line(name: str) -> bool:
+    """Tell whether a name holds line breaks, control characters, or half of a character.
+
+    Blanks of any kind do no harm: names of screen recordings have such as do not break.
+    """
+    return any(unicodedata.category(character) in {"Cc", "Cs", "Zl", "Zp"} for character in name)
 
 
 def _resolve(sequence: Path, label: Label, allow_outside: bool) -> Path:

@@ -93,7 +93,10 @@ def test_scenarios_are_evaluated(command, tmp_path):
     )  # fmt: skip
     assert code == 0
     assert "thesis" in printed
-    assert "runs: told where the cable is in the first frame; --init random" in printed
+    assert (
+        "runs: told where the cable is in the first frame, if that has a label; --init random"
+        in printed
+    )
     assert str(out / REPORT) in printed.replace("\n", "")
     assert len((out / "runs.csv").read_text().splitlines()) == 1 + 2 * 2
     assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")

@@ -9,6 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -24,6 +26,15 @@ from cable_tracker.tracking.parameter_files import (
 
 LAST = 59
 PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
+
+
+@pytest.fixture
+def pictures(tmp_path):
+    """A folder of pictures whose numbers have a gap."""
+    for number in (1, 2, 3, 7, 8):
+        picture = np.full((120, 160), 90 + number, np.uint8)
+        cv2.imwrite(str(tmp_path / f"{number:03}.png"), picture)
+    return tmp_path
 
 
 class Window:
@@ -417,6 +428,17 @@ def test_a_recording_is_opened_from_the_page_and_the_server_may_go(visit, run_co
         command.stop()
         page.locator("[data-test=cut]").wait_for()
         assert command.process.returncode == 0
+
+
+def test_what_is_to_be_known_of_a_recording_is_said_when_it_is_opened(visit, run_command, pictures):
+    command = run_command("gui")
+    with visit(command.url) as page:
+        page.get_by_text("No recording is open").wait_for()
+        page.keyboard.press("o")
+        path = page.locator("[data-test=open-path]")
+        path.fill(str(pictures))
+        path.press("Enter")
+        page.get_by_text("missing by their numbers").wait_for()
 
 
 def result_of(coroutine):

@@ -136,6 +136,17 @@ def test_labels_cannot_be_written_to_a_missing_folder(tmp_path):
         write_labels(tmp_path / "nothing" / "s.txt", [])
 
 
+@pytest.mark.parametrize("name", ["rec at 3.04\u202fPM.mp4", "a\u00a0b.png", "Tauchgang ä #2.png"])
+def test_names_with_blanks_of_any_kind_are_read_back(tmp_path, name):
+    write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), name)])
+    assert [label.filename for label in read_labels(tmp_path / "s.txt")] == [name]
+
+
+def test_a_name_that_cannot_be_written_asks_for_another_name_and_not_for_room(tmp_path):
+    with pytest.raises(OutputError, match="rename the recording"):
+        write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), " lead.mp4")])
+
+
 def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
     (tmp_path / "in").mkdir()
     for index in range(3):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -130,10 +131,21 @@ class PictureNames(FrameNames):
 
 
 class EntryNames(FrameNames):
-    """Frames of an image-sequence file, called as they are there."""
+    """Frames of an image-sequence file, called as they are there.
+
+    Raises
+    ------
+    RecordingError
+        The file lists a frame more than once: its labels could not be told apart.
+    """
 
     def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:
         numbers = {str(entry): number for number, entry in enumerate(entries)}
+        if len(numbers) < len(entries):
+            (name, count), *_ = Counter(map(str, entries)).most_common(1)
+            raise RecordingError(
+                f"{sequence}: lists {name} {count} times, and labels go by name; list it once"
+            )
         super().__init__(f"a frame that {sequence} lists", numbers)
         self._entries = tuple(entries)
 

@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.gui.labelling.names import PictureNames, names_of
+from cable_tracker.gui.labelling.names import EntryNames, PictureNames, names_of
 from cable_tracker.sequences.sequence_file import Label
 from cable_tracker.sequences.source import open_source
 
@@ -90,3 +90,9 @@ def test_labels_of_another_recording_that_is_there_are_not_its_own(video, tmp_pa
     names = names_of(open_source(video))
     with pytest.raises(RecordingError, match="holds labels, but none for"):
         names.frames([label("other.avi", 3)], tmp_path / "labels.txt")
+
+
+def test_a_sequence_that_lists_a_frame_twice_is_refused(tmp_path):
+    entries = [label("p0.png"), label("p1.png"), label("p0.png")]
+    with pytest.raises(RecordingError, match=r"p0\.png 2 times"):
+        EntryNames(tmp_path / "s.txt", entries)
