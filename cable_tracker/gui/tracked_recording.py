@@ -111,12 +111,14 @@ class TrackedRecording:
 
     def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
         self.position = frame.index
+        if self.is_enabled:
+            # A frame that is refused belongs to the run too: one can go back to it and on from it.
+            self._memory.note(frame.index, self.follower)
         try:
             self.follower.look(frame)
             if not self.is_enabled:
                 self._publish(self._snapshot(frame, DISABLED))
                 return
-            self._memory.note(frame.index, self.follower)
             snapshot = self.follower.follow(frame, self._number + 1)
         except FrameError as error:
             if is_shown:

@@ -2,11 +2,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from cable_tracker.errors import GuiError
+from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.tracked_recording import LONGEST_RUN, TrackedRecording
+from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 LAST = 99
+REFUSED_FRAME = 50
 
 
 class Frames:
@@ -42,7 +44,8 @@ class Path:
         self.way = (start,)
 
     def look(self, frame):
-        pass
+        if frame.index == REFUSED_FRAME:
+            raise FrameError("no picture")
 
     def close(self):
         pass
@@ -90,6 +93,17 @@ def test_behind_the_end_it_is_the_last_frame(run):
     assert (tracked.position, shown[-1][1]) == (LAST, LAST)
     assert not tracked.go_to(LAST + 9, never)
     assert not tracked.go_to(LAST, never)
+
+
+def test_going_back_to_a_refused_frame_keeps_what_was_known_before_it(run):
+    tracked, shown = run
+    for frame in range(1, REFUSED_FRAME + 2):
+        tracked.go_to(frame, never)
+    before = shown[-1]
+    tracked.go_to(REFUSED_FRAME, never)
+    assert shown[-1][1:] == (REFUSED_FRAME, REFUSED)
+    tracked.go_to(REFUSED_FRAME + 1, never)
+    assert shown[-1][1:] == before[1:]
 
 
 def test_it_stops_on_the_way_where_another_frame_is_wanted(run):
