@@ -159,8 +159,17 @@ class RecordingSession(SnapshotFeed):
     def set_speed(self, speed: float) -> None:
         """Play faster or more slowly; infinity plays as fast as the tracker can."""
         if speed > 0.0:
-            self._speed = speed
+            with self._lock:
+                self._scale_pause(speed)
+                self._speed = speed
         self._thread.wake()
+
+    def _scale_pause(self, speed: float) -> None:
+        """Scale what is left of the pause before the next frame to another speed."""
+        now = time.monotonic()
+        left = self._due - now
+        if left > 0.0:
+            self._due = now + left * self._speed / speed
 
     def change(self, values: Mapping[str, object]) -> None:
         """Change parameters, all of them or none; they count from the next frame on.
@@ -237,7 +246,9 @@ class RecordingSession(SnapshotFeed):
         if self._has_next():
             begin = max(self._due, time.monotonic() - LARGEST_DELAY)
             self._go_to(self._tracked.position + 1)
-            self._due = begin + self._pause_before_next() / self._speed
+            pause = self._pause_before_next()
+            with self._lock:
+                self._due = begin + pause / self._speed
 
     def _has_next(self) -> bool:
         """Tell whether there is another frame; if not, stand still."""

@@ -31,6 +31,7 @@ from cable_tracker.tracking.idle_status import WARMING_UP
 
 TIMEOUT = 300.0
 LAST = 59
+LESS_THAN_A_FRAME_A_MINUTE = 1e-5
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
 TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
 
@@ -256,6 +257,19 @@ def test_at_the_first_frame_it_starts_as_it_was_told(watch):
     watched.session.change({"particle_count": 119})
     watched.session.change({"particle_count": 120})
     assert same_belief(watched.go_to(0), first)
+
+
+@pytest.mark.parametrize("speed", [1.0, math.inf])
+def test_a_faster_speed_counts_at_once_and_not_after_the_pause_of_the_slower_one(watch, speed):
+    watched = watch()
+    watched.at(0)
+    watched.session.set_speed(LESS_THAN_A_FRAME_A_MINUTE)
+    watched.session.play()
+    watched.at(1)
+    # Answered when the frame is done with, and the pause after it has begun.
+    watched.session.change({})
+    watched.session.set_speed(speed)
+    watched.wait(lambda now: now.frame > 1)
 
 
 def test_it_stops_at_the_end_and_plays_from_the_start_again(watch):
