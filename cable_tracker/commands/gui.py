@@ -36,6 +36,7 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
+from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_files import read_parameter_file
@@ -110,11 +111,12 @@ def gui(  # noqa: PLR0917
         }  # fmt: skip
         refuse_without_effect(of_recordings, "would not reach the node of --ros")
     named = (camera_info_topic, altitude_topic, imu_topic, odometry_topic)
-    choice = chosen_instruments(*named)
-    if (target or ros is not None) and any(each is not None for each in (vehicle, *named)):
-        raise GuiError(
-            "--vehicle and topics of instruments are for a cable in a recording; leave them out"
-        )
+    if ros is not None and any(each is not None for each in (vehicle, *named)):
+        raise GuiError("--vehicle and topics of instruments are for a recording; leave them out")
+    if target and altitude_topic is not None:
+        raise GuiError("--altitude-topic is for a cable; leave it out")
+    altitude = NO_TOPIC if target else altitude_topic
+    choice = chosen_instruments(camera_info_topic, altitude, imu_topic, odometry_topic)
     subject = subjects.TARGET if target else subjects.CABLE
     values = read_parameter_file(params, subject.node) if params is not None else {}
     if preset_name is not None:

@@ -14,11 +14,9 @@ from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracked_recording import TrackedRecording
-from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 LONGEST_PAUSE = 1.0
@@ -63,16 +61,13 @@ class RecordingSession(SnapshotFeed):
         with ExitStack() as stack:
             source = stack.enter_context(open_for(request, parameters))
             self._frames = FrameAccess(source)
-            vehicle = self._instruments_of(source, parameters)
+            vehicle = recorded_vehicle(source, request.choice, request.vehicle)
             follower = make_follower(source, request, parameters, vehicle)
             try:
                 self._frames.frame(0)
             except IndexError as error:
                 raise RecordingError(f"{source.path}: holds no frames; record it again") from error
-            self.notes = (
-                *([source.note] if source.note else []),
-                *(vehicle.notes if vehicle else ()),
-            )
+            self.notes = (*([source.note] if source.note else []), *vehicle.notes)
             self._resources = stack.pop_all()
         self.subject = follower.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
@@ -88,12 +83,6 @@ class RecordingSession(SnapshotFeed):
             "recording", begin=self._begin, next_time=self._next_time, work=self._work
         )
         self._thread.start()
-
-    def _instruments_of(self, source: Source, parameters: ParameterSet) -> RecordedVehicle | None:
-        """Return what a recording of a cable holds besides pictures; a target stays in pixels."""
-        if isinstance(parameters, TargetParameters):
-            return None
-        return recorded_vehicle(source, self.request.choice, self.request.vehicle)
 
     # What can be asked at any time
 

@@ -5,6 +5,7 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
+from copy import copy
 from types import TracebackType
 from typing import Self
 
@@ -73,10 +74,15 @@ class RecordedSight:
     """
 
     def __init__(self, described: RecordedVehicle, target_size: float = 0.0) -> None:
-        values = target_values(described.vehicle, target_size)
-        self.base_frame = str(values["base_frame"])
-        self._sight = TargetSight(values, described.vehicle.calibration)
+        self._values = target_values(described.vehicle, target_size)
+        self._calibration = described.vehicle.calibration
+        self.base_frame = str(self._values["base_frame"])
+        self._sight = self._first_sight()
         self._feed = InstrumentFeed(described.source)
+
+    def _first_sight(self) -> TargetSight:
+        """Return one that knows what is known before the recording begins."""
+        return TargetSight(self._values, self._calibration)
 
     def __enter__(self) -> Self:
         return self
@@ -87,7 +93,28 @@ class RecordedSight:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Read no more of the recording."""
         self._feed.close()
+
+    def copy(self) -> RecordedSight:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._feed, other._sight = self._feed.copy(), self._sight.copy()
+        return other
+
+    def jump(self, *, to_start: bool = False) -> None:
+        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
+
+        With `to_start` that is the first frame, and the calibration is read again too.
+        """
+        self._feed.jump(to_start=to_start)
+        if to_start:
+            self._sight = self._first_sight()
+        else:
+            self._sight.forget_all()
 
     @property
     def settings(self) -> TargetSettings:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.known_calibration import KnownCalibration
@@ -59,9 +60,19 @@ class TargetSight:
         )
         self._use_calibration()
         self._ranges = [TargetRange(self._settings) for _ in range(count)]
+        self._forget_frame()
+
+    def _forget_frame(self) -> None:
         self._before: int | None = None
         self._moved: tuple[PoseChange, bool] | NoMotion = FIRST_FRAME
         self._why_unaided = ""
+
+    def copy(self) -> TargetSight:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._calibration, other._motion = self._calibration.copy(), self._motion.copy()
+        other._ranges = [each.copy() for each in self._ranges]
+        return other
 
     @property
     def settings(self) -> TargetSettings:
@@ -85,6 +96,12 @@ class TargetSight:
         """Begin anew with the range of one target, or of all."""
         for each in self._ranges if number is None else [self._ranges[number]]:
             each.forget()
+
+    def forget_all(self) -> None:
+        """Forget ranges, measurements and the last frame; the calibration stays."""
+        self.forget()
+        self._motion.forget()
+        self._forget_frame()
 
     def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
         """Take a message of a time [ns]; one of an instrument that does not count is ignored."""

@@ -1,9 +1,11 @@
 """A recording of a target, followed in this process and watched."""
 
+import math
 import threading
 
 import numpy as np
 import pytest
+from chase_bag import write_chase_bag
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
@@ -13,12 +15,20 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking_desk import TrackingDesk, start_with_box
+from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.offline.results import WantedResults
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.track_target import track_target
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 TIMEOUT = 300.0
 PARAMETERS = TargetParameters(particle_count=80, seed=4)
+TURNING_LENGTH = 32
+TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
 
 
 class Watched:
@@ -26,11 +36,13 @@ class Watched:
 
     def __init__(self, session):
         self.session = session
+        self.seen = []
         self._changed = threading.Condition()
         session.listen(self._take)
 
-    def _take(self, _snapshot):
+    def _take(self, snapshot):
         with self._changed:
+            self.seen.append(snapshot)
             self._changed.notify_all()
 
     def at(self, frame, after=0):
@@ -53,14 +65,25 @@ class Watched:
         self.session.seek(frame)
         return self.at(frame)
 
+    def play_to_the_end(self):
+        """Play as fast as can be, and return what was said about each frame that was tracked."""
+        first = self.at(0)
+        self.session.set_speed(math.inf)
+        self.session.play()
+        last = self.at(self.session.frame_count - 1)
+        with self._changed:
+            # The session shows a snapshot before it tells its listeners.
+            assert self._changed.wait_for(lambda: last in self.seen, TIMEOUT)
+            return {0: first} | {each.frame: each for each in self.seen if each.frame > 0}
+
 
 @pytest.fixture
 def watch(target_dive):
     """Return a function that watches the recording."""
     sessions = []
 
-    def start(init="wait", parameters=PARAMETERS, **given):
-        request = RecordingRequest(target_dive, init=init, **given)
+    def start(init="wait", parameters=PARAMETERS, path=target_dive, **given):
+        request = RecordingRequest(path, init=init, **given)
         sessions.append(RecordingSession(request, parameters))
         return Watched(sessions[-1])
 
@@ -72,6 +95,14 @@ def watch(target_dive):
 @pytest.fixture
 def first_box(target_frames):
     return target_frames[0].box
+
+
+@pytest.fixture(scope="module")
+def turning_dive(tmp_path_factory):
+    """Return a bag of a vehicle that turns, with calibration and odometry, and the first box."""
+    path = tmp_path_factory.mktemp("recordings") / "turning"
+    ((box, _), *_) = write_chase_bag(path, TURNING_LENGTH)
+    return path, box
 
 
 def words(box):
@@ -100,6 +131,47 @@ def test_going_back_gives_the_same_belief_again(watch, first_box):
     again = watched.go_to(6)
     assert np.array_equal(once.cloud, again.cloud)
     assert np.array_equal(once.state, again.state)
+
+
+def rows_of_command(path, box, folder):
+    tracker = TargetTracker(PARAMETERS)
+    tracker.initialise(TargetStart.from_box(*box))
+    with (
+        RecordingRequest(path).open() as source,
+        RecordedSight(recorded_vehicle(source)) as sight,
+        TargetFolder(folder, timing=False, wanted=TABLE_ONLY) as results,
+    ):
+        track_target(source.frames(), tracker, results, sight)
+        return list(results.rows)
+
+
+def test_turns_of_the_camera_are_taken_out_as_by_the_command_target(watch, turning_dive, tmp_path):
+    path, box = turning_dive
+    rows = rows_of_command(path, box, tmp_path / "out")
+    played = watch(words(box), path=path).play_to_the_end()
+    assert len(rows) == TURNING_LENGTH
+    for row in rows:
+        shown = played[row.frame]
+        assert (row.status, row.n_eff, row.presence) == (shown.status, shown.n_eff, shown.presence)
+        assert row.claim[:4] == tuple(shown.state[:4])
+
+
+def test_going_back_takes_the_same_turns_of_the_camera_out_again(watch, turning_dive):
+    path, box = turning_dive
+    watched = watch(words(box), path=path)
+    played = watched.play_to_the_end()
+    for frame in (28, 20, 0, TURNING_LENGTH - 1):
+        again = watched.go_to(frame)
+        assert np.array_equal(again.cloud, played[frame].cloud)
+
+
+def test_a_closed_session_reads_no_more_of_the_instruments(watch, turning_dive):
+    path, box = turning_dive
+    watched = watch(words(box), path=path)
+    watched.at(0)
+    feed = watched.session._tracked.follower._sight._feed
+    watched.session.close()
+    assert feed._messages.gi_frame is None
 
 
 def test_without_a_mark_nothing_is_claimed_until_one_is_drawn(watch, first_box):

@@ -90,6 +90,40 @@ def test_the_homography_carries_the_target_along(turning):
     assert np.mean(left) < 0.5 * np.mean(still)
 
 
+def follow_some(frames, sight, tracker):
+    """Follow frames, and return the homographies that they were followed with."""
+    homographies = []
+    for frame in frames:
+        sight.advance(frame)
+        motion = sight.camera_motion(frame.stamp, (320, 240))
+        homographies.append(None if motion is None else motion.homography)
+        sight.take(tracker.process(decode_bgr(frame.image), frame.stamp, motion))
+    return homographies
+
+
+def test_a_copy_goes_on_as_the_other_does(turning):
+    with open_source(turning[0]) as source, RecordedSight(recorded_vehicle(source)) as sight:
+        frames, tracker = list(source.frames()), TargetTracker()
+        follow_some(frames[:5], sight, tracker)
+        with sight.copy() as other:
+            there = follow_some(frames[5:9], other, tracker.copy())
+        assert np.array_equal(follow_some(frames[5:9], sight, tracker), there)
+
+
+def test_after_a_jump_turns_are_known_from_the_second_frame_on(turning):
+    with open_source(turning[0]) as source, RecordedSight(recorded_vehicle(source)) as sight:
+        frames = list(source.frames())
+        there = follow_some(frames, sight, TargetTracker())
+        sight.jump()
+        first, *others = follow_some(frames[9:12], sight, TargetTracker())
+        assert first is None
+        assert np.allclose(others, there[10:12])
+        sight.jump(to_start=True)
+        first, *others = follow_some(frames[:3], sight, TargetTracker())
+        assert first is None
+        assert np.array_equal(others, there[1:3])
+
+
 def test_without_motion_it_is_said_why_nothing_is_compensated(tmp_path):
     ((box, _), *_) = write_chase_bag(tmp_path / "bag", 3, instruments=("camera_info",))
     told, why = followed(tmp_path / "bag", box)

@@ -10,6 +10,7 @@ from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.followers.target_follower import TargetFollower
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.target_labels import find_boxes, own_boxes
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -33,7 +34,7 @@ def make_follower(
     Parameters
     ----------
     vehicle : RecordedVehicle or None
-        Instruments of the recording, for a cable in metres.
+        Instruments of the recording: metres of a cable, turns of the camera for a target.
 
     Raises
     ------
@@ -44,7 +45,8 @@ def make_follower(
     """
     if isinstance(parameters, TargetParameters):
         truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
-        return TargetFollower(request.init, parameters, truth)
+        sight = RecordedSight(vehicle) if vehicle is not None and vehicle.has_instruments else None
+        return TargetFollower(request.init, parameters, truth, sight)
     assert isinstance(parameters, TrackerParameters)
     metres = vehicle.metres() if vehicle is not None else None
     return CableFollower(source, request.init, parameters, metres)

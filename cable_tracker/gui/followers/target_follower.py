@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Self
 
 import numpy as np
 
@@ -12,11 +13,12 @@ from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnyStart, TargetSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import TARGET
+from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.target_labels import BoxTruth
-from cable_tracker.target.model.estimate import is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
 from cable_tracker.target.model.state import PoseColumn
@@ -35,6 +37,8 @@ class TargetFollower(Follower):
         Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
     truth : BoxTruth
         True boxes of the labelled frames [px].
+    sight : RecordedSight or None
+        The recording's instruments, which tell how the camera turned; None: it has none.
 
     Raises
     ------
@@ -46,8 +50,15 @@ class TargetFollower(Follower):
     _tracker: TargetTracker
     _parameters: TargetParameters
 
-    def __init__(self, init: str, parameters: TargetParameters, truth: BoxTruth) -> None:
+    def __init__(
+        self,
+        init: str,
+        parameters: TargetParameters,
+        truth: BoxTruth,
+        sight: RecordedSight | None = None,
+    ) -> None:
         self._truth = truth
+        self._sight = sight
         self._start: StartText = parse_start_text(init)
         if len(self._start.boxes) > 1:
             raise ParameterError("init: the window follows one target; mark only one")
@@ -67,12 +78,29 @@ class TargetFollower(Follower):
         """Be ready for the first frame."""
         for start in self._start.boxes:
             self._tracker.initialise(start)
+        if self._sight is not None:
+            self._sight.jump(to_start=True)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        super().reset()
+        if self._sight is not None:
+            self._sight.jump()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = super().copy()
+        if self._sight is not None:
+            other._sight = self._sight.copy()
+        return other
 
     def _forget_picture(self) -> None:
         self._image = stand_in()
 
     def close(self) -> None:
-        """Do nothing: boxes were read at the start."""
+        """Read no more of the recording."""
+        if self._sight is not None:
+            self._sight.close()
 
     def initialise(self, start: AnyStart) -> None:
         """Follow what is marked in the next frame."""
@@ -91,9 +119,22 @@ class TargetFollower(Follower):
 
     def follow(self, frame: Frame, number: int) -> TargetSnapshot:
         """Track a frame."""
+        sight = self._sight
+        if sight is not None:
+            sight.advance(frame)
         begin = time.perf_counter()
-        estimate = self._tracker.process(self._image, frame.stamp)
+        height, width = self._image.shape[:2]
+        motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
+        estimate = self._tracker.process(self._image, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
+        if sight is not None:
+            # Tells it from which frame the next turn of the camera counts.
+            sight.take(estimate)
+        return self._tracked(frame, number, estimate, ms)
+
+    def _tracked(
+        self, frame: Frame, number: int, estimate: TargetEstimate, ms: float
+    ) -> TargetSnapshot:
         claimed = is_claimed(estimate)
         state = sigma = None
         if claimed:
