@@ -88,8 +88,8 @@ class RecordingSession(SnapshotFeed):
 
     @property
     def trouble(self) -> str:
-        """Trouble that keeps frames from coming; empty if there is none."""
-        return self._trouble
+        """Trouble that keeps frames from coming, or else with the start; empty if there is none."""
+        return self._trouble or self._tracked.follower.trouble
 
     @property
     def is_enabled(self) -> bool:

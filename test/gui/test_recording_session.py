@@ -305,6 +305,18 @@ def test_a_refused_value_changes_nothing_at_all(watch):
     assert session.parameters() == before
 
 
+def test_a_start_that_is_not_found_under_other_parameters_is_said_and_it_goes_on(watch):
+    watched = watch(init="hough")
+    watched.at(0)
+    watched.go_to(1)
+    watched.session.change({"width_maximum": 5.0, "initial_width_maximum": 5.0})
+    watched.go_to(0)
+    assert "hough sees no cable" in watched.session.trouble
+    watched.go_to(3)
+    watched.session.reset()
+    assert not watched.session.trouble
+
+
 def test_under_other_parameters_an_earlier_frame_is_a_jump(watch):
     watched = watch()
     played = watched.play_to_the_end()

@@ -13,6 +13,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.errors import ParameterError
 from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnyStart, Snapshot
 from cable_tracker.gui.stand_in import stand_in
@@ -58,7 +59,10 @@ class CableFollower(Follower):
         parameters: TrackerParameters,
         metres: RecordedMetres | None = None,
     ) -> None:
-        self._start = given_state_for(source, init, pair_limits(parameters))
+        self._source, self._init = source, init
+        self._limits = pair_limits(parameters)
+        self._start = given_state_for(source, init, self._limits)
+        self._no_start = ""
         self._parameters = parameters
         self._tracker = make_tracker(parameters)
         self._metres = metres
@@ -70,10 +74,25 @@ class CableFollower(Follower):
 
     def begin(self) -> None:
         """Be ready for the first frame."""
+        self._update_start()
+        self.trouble = self._no_start
         if self._start is not None:
             self._tracker.initialise(self._start)
         if self._metres is not None:
             self._metres.jump(to_start=True)
+
+    def _update_start(self) -> None:
+        """Find the start anew where other cables may be followed than when it was found."""
+        limits = pair_limits(self._parameters)
+        if limits == self._limits:
+            return
+        self._start, self._no_start = None, ""
+        try:
+            self._start = given_state_for(self._source, self._init, limits)
+        except ParameterError as error:
+            # The user watches: the recording goes on as from `random`.
+            self._no_start = str(error)
+        self._limits = limits
 
     def reset(self) -> None:
         """Forget everything."""
@@ -100,6 +119,7 @@ class CableFollower(Follower):
         """Start the next frame from a belief."""
         assert isinstance(start, GivenState), "a cable is not marked with an outline"
         self._tracker.initialise(start)
+        self.trouble = ""
 
     def _configure_tracker(self, parameters: ParameterSet) -> None:
         assert isinstance(parameters, TrackerParameters)

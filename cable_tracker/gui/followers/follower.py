@@ -29,9 +29,12 @@ class Follower(ABC):
     ----------
     subject : Subject
         Description of the tracked object for the page.
+    trouble : str
+        Why this run did not start as was asked; empty if it did.
     """
 
     subject: Subject
+    trouble: str = ""
     _tracker: AnyTracker
     _parameters: ParameterSet
 
@@ -55,6 +58,7 @@ class Follower(ABC):
     def reset(self) -> None:
         """Forget everything."""
         self._tracker.reset()
+        self.trouble = ""
 
     def copy(self) -> Self:
         """Return another one that goes on as this one would, without the frame's picture."""
