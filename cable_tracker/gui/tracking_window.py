@@ -67,9 +67,6 @@ REFRESH = 0.2
 REFRESH_OF_PARAMETERS = 1.0
 """Interval between two checks whether another page has changed a parameter [s]."""
 
-NOTE_TIME = 15_000
-"""For how long a note on a recording is shown [ms]."""
-
 STYLE = Path(__file__).with_name("tracking_window.css").read_text(encoding="utf-8")
 
 
@@ -168,6 +165,9 @@ class TrackingPage:
             ui.label(name if is_live else Path(name).name).classes("text-weight-bold").props(
                 'role="heading" aria-level="1" data-test="title"'
             ).tooltip(name)
+            if self._desk.player is not None and self._desk.player.notes:
+                notes = "; ".join(self._desk.player.notes)
+                ui.label(notes).classes("ct-notes").props("data-test=notes").tooltip(notes)
             self._trouble = ui.label().classes("ct-trouble")
             self._trouble.props('role="status" data-test="trouble"')
             if session is not None:
@@ -324,8 +324,6 @@ class TrackingPage:
 
     async def _open(self, request: RecordingRequest) -> None:
         await run.io_bound(self._desk.open, request)
-        for note in self._desk.player.notes if self._desk.player is not None else ():
-            ui.notify(note, type="warning", multi_line=True, timeout=NOTE_TIME)
         self._refresh()
 
     async def _change(self, event: GenericEventArguments) -> None:

@@ -438,7 +438,7 @@ def test_what_is_to_be_known_of_a_recording_is_said_when_it_is_opened(visit, run
         path = page.locator("[data-test=open-path]")
         path.fill(str(pictures))
         path.press("Enter")
-        page.get_by_text("missing by their numbers").wait_for()
+        page.locator("[data-test=notes]", has_text="missing by their numbers").wait_for()
 
 
 def result_of(coroutine):
