@@ -497,9 +497,9 @@ def test_a_port_that_is_taken_is_said(monkeypatch):
 
 @pytest.mark.slow
 def test_instruments_that_would_not_be_read_are_refused(tmp_path):
-    ended = run_to_its_end(tmp_path, "--target", "--imu-topic", "none")
+    ended = run_to_its_end(tmp_path, "--target", "--altitude-topic", "none")
     assert ended.returncode == 2
-    assert "leave them out" in ended.stderr
+    assert "leave it out" in ended.stderr
 
 
 @pytest.mark.slow
