@@ -78,7 +78,7 @@ class CableSight:
         self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
         self._use_calibration()
 
-    def forget(self) -> None:
+    def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
         self._instruments.forget()
         self._forget_motion()

@@ -7,11 +7,8 @@ measurements are interpolated instead of held.
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -20,6 +17,7 @@ from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.vehicle import (
     VehicleDescription,
     VehicleFile,
@@ -59,7 +57,7 @@ class Pauses:
         return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
 
 
-class RecordedMetres:
+class RecordedMetres(RecordedInstruments[CableSight]):
     """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
 
     Parameters
@@ -80,8 +78,7 @@ class RecordedMetres:
     ) -> None:
         self._vehicle = vehicle
         self._pauses = pauses
-        self._feed = InstrumentFeed(source, pauses.of_instruments())
-        self._sight = self._first_sight()
+        super().__init__(InstrumentFeed(source, pauses.of_instruments()))
         self._aids = bool(vehicle.values["motion_aid"]) and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
@@ -92,42 +89,8 @@ class RecordedMetres:
         return str(self._vehicle.values["base_frame"])
 
     def _first_sight(self) -> CableSight:
-        """Return one that knows what is known before the recording begins."""
         vehicle = self._vehicle
         return CableSight(vehicle.values, vehicle.calibration, self._pauses.texture)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Read no more of the recording."""
-        self._feed.close()
-
-    def copy(self) -> RecordedMetres:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._feed = self._feed.copy()
-        other._sight = self._sight.copy()
-        return other
-
-    def jump(self, *, to_start: bool = False) -> None:
-        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
-
-        With `to_start` that is the first frame, and the calibration is read again too.
-        """
-        self._feed.jump(to_start=to_start)
-        if to_start:
-            self._sight = self._first_sight()
-        else:
-            self._sight.forget()
 
     @property
     def instruments(self) -> Instruments:

@@ -5,12 +5,9 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
-from copy import copy
-from types import TracebackType
-from typing import Self
-
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.metric.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.target_sight import TargetSight
@@ -57,7 +54,7 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
     }
 
 
-class RecordedSight:
+class RecordedSight(RecordedInstruments[TargetSight]):
     """Hands instruments of a recording to a `TargetSight`, in step with the frames.
 
     Parameters
@@ -77,44 +74,10 @@ class RecordedSight:
         self._values = target_values(described.vehicle, target_size)
         self._calibration = described.vehicle.calibration
         self.base_frame = str(self._values["base_frame"])
-        self._sight = self._first_sight()
-        self._feed = InstrumentFeed(described.source)
+        super().__init__(InstrumentFeed(described.source))
 
     def _first_sight(self) -> TargetSight:
-        """Return one that knows what is known before the recording begins."""
         return TargetSight(self._values, self._calibration)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Read no more of the recording."""
-        self._feed.close()
-
-    def copy(self) -> RecordedSight:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._feed, other._sight = self._feed.copy(), self._sight.copy()
-        return other
-
-    def jump(self, *, to_start: bool = False) -> None:
-        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
-
-        With `to_start` that is the first frame, and the calibration is read again too.
-        """
-        self._feed.jump(to_start=to_start)
-        if to_start:
-            self._sight = self._first_sight()
-        else:
-            self._sight.forget_all()
 
     @property
     def settings(self) -> TargetSettings:

@@ -57,9 +57,9 @@ class Profile:
         return above
 
     @property
-    def hidden(self) -> BoolArray:
-        """Whether it cannot, which is not known everywhere, shape (B,)."""
-        return ~self.visible & ~(self.withheld & np.isnan(self.seen))
+    def unjudged(self) -> BoolArray:
+        """Whether nothing tells that, though the cable was claimed there, shape (B,)."""
+        return self.withheld & np.isnan(self.seen)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,9 +121,9 @@ class DiveRoute:
         """Tell at each point whether the cable can be seen, shape (N,)."""
         return self._at_points(self.profile.visible)
 
-    def withheld(self) -> BoolArray:
-        """Tell at each point whether that is not known: see `Profile.withheld`, shape (N,)."""
-        return self._at_points(self.profile.withheld)
+    def unjudged(self) -> BoolArray:
+        """Tell at each point whether that is not known: see `Profile.unjudged`, shape (N,)."""
+        return self._at_points(self.profile.unjudged)
 
     def _at_points(self, judged: BoolArray) -> BoolArray:
         shares = np.interp(self.along, self.profile.along, judged.astype(float))

@@ -250,7 +250,8 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     along = profile.along
     gap = round(MERGED_BURIALS / PROFILE_SPACING)
     found = []
-    for first, last in _joined_runs(profile.hidden, lambda end, first: first - end < gap):
+    hidden = ~profile.visible & ~profile.unjudged
+    for first, last in _joined_runs(hidden, lambda end, first: first - end < gap):
         length = (last - first) * PROFILE_SPACING
         was_in_view = bool(profile.in_view[first:last].mean() >= 0.5)
         # Before a route begins and after it ends, any cable is outside the pictures.
@@ -281,8 +282,7 @@ def _without_metres(maker: _Maker) -> list[Event]:
         reasons = rows["reason"][is_withheld(rows)]
         return table.reasons[int(np.bincount(reasons).argmax())] if len(reasons) else ""
 
-    mask = route.withheld() & ~route.visible()
-    return _stretches(maker, EventKind.NO_METRES, mask, LEAST_LOST, words)
+    return _stretches(maker, EventKind.NO_METRES, route.unjudged(), LEAST_LOST, words)
 
 
 def _widths(maker: _Maker, limits: Limits) -> list[Event]:

@@ -320,7 +320,7 @@ def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
     order = np.argsort(all_way, kind="stable")
     way, asked = all_way[order], np.arange(len(axis.places), dtype=np.float64)
     reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
-    visible, unjudged = (x.astype(float) for x in (route.visible(), route.withheld()))
+    visible, unjudged = (x.astype(float) for x in (route.visible(), route.unjudged()))
 
     def on_axis(values: FloatArray) -> FloatArray:
         found = np.interp(asked, way, values[order])
@@ -328,8 +328,6 @@ def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
 
     of_one_cable = is_axis | _of_one_cable(axis, route, all_way, aside)[order]
     counts = reaches & (np.interp(asked, way, of_one_cable) == 1.0)
-
-    withheld = on_axis(unjudged) > 0.5
 
     def of_the_cable(values: FloatArray) -> FloatArray:
         return np.where(counts, on_axis(values), np.nan)
@@ -340,7 +338,7 @@ def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
         on_axis(aside),
         counts,
         on_axis(route.total_sigmas**2),
-        np.where(counts & ~withheld, on_axis(visible) > 0.5, np.nan),
+        np.where(counts & ~(on_axis(unjudged) > 0.5), on_axis(visible) > 0.5, np.nan),
         of_the_cable(route.diameters),
         of_the_cable(np.abs(route.asides)),
     )

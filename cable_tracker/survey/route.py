@@ -331,8 +331,9 @@ class _Piece:
 
         def without_metres() -> Iterator[tuple[FloatArray, BoolArray]]:
             for part, owner in self._row_blocks():
-                used = (owner >= 0) & (is_measured(rows[part]) | is_withheld(rows[part]))
-                yield cable.along[owner[used]], is_withheld(rows[part])[used]
+                withheld = is_withheld(rows[part])
+                used = (owner >= 0) & (is_measured(rows[part]) | withheld)
+                yield cable.along[owner[used]], withheld[used]
 
         return self._mostly(count, without_metres())
 

@@ -105,7 +105,7 @@ def test_other_values_keep_the_measurements_and_read_the_calibration_anew(estima
 def test_only_the_calibration_outlasts_a_jump(estimate):
     sight = calibrated()
     sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    sight.forget()
+    sight.forget_all()
     assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
     sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     assert isinstance(sight.measure(estimate), CrossTrack)
@@ -159,7 +159,7 @@ class TestMotion:
         sight = calibrated(fixed_altitude=1.4)
         self.driven(sight, seen, 0.0, 30)
         copy = sight.copy()
-        copy.forget()
+        copy.forget_all()
         stamp = SECOND + 30 * FRAME
         sight.take_message(Instrument.ODOMETRY, stamp, odometry())
         assert copy.motion(stamp, BARE) is None
