@@ -8,7 +8,7 @@ What is said of the leading hypothesis, from what the belief holds to what the s
 `known_time`          For how long it has been held for one and been clear enough to claim.
 `is_followed`         It is given, or has such a time: frames before have held it for a cable.
 `is_known`            It is given, or has been followed for `known_after`.
-`refused_time`        For how long it has been present but too faint; at `search_time` it goes.
+`faint_time`          For how long it has been present but too faint; at `search_time` it goes.
 `is_clear`            Its borders are clear enough to claim it where nothing was known of it.
 `is_familiar`         It is followed, or where the remembered cable may be, and about as wide.
 `supports_keeping`    Visible, clear or familiar, presence and evidence not below `*_to_lose`.
@@ -55,7 +55,7 @@ class Belief:
         Pose of the cable when it was last tracked, the time since, and the prior of its width.
     log_odds : FloatArray
         Log-odds that each cluster is a cable, shape (K,) [nats].
-    refused_time : float
+    faint_time : float
         Time for which consecutive frames had a cable present, but its weaker border too faint to
         claim it, or, if it is known, to keep it [s].
     evidence : float
@@ -76,7 +76,7 @@ class Belief:
     p_bright: float = 0.5
     memory: RememberedCable | None = None
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
-    refused_time: float = 0.0
+    faint_time: float = 0.0
     evidence: float = 0.0
     is_clear: bool = False
     known_time: float = 0.0

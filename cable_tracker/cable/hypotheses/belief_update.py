@@ -57,7 +57,7 @@ def updated_belief(
     )
     # Too faint to claim, or, if it is known, to keep.
     is_faint = evidence < parameters.evidence_to_lose if is_known else not is_clear
-    is_refused = is_faint and presence >= parameters.presence_to_track
+    is_too_faint = is_faint and presence >= parameters.presence_to_track
     goes_on = conclusion.goes_on and presence >= LIKELY_PRESENCE
     return Belief(
         particles=Particles(conclusion.states, conclusion.log_weights),
@@ -66,7 +66,7 @@ def updated_belief(
         p_bright=p_bright,
         memory=memory,
         log_odds=conclusion.log_odds,
-        refused_time=before.refused_time + dt if is_refused else 0.0,
+        faint_time=before.faint_time + dt if is_too_faint else 0.0,
         evidence=evidence,
         is_clear=is_clear,
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,

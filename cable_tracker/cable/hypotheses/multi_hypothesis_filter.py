@@ -138,7 +138,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def _begins_anew(self, belief: Belief) -> bool:
         """Tell whether a cable was present but too faint to claim for `search_time`."""
-        return belief.refused_time >= self._parameters.search_time
+        return belief.faint_time >= self._parameters.search_time
 
     def step(
         self,

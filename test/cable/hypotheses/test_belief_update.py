@@ -22,7 +22,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
 YOUNG = 0.5 * PARAMETERS.known_after
-BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, refused_time=0.3)
+BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, faint_time=0.3)
 CLEAR, FAINT = 100.0, -100.0
 SHARES = st.floats(0.0, 1.0)
 
@@ -41,7 +41,7 @@ def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
 def test_a_clear_cable_is_remembered_and_its_time_grows():
     belief = updated(concluded())
     assert belief.known_time == pytest.approx(YOUNG + 0.1)
-    assert belief.refused_time == 0.0
+    assert belief.faint_time == 0.0
     assert belief.p_bright > BEFORE.p_bright
     np.testing.assert_array_equal(belief.memory.pose, LEADER[:4])
     assert math.exp(belief.memory.log_width) == pytest.approx(30.0)
@@ -50,7 +50,7 @@ def test_a_clear_cable_is_remembered_and_its_time_grows():
 def test_from_what_could_not_be_claimed_nothing_is_learnt():
     belief = updated(concluded(clearness=FAINT))
     assert belief.known_time == YOUNG
-    assert belief.refused_time == pytest.approx(0.4)
+    assert belief.faint_time == pytest.approx(0.4)
     assert belief.p_bright == BEFORE.p_bright
     assert belief.memory is None
 
@@ -58,7 +58,7 @@ def test_from_what_could_not_be_claimed_nothing_is_learnt():
 def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
     kept, lost = (updated(concluded(FAINT, mean), known) for mean in (CLEAR, FAINT))
-    assert (kept.refused_time, lost.refused_time) == (0.0, pytest.approx(0.4))
+    assert (kept.faint_time, lost.faint_time) == (0.0, pytest.approx(0.4))
     assert kept.memory is not None
 
 
@@ -79,7 +79,7 @@ def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
     faint, clear = (updated(concluded(c, goes_on=False), known) for c in (FAINT, CLEAR))
     assert faint.memory is None
-    assert faint.refused_time == pytest.approx(0.4)
+    assert faint.faint_time == pytest.approx(0.4)
     assert clear.memory is not None
 
 

@@ -249,19 +249,19 @@ def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
 def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
     cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
     beliefs = run(cable_filter, cable_filter.guessed_belief(cloud(STRIP)), [strip] * 30, FOUND)
-    refused = np.array([belief.refused_time for belief in beliefs])
-    assert 0.4 <= refused.max() < 0.4 + 2 * FRAME
-    assert (np.diff(refused) < 0.0).any()
+    faint_times = np.array([belief.faint_time for belief in beliefs])
+    assert 0.4 <= faint_times.max() < 0.4 + 2 * FRAME
+    assert (np.diff(faint_times) < 0.0).any()
     given = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 30, FOUND)
-    assert not any(belief.refused_time for belief in given)
+    assert not any(belief.faint_time for belief in given)
 
 
 def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
     cable_filter = make_filter(search_time=0.4)
     tracked = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 10, FOUND)[-1]
-    refused = replace(tracked, refused_time=0.4)
-    (anew,) = run(make_filter(evidence_to_find=100.0, search_time=0.4), refused, [strip], FOUND)
-    assert anew.refused_time < 0.4
+    too_faint = replace(tracked, faint_time=0.4)
+    (anew,) = run(make_filter(evidence_to_find=100.0, search_time=0.4), too_faint, [strip], FOUND)
+    assert anew.faint_time < 0.4
     assert anew.memory.seconds == pytest.approx(tracked.memory.seconds + FRAME)
     assert anew.memory.log_width == tracked.memory.log_width
 
