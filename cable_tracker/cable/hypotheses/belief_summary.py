@@ -123,7 +123,7 @@ def leading_estimate(
     leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
         hypotheses.covariance,
-        hypotheses.border_means,
+        hypotheses.leading_mean_borders,
         float(leader[WIDTH]),
         parameters,
         image_width,

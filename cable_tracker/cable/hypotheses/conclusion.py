@@ -91,7 +91,7 @@ class Hypotheses(NamedTuple):
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
-    border_means : FloatArray
+    leading_mean_borders : FloatArray
         Mean log-likelihood ratios per point of the left and of the right border of the leading
         mean, without texture, shape (2,) [nats].
     scaled_clearness : float
@@ -108,7 +108,7 @@ class Hypotheses(NamedTuple):
     effective_size: float
     weaker_border_mean: float
     visible_length: float
-    border_means: FloatArray
+    leading_mean_borders: FloatArray
     scaled_clearness: float
     appearance: float
     is_mapped: bool
@@ -125,7 +125,7 @@ def unmeasured_hypotheses(
         effective_size=effective_size,
         weaker_border_mean=0.0,
         visible_length=0.0,
-        border_means=np.zeros(2),
+        leading_mean_borders=np.zeros(2),
         scaled_clearness=0.0,
         appearance=0.0,
         is_mapped=False,
@@ -301,14 +301,14 @@ def _hypotheses(
 ) -> Hypotheses:
     """Return the clusters in an order, (K,), with what the frame measures of the first of it."""
     clusters, weights, leader = reordered(corrected.clusters, order), corrected.weights, order[0]
-    border_mean, visible_length = _leading_border_mean(clusters, weights, sample, inputs)
+    border_mean, visible_length = _weaker_border_of_leader(clusters, weights, sample, inputs)
     return Hypotheses(
         clusters,
         leading_covariance(states, weights, clusters),
         effective_sample_size(corrected.log_weights),
         border_mean,
         visible_length,
-        _leading_border_means(clusters.means, inputs),
+        _borders_of_leading_mean(clusters.means, inputs),
         clear.clearness[leader] * shown_share(clear.shown[leader]),
         corrected.appearances[leader],
         is_worked_out(inputs.cable_map),
@@ -354,10 +354,13 @@ def _p_bright(weights: FloatArray, sample: Sample, inputs: ProposalInputs) -> fl
 
 
 @compiled_loop
-def _leading_border_mean(
+def _weaker_border_of_leader(
     clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
 ) -> tuple[float, float]:
-    """Return the weaker border's mean and the visible length, averaged over the leader."""
+    """Return the weaker border's mean, with texture, and the visible length, over the leader.
+
+    They are averages over its particles, each in its own polarity.
+    """
     mass, measured = clusters.masses[0], sample.measured
     border_mean, length = 0.0, 0.0
     for row in range(len(weights)):
@@ -378,8 +381,8 @@ def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
 
 
 @compiled_part
-def _leading_border_means(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
-    """Return the mean log-likelihood ratios (2,) of the first mean's borders, in its polarity."""
+def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
+    """Return the mean log-likelihood ratios (2,) of the first mean's borders, without texture."""
     measured = allocate_log_ratios(1)
     fill_log_ratios(means, 0, 1, inputs.scan, inputs.model, inputs.scan.points_across, measured)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]

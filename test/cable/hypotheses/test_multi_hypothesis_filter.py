@@ -425,7 +425,7 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
     added = wide.covariance - plain.covariance
     # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8, and 4 of
     # w if the cable is round.
-    border_means = belief.hypotheses.border_means
+    border_means = belief.hypotheses.leading_mean_borders
     left, right = displacement_factors(border_means, 2.0 * plain.mean[2]) ** 2
     both = (left + right) / 2
     np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * both, 8.0 * both + 4.0])
