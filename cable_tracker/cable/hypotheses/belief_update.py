@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.clearness import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
+from cable_tracker.cable.hypotheses.first_claim import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.parameters.parameters import TrackerParameters

@@ -1,6 +1,6 @@
-"""Whether the leading hypothesis is clear: by its borders, or by a map of the frame.
+"""Whether the leading hypothesis is clear enough for a first claim: by its borders, or by a map.
 
-Its clearness is that of its weaker border, and what its appearance is worth.
+Its score for a claim is the clearness of its weaker border, and what its appearance is worth.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 APPEARANCE_SHARE = 0.5
-"""Clearness that one nat of appearance by the borders is worth [nats per point]."""
+"""Claim score that one nat of appearance by the borders is worth [nats per point]."""
 
 LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
 """Limits of what counts of it above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune
@@ -29,8 +29,9 @@ UNLIKE_A_CABLE = -5.0
 [nats]: ripples with crisp troughs are."""
 
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
-"""The same with a map: clearness that one nat is worth, and the upper limit. In a logistic model of
-right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no weight."""
+"""The same with a map: claim score that one nat is worth, and the upper limit. In a logistic model
+of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
+weight."""
 
 
 def is_new_clear(
@@ -50,15 +51,15 @@ def is_new_clear(
     if memory is not None:
         factor += memory.width_deviation(width, parameters) ** 2
 
-    def is_enough(clearness: float, needed: float) -> bool:
+    def is_enough(score: float, needed: float) -> bool:
         # A threshold below 0 must not be lowered.
-        return clearness >= max(needed, needed * factor)
+        return score >= max(needed, needed * factor)
 
-    by_borders = clearness_by_borders(hypotheses, parameters, image_width)
+    by_borders = claim_score_by_borders(hypotheses, parameters, image_width)
     if is_enough(by_borders, needed_clearness(width, parameters, image_width)):
         return True
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
-    by_map = clearness_by_map(hypotheses)
+    by_map = claim_score_by_map(hypotheses)
     return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
 
 
@@ -71,13 +72,13 @@ def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> f
     by_border = hypotheses.weaker_border_mean
     if not hypotheses.is_mapped:
         return by_border
-    return max(by_border, min(clearness_by_map(hypotheses), parameters.evidence_to_find))
+    return max(by_border, min(claim_score_by_map(hypotheses), parameters.evidence_to_find))
 
 
-def clearness_by_borders(
+def claim_score_by_borders(
     hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
 ) -> float:
-    """Return the leader's clearness and what its looks are worth, if borders are looked at."""
+    """Return clearness plus worth of the looks, if borders are looked at [nats per point]."""
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
     thin_width = parameters.thin_width * pixel_scale(image_width)
     # What is thin has no looks that speak for it, see `trusted_appearance`.
@@ -87,7 +88,7 @@ def clearness_by_borders(
     return hypotheses.scaled_clearness + worth
 
 
-def clearness_by_map(hypotheses: Hypotheses) -> float:
-    """Return the leader's clearness and what its looks are worth, if a map says how it looks."""
+def claim_score_by_map(hypotheses: Hypotheses) -> float:
+    """Return clearness plus worth of the looks, if a map says how it looks [nats per point]."""
     above = hypotheses.appearance - ORDINARY_APPEARANCE
     return hypotheses.scaled_clearness + MAPPED_SHARE * min(above, MOST_MAPPED)

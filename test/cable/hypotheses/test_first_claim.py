@@ -6,19 +6,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.clearness import (
+from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.first_claim import (
     APPEARANCE_SHARE,
     LEAST_APPEARANCE,
     MAPPED_SHARE,
     MOST_APPEARANCE,
     MOST_MAPPED,
     UNLIKE_A_CABLE,
-    clearness_by_borders,
-    clearness_by_map,
+    claim_score_by_borders,
+    claim_score_by_map,
     is_new_clear,
     leading_evidence,
 )
-from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.model.state import CableState
@@ -62,8 +62,8 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     hypotheses = initial_belief(leader[None], 0.9).hypotheses
     hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped)
     by_borders = needed_clearness(width, PARAMETERS, 320)
-    by_borders -= clearness_by_borders(hypotheses, PARAMETERS, 320)
-    by_map = PARAMETERS.evidence_to_find - clearness_by_map(hypotheses)
+    by_borders -= claim_score_by_borders(hypotheses, PARAMETERS, 320)
+    by_map = PARAMETERS.evidence_to_find - claim_score_by_map(hypotheses)
     needed = min(by_borders, by_map) if is_mapped else by_borders
     for clearness in (needed - 1e-6, needed + 1e-6):
         looked_at = hypotheses._replace(scaled_clearness=clearness)
@@ -77,7 +77,7 @@ def test_better_looks_are_never_worth_less_and_within_limits(appearance, other, 
 
     def worth(of):
         looked_at = hypotheses._replace(appearance=of)
-        return clearness_by_borders(looked_at, PARAMETERS, 320), clearness_by_map(looked_at)
+        return claim_score_by_borders(looked_at, PARAMETERS, 320), claim_score_by_map(looked_at)
 
     (low, low_mapped), (high, high_mapped) = (worth(each) for each in sorted((appearance, other)))
     assert APPEARANCE_SHARE * LEAST_APPEARANCE - 1e-9 <= low <= high
@@ -95,7 +95,7 @@ def test_a_hidden_border_counts_as_just_clear_enough_if_the_map_shows_the_cable(
     assert leading_evidence(hypotheses, PARAMETERS) == border_mean
     mapped = leading_evidence(hypotheses._replace(is_mapped=True), PARAMETERS)
     assert border_mean <= mapped <= max(border_mean, PARAMETERS.evidence_to_find)
-    if clearness_by_map(hypotheses) >= PARAMETERS.evidence_to_find:
+    if claim_score_by_map(hypotheses) >= PARAMETERS.evidence_to_find:
         assert mapped >= PARAMETERS.evidence_to_find
 
 
