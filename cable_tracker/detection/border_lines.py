@@ -73,7 +73,7 @@ def turn_between(angle: Number, reference: Number) -> Number:
 def fit_lines(
     angles: FloatArray, offsets: FloatArray, points: EdgePoints, image_size: tuple[int, int]
 ) -> BorderLines:
-    """Draw lines to the edge points about them, and merge those that become the same.
+    """Fit lines to the edge points about them, and merge those that become the same.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def fit_lines(
     scale = pixel_scale(image_size[0])
     edges = _edges_of(points)
     for tolerance in FIT_TOLERANCES:
-        angles, offsets = _drawn(angles, offsets, edges, tolerance * scale)
+        angles, offsets = _refitted(angles, offsets, edges, tolerance * scale)
     supports = _supports(angles, offsets, edges, image_size)
     return _merged(BorderLines(angles, offsets, supports), scale)
 
@@ -120,7 +120,7 @@ def _weight(  # noqa: PLR0917
 
 
 @compiled
-def _drawn(
+def _refitted(
     angles: FloatArray, offsets: FloatArray, edges: FloatArray, tolerance: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return lines by total least squares through the edges (P, 5) about lines (N,), at most N."""
@@ -129,7 +129,7 @@ def _drawn(
     count = 0
     for line in range(len(angles)):
         if _add_moments(angles[line], offsets[line], edges, tolerance, moments) >= MINIMUM_POINTS:
-            _fit(moments, angles[line], fitted[count:], shifted[count:])
+            _line_of_moments(moments, angles[line], fitted[count:], shifted[count:])
             count += 1
     return fitted[:count], shifted[:count]
 
@@ -157,7 +157,9 @@ def _add_moments(
 
 
 @compiled_loop
-def _fit(moments: FloatArray, angle: float, fitted: FloatArray, shifted: FloatArray) -> None:
+def _line_of_moments(
+    moments: FloatArray, angle: float, fitted: FloatArray, shifted: FloatArray
+) -> None:
     """Write angle and offset of the line with these moments, whose normal is within 90 degrees."""
     total = moments[0]
     x, y = moments[1] / total, moments[2] / total
