@@ -54,14 +54,12 @@ from cable_tracker.cable.hypotheses.thin_strips import thin_factor, trusted_appe
 from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.cable_map import is_worked_out
 from cable_tracker.cable.measure.likelihood_ratio import (
-    BRIGHT,
-    DARK,
     BorderClearness,
     allocate_log_ratios,
     border_clearness,
     fill_log_ratios,
 )
-from cable_tracker.cable.measure.polarity_prior import bright_share
+from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK, bright_share
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part

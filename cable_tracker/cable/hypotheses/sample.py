@@ -16,13 +16,13 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues, empty_densities
 from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
 from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
-from cable_tracker.cable.measure.likelihood_ratio import (
+from cable_tracker.cable.measure.likelihood_ratio import CableLogRatios, allocate_log_ratios
+from cable_tracker.cable.measure.polarity_prior import (
     BRIGHT,
     DARK,
-    CableLogRatios,
-    allocate_log_ratios,
+    PolarityPrior,
+    marginal_log_ratio,
 )
-from cable_tracker.cable.measure.polarity_prior import PolarityPrior, marginal_log_ratio
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE

@@ -42,12 +42,11 @@ from cable_tracker.cable.measure.border_points import (
 )
 from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.measure.likelihood_ratio import (
-    BRIGHT,
-    DARK,
     RatioModel,
     allocate_log_ratios,
     fill_log_ratios,
 )
+from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.texture import add_texture, smoothness, texture_windows
 from cable_tracker.cable.model.geometry import border_side

@@ -34,8 +34,9 @@ from cable_tracker.cable.measure.border_points import (
     width_across,
 )
 from cable_tracker.cable.measure.polarity_prior import (
+    BRIGHT,
     PolarityPrior,
-    marginal_log_ratio,
+    marginal_log_ratios,
     polarity_prior,
 )
 from cable_tracker.cable.measure.response_bins import (
@@ -74,9 +75,6 @@ JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APA
 
 ONE_POINT = 1.0
 """Expected length of borders whose parts beyond the edge are neither paid for nor counted."""
-
-BRIGHT, DARK = 0, 1
-"""Columns of what is said of cables that are brighter, and darker, than the bottom."""
 
 
 class CableLogRatios(NamedTuple):
@@ -170,7 +168,7 @@ class BorderLikelihoodRatio:
 
     def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
-        return marginal_log_ratios(self.measure(states, image).log_ratios, EITHER)
+        return _marginal_log_ratios(self.measure(states, image).log_ratios, EITHER)
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableLogRatios:
         """Measure cables, shape (N, 4) or more columns.
@@ -217,6 +215,11 @@ def _measure_all(
     states: FloatArray, scan: ScanInputs, model: RatioModel, measured: CableLogRatios
 ) -> None:
     fill_log_ratios(states, 0, len(states), scan, model, scan.points_across, measured)
+
+
+@compiled
+def _marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
+    return marginal_log_ratios(log_ratios, polarity)
 
 
 @compiled_part
@@ -443,15 +446,3 @@ def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Float
         h += ratios[7]
     sums[0], sums[1], sums[2], sums[3] = a, b, c, d
     sums[4], sums[5], sums[6], sums[7] = e, f, g, h
-
-
-@compiled
-def marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
-    """Return the log-likelihood ratios (N,) of cables whose polarity is not known.
-
-    `log_ratios` are those of bright and of dark cables, shape (N, 2).
-    """
-    result = np.empty(len(log_ratios))
-    for row in range(len(log_ratios)):
-        result[row] = marginal_log_ratio(polarity, log_ratios[row, 0], log_ratios[row, 1])
-    return result

@@ -5,8 +5,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from cable_tracker.compilation import compiled_inside
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled_inside, compiled_part
 from cable_tracker.particle_filter.existence import probability_of
+
+BRIGHT, DARK = 0, 1
+"""Columns of what is said of cables that are brighter, and darker, than the bottom."""
 
 
 class PolarityPrior(NamedTuple):
@@ -30,6 +36,18 @@ def marginal_log_ratio(polarity: PolarityPrior, bright: float, dark: float) -> f
     first, second = polarity.log_bright + bright, polarity.log_dark + dark
     higher, less = max(first, second), min(first, second)
     return higher + math.log1p(math.exp(less - higher))
+
+
+@compiled_part
+def marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
+    """Return the log-likelihood ratios (N,) of cables whose polarity is not known.
+
+    `log_ratios` are those of bright and of dark cables, shape (N, 2).
+    """
+    result = np.empty(len(log_ratios))
+    for row in range(len(log_ratios)):
+        result[row] = marginal_log_ratio(polarity, log_ratios[row, BRIGHT], log_ratios[row, DARK])
+    return result
 
 
 @compiled_inside

@@ -12,8 +12,7 @@ from cable_tracker.cable.hypotheses.sample import (
     importance_log_weights,
     lost_to_shadows,
 )
-from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK
-from cable_tracker.cable.measure.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK, polarity_prior
 from cable_tracker.cable.model.limits import StateLimits
 
 

@@ -13,7 +13,8 @@ from cable_tracker.cable.hypotheses.shadows import (
     fill_shadow_losses,
     find_shadows,
 )
-from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, BorderLikelihoodRatio
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters

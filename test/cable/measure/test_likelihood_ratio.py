@@ -17,8 +17,8 @@ from cable_tracker.cable.measure.likelihood_ratio import (
     JOINT_STRENGTHS,
     BorderLikelihoodRatio,
     border_clearness,
-    marginal_log_ratios,
 )
+from cable_tracker.cable.measure.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.measure.response_bins import CLASSES
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import make_working_image

@@ -5,8 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.likelihood_ratio import marginal_log_ratios
-from cable_tracker.cable.measure.polarity_prior import bright_share, polarity_prior
+from cable_tracker.cable.measure.polarity_prior import (
+    bright_share,
+    marginal_log_ratios,
+    polarity_prior,
+)
 
 RATIOS, PROBABILITIES = st.floats(-50, 50), st.floats(0.02, 0.98)
 
