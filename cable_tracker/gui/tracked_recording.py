@@ -9,10 +9,9 @@ from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
 from cable_tracker.gui.tracker_memory import TrackerMemory
-from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
+from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
 
 LONGEST_RUN = 25
 """Largest number of frames that are tracked on the way to one a little further on."""

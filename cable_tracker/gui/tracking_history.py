@@ -13,6 +13,8 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.session import AnySnapshot, TargetSnapshot
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.tracking.status_words import DISABLED, REFUSED
 
 HISTORY_TIME = 30.0
 """Length of the history that is kept [s]."""
@@ -23,7 +25,13 @@ gaps [s]."""
 
 LARGEST_LENGTH = 4000
 
-STATUSES = ("TRACKING", "LOST", "INITIALISING", "REFUSED", "DISABLED")
+STATUSES = (
+    TrackingStatus.TRACKING.value,
+    TrackingStatus.LOST.value,
+    TrackingStatus.INITIALISING.value,
+    REFUSED,
+    DISABLED,
+)
 """The numbers of the statuses; any other is one more."""
 
 

@@ -8,11 +8,13 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.tracking.status_words import REFUSED
 
-TRACKING = "TRACKING"
+TRACKING = TrackingStatus.TRACKING.value
 NEAR_LIMIT = 1.1
 """A width within this factor of a limit is taken to be held by it."""
 

@@ -12,11 +12,11 @@ from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_messages import TargetMessages
 from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.tracking.status_words import REFUSED
 from cable_tracker.visualisation.target_overlay import draw_target
 
 

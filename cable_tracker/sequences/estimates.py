@@ -25,9 +25,6 @@ CLAIM_SIZE = STATE_SIZE + 4
 METRES_SIZE = 4
 """Columns that are empty where the cable is not known in metres."""
 
-REFUSED = "REFUSED"
-"""Status of a frame that could not be used; the others are those of `TrackingStatus`."""
-
 
 @dataclass(frozen=True, slots=True)
 class RowMetres:

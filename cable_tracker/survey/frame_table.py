@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.survey.memory_mapped import Disk, Growing
+from cable_tracker.tracking import status_words
+from cable_tracker.tracking.status import TrackingStatus
 
 PROFILE_BINS = 12
 """Places along the cable in one picture at which it is judged whether it can be seen."""
@@ -54,8 +56,14 @@ for _name in ROW.names or ():
     if ROW[_name].base.kind == "f":
         EMPTY[_name] = np.nan
 
-STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
-TRACKING, REFUSED = STATUSES.index("TRACKING"), STATUSES.index("REFUSED")
+STATUSES = (
+    TrackingStatus.INITIALISING.value,
+    TrackingStatus.TRACKING.value,
+    TrackingStatus.LOST.value,
+    status_words.REFUSED,
+)
+TRACKING = STATUSES.index(TrackingStatus.TRACKING.value)
+REFUSED = STATUSES.index(status_words.REFUSED)
 
 NOT_AGAIN, HIDDEN, SEEN = range(3)
 """Result of re-detection: none was made, the cable is hidden, the cable is seen."""

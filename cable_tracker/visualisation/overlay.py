@@ -20,6 +20,7 @@ from cable_tracker.cable.model.segments import (
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import image_to_pixel
+from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.drawable import (
     drawn_spread,
     heaviest_rows,
@@ -266,7 +267,7 @@ def _draw_hypotheses(
 def _draw_estimate(
     canvas: Image, state: CableState, sigma: tuple[float, float] | None, status: str, pen: _Pen
 ) -> None:
-    colour = ESTIMATE if status == "TRACKING" else status_colour(status)
+    colour = ESTIMATE if status == TrackingStatus.TRACKING.value else status_colour(status)
     if sigma is not None:
         _draw_band(canvas, state, sigma, colour, pen)
     _draw_segments(canvas, centreline_segments(state, pen.image_size), colour, pen.thin, pen)
@@ -320,7 +321,7 @@ def _write_legend(
     # Measured by a text of the widest kind, so that the size does not flicker with the digits.
     scale = min(0.97 * width / max(1, _text_width(wide, 1.0)), 0.0021 * height + 0.02, 1.6)
     line = round(_text_height(scale) * 1.6)
-    longest = with_presence("INITIALISING", None if presence is None else 1.0)
+    longest = with_presence(TrackingStatus.INITIALISING.value, None if presence is None else 1.0)
     side_by_side = _text_width(f"{longest}  {wide}", scale) < width - 2 * line
     strip = min(height, line if side_by_side else 2 * line)
     _darken(canvas[:strip])

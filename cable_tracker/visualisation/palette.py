@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from cable_tracker.tracking.status import TrackingStatus
+
 Colour: TypeAlias = tuple[int, int, int]
 
 GREEN: Colour = (0, 190, 130)
@@ -24,7 +26,11 @@ HYPOTHESES = STRAW
 TRUTH = PINK
 PARTICLES = SKY
 
-STATUS_COLOURS = {"TRACKING": GREEN, "LOST": RED, "INITIALISING": AMBER}
+STATUS_COLOURS = {
+    TrackingStatus.TRACKING.value: GREEN,
+    TrackingStatus.LOST.value: RED,
+    TrackingStatus.INITIALISING.value: AMBER,
+}
 """Colours of the statuses; every other one (REFUSED, STALE, DISABLED) is grey."""
 
 

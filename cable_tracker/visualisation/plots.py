@@ -24,6 +24,8 @@ from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.tracking.status_words import REFUSED
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
 
 LARGEST_COUNT = 10_000
@@ -31,7 +33,7 @@ LARGEST_COUNT = 10_000
 
 DOTS_PER_INCH = 110
 
-SHADED_STATUSES = ("INITIALISING", "LOST", "REFUSED")
+SHADED_STATUSES = (TrackingStatus.INITIALISING.value, TrackingStatus.LOST.value, REFUSED)
 
 LONGEST_BRIDGE = 0.5
 """Longest time without a label that the line of the truth runs across [s]."""
@@ -291,7 +293,7 @@ def _shade(axis: Axes, series: _Series, status: str) -> None:
 
 
 def _shade_opacity(status: str) -> float:
-    return 0.35 if status == "REFUSED" else 0.25
+    return 0.35 if status == REFUSED else 0.25
 
 
 def _intervals(times: FloatArray, holds: BoolArray) -> list[tuple[float, float]]:

@@ -27,7 +27,7 @@ from cable_tracker.offline.track_recording import (
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
-from cable_tracker.tracking.idle_status import WARMING_UP
+from cable_tracker.tracking.status_words import WARMING_UP
 
 TIMEOUT = 300.0
 LAST = 59

@@ -23,7 +23,7 @@ from cable_tracker.offline.track_target import track_target
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.idle_status import WARMING_UP
+from cable_tracker.tracking.status_words import WARMING_UP
 
 TIMEOUT = 300.0
 PARAMETERS = TargetParameters(particle_count=80, seed=4)

@@ -25,6 +25,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
 from cable_tracker.sequences.messages.target_particles import read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.tracking.status import TrackingStatus
 
 KEPT_BYTES = 256 << 20
 """Pictures whose answers are waited for may have so many bytes; beyond, the oldest are given up."""
@@ -34,6 +35,9 @@ KEPT_SECONDS = 10.0
 
 PATIENCE = 0.25
 """Longest wait of a picture for messages for display only: particles, report, truth [s]."""
+
+NO_REPORT = "NO REPORT"
+"""Status of a frame of which neither report nor state has come."""
 
 
 @dataclass(slots=True, eq=False)
@@ -188,7 +192,8 @@ class LiveFrames:
             frame=None,
             stamp=stamp,
             grey=grey,
-            status=parts.status() or ("TRACKING" if state is not None else "NO REPORT"),
+            status=parts.status()
+            or (TrackingStatus.TRACKING.value if state is not None else NO_REPORT),
             reason=facts.get("event", ""),
             state=state,
             sigma=np.array(sigma) if state is not None and sigma is not None else None,
@@ -223,7 +228,8 @@ class LiveTargetFrames(LiveFrames):
             frame=None,
             stamp=stamp,
             image=decode_bgr(parts.image),
-            status=parts.status() or ("NO REPORT" if state is None else "TRACKING"),
+            status=parts.status()
+            or (NO_REPORT if state is None else TrackingStatus.TRACKING.value),
             reason=facts.get("event", ""),
             state=state,
             sigma=sigma,

@@ -22,7 +22,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_status
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.idle_status import WARMING_UP
+from cable_tracker.tracking.status_words import WARMING_UP
 
 RECORDED = (
     node_topics.STATE,

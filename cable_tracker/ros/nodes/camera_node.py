@@ -28,11 +28,10 @@ from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
 from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
-from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
 """Limits of the period of the watchdog [s]; it is half the shortest time-out."""

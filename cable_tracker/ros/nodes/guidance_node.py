@@ -18,13 +18,12 @@ from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
 from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterSpec
+from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
 
 Kept = TypeVar("Kept")
 

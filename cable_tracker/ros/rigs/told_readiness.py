@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.idle_status import WARMING_UP
+from cable_tracker.tracking.status_words import WARMING_UP
 
 
 class ToldReadiness:

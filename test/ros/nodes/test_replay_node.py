@@ -41,7 +41,7 @@ from cable_tracker.sequences.messages.images import make_image, read_compressed_
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.static_transforms import TF_TYPE
-from cable_tracker.tracking.idle_status import WARMING_UP
+from cable_tracker.tracking.status_words import WARMING_UP
 
 Dive = Callable[..., Path]
 MILLISECOND = 1_000_000
