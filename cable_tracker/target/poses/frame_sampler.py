@@ -58,13 +58,12 @@ class ProposalCounts(NamedTuple):
 
 def proposal_counts(parameters: TargetParameters, *, has_peaks: bool) -> ProposalCounts:
     """Divide the particles among the parts of the proposal."""
-    p = parameters
-    refined = round(p.refinement_share * p.particle_count)
-    search = round(p.search_share * p.particle_count)
-    peaks = round(p.place_share * p.particle_count) if has_peaks else 0
-    followed = p.particle_count - peaks - search - refined
+    refined = round(parameters.refinement_share * parameters.particle_count)
+    search = round(parameters.search_share * parameters.particle_count)
+    peaks = round(parameters.place_share * parameters.particle_count) if has_peaks else 0
+    followed = parameters.particle_count - peaks - search - refined
     if followed < 1:  # Of a handful, all follow.
-        return ProposalCounts(p.particle_count, 0, 0, 0)
+        return ProposalCounts(parameters.particle_count, 0, 0, 0)
     return ProposalCounts(followed, peaks, search, refined)
 
 

@@ -127,8 +127,7 @@ class ShownTarget:
 
 def contour_settings(parameters: TargetParameters) -> ContourSettings:
     """Return how contours evolve."""
-    p = parameters
-    return ContourSettings(p.contour_regulariser, -1.0, p.contour_iterations)
+    return ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
 
 
 def first_likeness(frame: WorkingFrame) -> UsualScore:
@@ -235,18 +234,17 @@ def adapted_to_contour(
     score : float
         Score of its region.
     """
-    p = parameters
     # After a pause one frame does not outweigh all before.
     learnt = min(dt, LONGEST_LEARNT)
     appearance = known.appearance.adapted(
         shown.target,
         shown.around,
-        share_over_time(p.appearance_rate_of_target, learnt),
-        share_over_time(p.appearance_rate_around, learnt),
+        share_over_time(parameters.appearance_rate_of_target, learnt),
+        share_over_time(parameters.appearance_rate_around, learnt),
     )
     template, unshaped = known.template, known.unshaped + learnt * REFERENCE_RATE
-    if p.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
-        template = _reshaped(known.template, outline, angle, unshaped, p)
+    if parameters.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
+        template = _reshaped(known.template, outline, angle, unshaped, parameters)
         unshaped = 0.0
     return replace(
         known,

@@ -114,27 +114,32 @@ def forecast_of(
     rng : numpy.random.Generator
         Draws the particles that go on.
     """
-    p = parameters
     frames = dt * REFERENCE_RATE
     states = belief.particles.states
-    ancestors = states[systematic_resampling(belief.particles.weights, p.ancestor_count, rng)]
-    damping = 1.0 if belief.rivals.is_near else p.rate_damping
+    going_on = systematic_resampling(belief.particles.weights, parameters.ancestor_count, rng)
+    ancestors = states[going_on]
+    damping = 1.0 if belief.rivals.is_near else parameters.rate_damping
     rates = ancestors[:, POSE_SIZE:] * over_time(damping, dt)
     centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
     centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
-    survival = _survival(centres, shape, dt, p)
+    survival = _survival(centres, shape, dt, parameters)
     predicted = predict_existence(
-        belief.presence, float(survival.mean()), event_probability(p.appearance_rate, dt)
+        belief.presence, float(survival.mean()), event_probability(parameters.appearance_rate, dt)
     )
     total = survival.sum()
     # None can be in view after a long time with high rates: then all are as likely.
     alive = survival / total if total > 0.0 else np.full(len(survival), 1.0 / len(survival))
     kernels = kernel_mixture(
-        centres, _diffusion(frames, shape[1], p), p.diffusion_degrees_of_freedom, alive
+        centres,
+        _diffusion(frames, shape[1], parameters),
+        parameters.diffusion_degrees_of_freedom,
+        alive,
     )
-    jumps = p.jump_share * belief.rivals.jump_factor
-    return Forecast(kernels, rates, alive, belief.known.births, p.memory_time, predicted, jumps)
+    jumps = parameters.jump_share * belief.rivals.jump_factor
+    return Forecast(
+        kernels, rates, alive, belief.known.births, parameters.memory_time, predicted, jumps
+    )
 
 
 def _survival(
@@ -150,11 +155,9 @@ def _survival(
 
 def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:
     """Return the scales of the diffusion's kernel over some frames of 25 Hz, shape (4,)."""
-    p = parameters
     reference_scale = pixel_scale(width)
     root = math.sqrt(frames)
-    position = math.sqrt(p.position_variance) * reference_scale * root
-    scales: FloatArray = np.maximum(
-        [position, position, p.scale_sigma * root, math.radians(p.angle_sigma) * root], 1e-6
-    )
+    position = math.sqrt(parameters.position_variance) * reference_scale * root
+    scale, angle = parameters.scale_sigma * root, math.radians(parameters.angle_sigma) * root
+    scales: FloatArray = np.maximum([position, position, scale, angle], 1e-6)
     return scales

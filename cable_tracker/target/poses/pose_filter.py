@@ -94,31 +94,32 @@ class PoseFilter(TargetFilter):
         FrameError
             The mask is too small, or does not stand out from its surroundings.
         """
-        p = self._parameters
+        parameters = self._parameters
         look = look_first(
-            frame, mask, is_exact=is_exact, points=p.template_points, limit=p.ratio_limit,
-            settings=contour_settings(p),
+            frame, mask, is_exact=is_exact, points=parameters.template_points,
+            limit=parameters.ratio_limit, settings=contour_settings(parameters),
         )  # fmt: skip
-        if look.score < p.least_separation:
+        if look.score < parameters.least_separation:
             raise FrameError(
-                "the marked target does not stand out from its surroundings (score"
-                f" {look.score:.2f}, needs {p.least_separation:.2f}); mark it where it does"
+                "the marked target does not stand out from its surroundings"
+                f" (score {look.score:.2f}, needs {parameters.least_separation:.2f});"
+                " mark it where it does"
             )
         spread = FIRST_SPREAD * look.template.size
         rate = FIRST_RATE_PER_SPREAD * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
-        noise = self._rng.standard_normal((p.particle_count, STATE_SIZE))
+        noise = self._rng.standard_normal((parameters.particle_count, STATE_SIZE))
         belief = PoseBelief(
             particles=Particles.equally_weighted(look.state + noise * scales),
             estimate=look.state,
             presence=MOST_PRESENCE,
-            known=first_known(look, frame, p),
+            known=first_known(look, frame, parameters),
             rivals=RivalWatch(),
         )
-        measured = measure_frame(frame, belief.known.appearance, p)
-        weights = np.full(p.particle_count, 1.0 / p.particle_count)
+        measured = measure_frame(frame, belief.known.appearance, parameters)
+        weights = np.full(parameters.particle_count, 1.0 / parameters.particle_count)
         summary, self._belief = estimate_and_adapt(
-            belief, measured, weights, 1.0 / REFERENCE_RATE, p
+            belief, measured, weights, 1.0 / REFERENCE_RATE, parameters
         )
         return summary
 
@@ -131,25 +132,25 @@ class PoseFilter(TargetFilter):
     ) -> TargetSummary:
         """Follow the target into the next frame; see `TargetFilter`."""
         assert self._belief is not None
-        p, rng = self._parameters, self._rng
-        belief = self._belief.aged(frame, dt, motion, p)
+        parameters, rng = self._parameters, self._rng
+        belief = self._belief.aged(frame, dt, motion, parameters)
         seen = frame.measured_in(colour=belief.known.is_coloured)
-        measured = measure_frame(seen, belief.known.appearance, p)
-        peaks = propose_from_map(belief, measured, p)
+        measured = measure_frame(seen, belief.known.appearance, parameters)
+        peaks = propose_from_map(belief, measured, parameters)
         belief = replace(belief, rivals=watch_rivals(belief, measured, peaks, dt))
-        forecast = forecast_of(belief, frame.shape, dt, p, rng)
-        sampler = FrameSampler(belief, forecast, measured, dt, p)
+        forecast = forecast_of(belief, frame.shape, dt, parameters, rng)
+        sampler = FrameSampler(belief, forecast, measured, dt, parameters)
         drawn = sampler.draw(peaks, rng)
         presence = presence_by_scores(sampler, drawn, rng)
         log_weights = drawn.log_prior - drawn.log_proposal
         log_weights += sampler.sharpness * drawn.own_scores
-        log_weights -= crowding(drawn.states, others, p.sharpness, CROWD * belief.size)
+        log_weights -= crowding(drawn.states, others, parameters.sharpness, CROWD * belief.size)
         particles = Particles(drawn.states, log_weights - log_sum_exp(log_weights))
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        summary, belief = estimate_and_adapt(belief, measured, weights, dt, p)
-        self._belief = _with_followed_size(belief, dt, p, is_whole=summary.is_whole)
+        summary, belief = estimate_and_adapt(belief, measured, weights, dt, parameters)
+        self._belief = _with_followed_size(belief, dt, parameters, is_whole=summary.is_whole)
         return summary
 
 
@@ -204,25 +205,25 @@ def estimate_and_adapt(
     dt : float
         Time since the frame before [s].
     """
-    p, known, frame = parameters, belief.known, measured.frame
+    known, frame = belief.known, measured.frame
     outline = find_outline(
-        measured.ratios, belief.estimate, known.template, prior_softness(frame, p),
-        contour_settings(p),
+        measured.ratios, belief.estimate, known.template, prior_softness(frame, parameters),
+        contour_settings(parameters),
     )  # fmt: skip
-    shown = contour_histograms(outline, measured, known, p)
-    presence = presence_by_likeness(belief, shown, p, is_coloured=frame.is_coloured)
+    shown = contour_histograms(outline, measured, known, parameters)
+    presence = presence_by_likeness(belief, shown, parameters, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)
     sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
-    is_near = sigma <= p.converged_position * belief.size
+    is_near = sigma <= parameters.converged_position * belief.size
     is_whole = _is_whole(outline, frame.shape)
-    is_sure = presence >= p.presence_to_track and is_near
+    is_sure = presence >= parameters.presence_to_track and is_near
     score = float(measured.scores(belief.estimate[None], known.template)[0])
     if is_sure:
         known = known.seen_at(belief.estimate)
         gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
             known = adapted_to_contour(
-                known, outline, shown, p, dt=dt, angle=belief.angle, score=score
+                known, outline, shown, parameters, dt=dt, angle=belief.angle, score=score
             )
     summary = TargetSummary(
         state=belief.estimate.copy(),
@@ -233,7 +234,7 @@ def estimate_and_adapt(
         effective_sample_size=effective_sample_size(belief.particles.log_weights),
         score=score,
         supports_claim=is_sure,
-        supports_keeping=presence >= p.presence_to_lose and is_near,
+        supports_keeping=presence >= parameters.presence_to_lose and is_near,
     )
     return summary, replace(belief, presence=presence, known=known)
 

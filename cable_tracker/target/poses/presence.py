@@ -32,13 +32,13 @@ def presence_by_scores(
     rng : numpy.random.Generator
         Draws places for clutter.
     """
-    p, measured, known = sampler.parameters, sampler.measured, sampler.belief.known
+    parameters, measured, known = sampler.parameters, sampler.measured, sampler.belief.known
     clutter = clutter_of(
         measured.scores(_random_places(sampler, drawn, rng), known.template),
-        p.clutter_share if measured.frame.is_coloured else p.grey_clutter_share,
+        parameters.clutter_share if measured.frame.is_coloured else parameters.grey_clutter_share,
     )
-    ratios = clutter.log_ratios(drawn.scores, known.usual, p.score_spread)
-    ratios = np.clip(ratios, -p.evidence_limit, p.evidence_limit)
+    ratios = clutter.log_ratios(drawn.scores, known.usual, parameters.score_spread)
+    ratios = np.clip(ratios, -parameters.evidence_limit, parameters.evidence_limit)
     evidence = log_sum_exp(drawn.log_prior - drawn.log_proposal + ratios)
     evidence -= math.log(len(drawn.scores))
     predicted = sampler.forecast.predicted
@@ -69,10 +69,9 @@ def presence_by_likeness(
     """Return the probability of presence after what the contour of a frame shows."""
     if shown is None:
         return belief.presence
-    p = parameters
-    least = p.likeness_spread if is_coloured else p.grey_likeness_spread
+    least = parameters.likeness_spread if is_coloured else parameters.grey_likeness_spread
     ratio = log_ratio_of_likeness(shown.likeness, belief.known.usual_likeness, least)
-    ratio = min(max(ratio, -p.likeness_limit), p.likeness_limit)
+    ratio = min(max(ratio, -parameters.likeness_limit), parameters.likeness_limit)
     before = PredictedExistence(belief.presence, 0.0)
     return update_existence(
         before, ratio + math.log(belief.presence), LEAST_PRESENCE, MOST_PRESENCE

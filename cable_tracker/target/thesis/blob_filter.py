@@ -160,8 +160,8 @@ class BlobFilter(TargetFilter):
         assert self._particles is not None and self._prior is not None
         image = _intensities(frame)
         states = self._moved(frame, dt, motion)
-        p = self._parameters
-        if p.blob_model == "near_horizon" and self._before is not None:
+        parameters = self._parameters
+        if parameters.blob_model == "near_horizon" and self._before is not None:
             weights = horizon_weights(
                 image, self._before, self._prior.mask, _corners(states, self._prior.mask, frame)
             )
@@ -173,17 +173,17 @@ class BlobFilter(TargetFilter):
                 np.array([each.image_energy if each else np.inf for each in blobs]),
                 np.array([each.shape_energy if each else np.inf for each in blobs]),
                 np.array([each.contrast if each else 0.0 for each in blobs]),
-                p.blob_weights,
+                parameters.blob_weights,
             )
             best = int(np.argmax(weights))
             blob = blobs[best]
         self._before = image
         self._estimate = states[best]
-        chosen = multinomial_resampling(weights, p.particle_count, self._rng)
+        chosen = multinomial_resampling(weights, parameters.particle_count, self._rng)
         n_eff = effective_sample_size(np.log(np.maximum(weights, 1e-300)))
         self._particles = Particles.equally_weighted(states[chosen])
-        is_seen = blob is not None and blob.contrast >= p.blob_contrast
-        if p.blob_model == "boundary":
+        is_seen = blob is not None and blob.contrast >= parameters.blob_contrast
+        if parameters.blob_model == "boundary":
             self._border = self._border.after(self._estimate, frame.shape, is_seen, self._rng)
         if blob is None:
             return self._nothing(n_eff)
@@ -236,8 +236,8 @@ class BlobFilter(TargetFilter):
     ) -> TargetSummary:
         """Take over the contour as the prior where it is near, and say what was found."""
         assert self._prior is not None and self._particles is not None
-        prior, p = self._prior, self._parameters
-        is_near = blob.shape_energy <= p.blob_shape_limit
+        prior, parameters = self._prior, self._parameters
+        is_near = blob.shape_energy <= parameters.blob_shape_limit
         outline = Outline(
             blob.mask,
             (blob.left, blob.top, blob.left + blob.mask.shape[1], blob.top + blob.mask.shape[0]),
