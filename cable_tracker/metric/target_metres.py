@@ -26,7 +26,7 @@ from cable_tracker.metric.relative_state import (
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate
 
 UNSURE_RANGE = 0.3
 """Largest standard deviation of a range that is published, as a share of the range."""
@@ -227,7 +227,7 @@ class TargetRange:
             Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
-        if not is_claimed(estimate):
+        if not estimate.is_claimed:
             none = Withheld(Reason.NO_TARGET, "the frame shows none")
             return TargetMetres(none, none)
         if isinstance(camera, Withheld):

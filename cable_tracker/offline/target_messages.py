@@ -26,7 +26,7 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
-from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.tracking.status_words import REFUSED
 
 
@@ -65,7 +65,7 @@ class TargetMessages(FrameMessages):
         values = target_report_values(estimate, ms, count) | dict(facts)
         report = make_report(factory, header, estimate.status.value, values)
         self._write(node_topics.TARGET_REPORT, report)
-        if is_claimed(estimate) and estimate.box is not None:
+        if estimate.is_claimed and estimate.box is not None:
             self._write(node_topics.TARGET, make_target(factory, header, estimate))
             corners = box_corners(estimate.box)
             self._write(node_topics.BOX, make_polygon(factory, header, corners))

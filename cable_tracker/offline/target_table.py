@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cable_tracker.metric.target_facts import TARGET_METRES_KEYS
 from cable_tracker.sequences.estimates import format_stamp
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.state import PoseColumn
 
 METRES = "metres.csv"
@@ -64,7 +64,7 @@ class TargetRow:
 def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRow:
     """Return the row of the table for a frame that was used."""
     claim = None
-    if is_claimed(estimate) and estimate.box is not None:
+    if estimate.is_claimed and estimate.box is not None:
         state, sigma = estimate.state, estimate.standard_deviations()
         numbers = [
             state[PoseColumn.X], state[PoseColumn.Y], estimate.scale, state[PoseColumn.ANGLE],

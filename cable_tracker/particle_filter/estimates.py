@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cable_tracker.arrays import FloatArray
 
 
@@ -23,3 +25,9 @@ def weighted_covariance(states: FloatArray, weights: FloatArray, mean: FloatArra
     covariance = (deviations * weights[:, None]).T @ deviations
     symmetric: FloatArray = (covariance + covariance.T) / 2
     return symmetric
+
+
+def standard_deviations(covariance: FloatArray) -> FloatArray:
+    """Return the square roots of a covariance's diagonal, shape (k,); 0 for what is below 0."""
+    variances: FloatArray = np.maximum(np.diag(covariance), 0.0)
+    return np.sqrt(variances)

@@ -5,7 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+from cable_tracker.particle_filter.estimates import (
+    standard_deviations,
+    weighted_covariance,
+    weighted_mean,
+)
 from cable_tracker.particle_filter.weights import normalise_log_weights
 
 STATES = np.array([[0.0, 1.0], [4.0, 1.0], [0.0, 5.0]])
@@ -56,3 +60,8 @@ def test_the_mean_lies_within_the_sample(sample):
     slack = 1e-9 * (1 + np.abs(states).max())
     assert (mean >= states.min(axis=0) - slack).all()
     assert (mean <= states.max(axis=0) + slack).all()
+
+
+def test_standard_deviations_are_roots_of_the_diagonal_and_never_nan():
+    covariance = np.array([[4.0, 9.0], [9.0, -1e-18]])
+    np.testing.assert_array_equal(standard_deviations(covariance), [2.0, 0.0])

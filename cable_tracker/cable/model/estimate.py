@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.particle_filter.estimates import standard_deviations
 from cable_tracker.tracking.status import TrackingStatus
 
 
@@ -84,5 +83,4 @@ class CableEstimate:
 
     def standard_deviations(self) -> FloatArray:
         """Return the square roots of the covariance's diagonal, shape (8,)."""
-        variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)
-        return np.sqrt(variances)
+        return standard_deviations(self.covariance)

@@ -28,7 +28,7 @@ from cable_tracker.evaluation.targets.metrics import (
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
 from cable_tracker.evaluation.targets.target_sequences import TargetEvaluationFrame, TargetSequence
 from cable_tracker.sequences.csv_tables import write_csv
-from cable_tracker.target.model.estimate import Box, is_claimed
+from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
@@ -62,7 +62,7 @@ class OwnTracker:
         """Return the box in the next frame; None unless the status is TRACKING."""
         estimate = self._tracker.process(image, stamp)
         self._event = estimate.event
-        return estimate.box if is_claimed(estimate) else None
+        return estimate.box if estimate.is_claimed else None
 
 
 def method_names() -> list[str]:

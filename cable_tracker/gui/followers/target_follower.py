@@ -18,7 +18,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.target_labels import BoxTruth
-from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
 from cable_tracker.target.model.state import PoseColumn
@@ -135,7 +135,7 @@ class TargetFollower(Follower):
     def _tracked(
         self, frame: Frame, number: int, estimate: TargetEstimate, ms: float
     ) -> TargetSnapshot:
-        claimed = is_claimed(estimate)
+        claimed = estimate.is_claimed
         state = sigma = None
         if claimed:
             state = estimate.state.copy()

@@ -34,7 +34,7 @@ from cable_tracker.sequences.messages.target import (
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.visualisation.target_overlay import draw_target
 
 
@@ -88,7 +88,7 @@ class OneTarget:
     ) -> None:
         """Publish what is claimed: centre, outline, bearing, range."""
         estimate, metres, factory = answer.estimate, answer.metres, self._factory
-        if not is_claimed(estimate):
+        if not estimate.is_claimed:
             return
         if self._target.get_subscription_count():
             self._target.publish(make_target(factory, header, estimate))

@@ -24,7 +24,7 @@ from cable_tracker.sequences.messages.poses import (
     make_vector,
     pose_covariance,
 )
-from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import PoseColumn
 
@@ -72,7 +72,7 @@ def make_target_state(
     values: FloatArray = np.empty(0)
     rates: FloatArray = np.empty(0)
     sigma: FloatArray = np.empty(0)
-    if estimate is not None and is_claimed(estimate):
+    if estimate is not None and estimate.is_claimed:
         state, deviations = estimate.state, estimate.standard_deviations()
         size = math.sqrt(estimate.area)
         values = np.array([state[0], state[1], size, state[PoseColumn.ANGLE]])
@@ -122,7 +122,7 @@ def target_report_values(
     What there is only with a claim is empty without one: `box` (left, top, right, bottom [px]),
     `area` [px²], `scale`, `corners` of the contour. `particles` are empty before the first target.
     """
-    claimed = is_claimed(estimate)
+    claimed = estimate.is_claimed
     box = " ".join(repr(float(side)) for side in estimate.box or ()) if claimed else ""
     return {
         "n_eff": repr(float(estimate.effective_sample_size)),

@@ -14,7 +14,7 @@ from cable_tracker.sequences.messages.line_markers import (
     make_line_markers,
     sides_of_polygon,
 )
-from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
+from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.tracking.image_frame import from_page
 
 
@@ -27,7 +27,7 @@ def make_target_markers(
     """
     size = estimate.image_size
     drawn = [Lines("image", _sides(box_corners((0.0, 0.0, *size)), size), GREY)]
-    if is_claimed(estimate):
+    if estimate.is_claimed:
         assert estimate.box is not None
         drawn.append(Lines("box", _sides(box_corners(estimate.box), size), GREEN))
         if len(estimate.outline):

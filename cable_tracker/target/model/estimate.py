@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.particle_filter.estimates import standard_deviations
 from cable_tracker.tracking.status import TrackingStatus
 
 Box = tuple[float, float, float, float]
@@ -65,23 +66,18 @@ class TargetEstimate:
     event: str = ""
 
     @property
+    def is_claimed(self) -> bool:
+        """Whether a target is claimed, with an outline."""
+        return self.status is TrackingStatus.TRACKING and self.box is not None
+
+    @property
     def scale(self) -> float:
         """Size against that at the start."""
         return float(np.exp(self.state[2]))
 
     def standard_deviations(self) -> FloatArray:
         """Return the square roots of the covariance's diagonal, shape (6,)."""
-        variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)
-        return np.sqrt(variances)
-
-
-def is_claimed(estimate: TargetEstimate | None) -> bool:
-    """Tell whether an estimate claims a target, with an outline."""
-    return (
-        estimate is not None
-        and estimate.status is TrackingStatus.TRACKING
-        and estimate.box is not None
-    )
+        return standard_deviations(self.covariance)
 
 
 def box_corners(box: Box) -> FloatArray:
