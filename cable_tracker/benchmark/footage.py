@@ -76,7 +76,10 @@ def footage(count: int, size: tuple[int, int]) -> Footage:
     """
     frames = rendered_frames(count)
     images = tuple(enlarged(frame.image, size) for frame in frames)
-    truths = tuple(at_rest(frame.truth, size[0]) for frame in frames if frame.truth is not None)
+    scale = size[0] / RENDERED_SIZE[0]
+    truths = tuple(
+        frame.truth.scaled(scale).at_rest() for frame in frames if frame.truth is not None
+    )
     return Footage(images, truths)
 
 
@@ -89,12 +92,6 @@ def enlarged(image: Image, size: tuple[int, int]) -> Image:
     whole = cv2.resize(image, (width, whole_height), interpolation=cv2.INTER_CUBIC)
     top = (whole_height - height) // 2
     return np.ascontiguousarray(whole[top : top + height])
-
-
-def at_rest(truth: CableState, width: int) -> CableState:
-    """Return where a cable runs in a wider frame, with its rates set to zero."""
-    scale = width / RENDERED_SIZE[0]
-    return CableState(truth.distance * scale, truth.angle, truth.width * scale, truth.skew)
 
 
 class FrameLoop:

@@ -9,7 +9,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.working_image import check_frame, make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
-from cable_tracker.detection.search_region import SearchRegion, scaled_state
+from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 
@@ -64,7 +64,7 @@ class CableDetector(ABC):
         reduction = working.reduction
         reduced = region.scaled(reduction) if region is not None else None
         return [
-            Detection(scaled_state(found.state, 1.0 / reduction), found.score)
+            Detection(found.state.scaled(1.0 / reduction), found.score)
             for found in self._detect(working.pixels, reduced)
         ]
 

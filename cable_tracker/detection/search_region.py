@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,7 +35,7 @@ class SearchRegion:
     def scaled(self, factor: float) -> SearchRegion:
         """Return the region for an image enlarged by a factor."""
         return SearchRegion(
-            state=scaled_state(self.state, factor),
+            state=self.state.scaled(factor),
             distance=self.distance * factor,
             angle=self.angle,
             width=self.width * factor,
@@ -68,14 +68,3 @@ class SearchRegion:
         reach = (expected.width + self.width) / 2 + self.distance + np.abs(along) * np.tan(turn)
         covered: BoolArray = np.abs(across) <= reach
         return covered
-
-
-def scaled_state(state: CableState, factor: float) -> CableState:
-    """Return the cable as it looks in an image enlarged by a factor."""
-    return replace(
-        state,
-        distance=state.distance * factor,
-        width=state.width * factor,
-        distance_rate=state.distance_rate * factor,
-        width_rate=state.width_rate * factor,
-    )

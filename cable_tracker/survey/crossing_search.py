@@ -11,7 +11,6 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.working_image import MINIMUM_SIDE
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
-from cable_tracker.detection.search_region import scaled_state
 from cable_tracker.metric.homography import Overflight
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_metres import on_ground
@@ -56,7 +55,7 @@ class CrossingSearch:
         # A long, low picture keeps as many rows as a detector needs.
         scale = max(min(width / CROSSING_WIDTH, height / MINIMUM_SIDE), 1.0)
         for found in self._finder.detect(_reduced(grey, scale)):
-            other = scaled_state(found.state, scale)
+            other = found.state.scaled(scale)
             across = abs(math.remainder(other.angle - state.angle, math.pi))
             if found.score < LEAST_SCORE or across < LEAST_CROSSING:
                 continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -157,9 +157,9 @@ def draw_overlay(
     if state is not None or cloud is not None:
         _draw_hypotheses(canvas, hypotheses[1:], scale, pen)
     if state is not None and state.is_finite():
-        _draw_estimate(canvas, _scaled(state, scale), _scaled_sigma(sigma, scale), status, pen)
+        _draw_estimate(canvas, state.scaled(scale), _scaled_sigma(sigma, scale), status, pen)
     if truth is not None and truth.is_finite():
-        _draw_truth(canvas, _scaled(truth, scale), pen)
+        _draw_truth(canvas, truth.scaled(scale), pen)
     if legend:
         _write_legend(canvas, state, status, presence, caption)
     return canvas
@@ -192,10 +192,6 @@ def _as_bgr(image: Image) -> Image:
     if image.ndim == 2:
         return cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_GRAY2BGR)
     return np.array(image, order="C")
-
-
-def _scaled(state: CableState, scale: float) -> CableState:
-    return replace(state, distance=state.distance * scale, width=state.width * scale)
 
 
 def _scaled_sigma(
@@ -259,7 +255,7 @@ def _draw_hypotheses(
     segments = [
         segment
         for state in likely_states(hypotheses)
-        for segment in centreline_segments(_scaled(state, scale), pen.image_size)
+        for segment in centreline_segments(state.scaled(scale), pen.image_size)
     ]
     _draw_segments(canvas, segments, HYPOTHESES, pen.thin, pen)
 

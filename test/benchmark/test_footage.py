@@ -3,8 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.benchmark.footage import Footage, FrameLoop, at_rest, enlarged, footage
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.benchmark.footage import Footage, FrameLoop, enlarged, footage
 
 
 @given(st.integers(1, 9), st.integers(0, 100))
@@ -33,8 +32,8 @@ def test_a_size_of_another_shape_keeps_the_centre_where_it_is():
 
 
 def test_a_truth_grows_with_the_frame_and_has_no_rates():
-    truth = at_rest(CableState(10.0, 0.1, 40.0, 0.02, 5.0, 0.3), 640)
-    assert truth == CableState(20.0, 0.1, 80.0, 0.02)
+    (truth,), (wide,) = (footage(1, size).truths for size in ((320, 240), (640, 480)))
+    assert wide == truth.scaled(2.0) == wide.at_rest()
 
 
 class Listener:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.search_region import SearchRegion, scaled_state
+from cable_tracker.detection.search_region import SearchRegion
 
 UPRIGHT = SearchRegion(CableState(10.0, 0.0, 30.0), distance=5.0, angle=0.1, width=6.0)
 
@@ -55,5 +55,3 @@ def test_the_borders_of_every_admitted_upright_cable_are_covered(distance, angle
 def test_scaling_leaves_the_angle_alone():
     scaled = UPRIGHT.scaled(0.25)
     assert scaled == SearchRegion(CableState(2.5, 0.0, 7.5), 1.25, 0.1, 1.5)
-    moving = scaled_state(CableState(8.0, 0.2, 16.0, 0.1, 4.0, 0.3, -12.0, 0.4), 0.25)
-    assert moving == CableState(2.0, 0.2, 4.0, 0.1, 1.0, 0.3, -3.0, 0.4)

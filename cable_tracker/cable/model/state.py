@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -98,6 +98,20 @@ class CableState:
     def from_array(cls, values: FloatArray) -> CableState:
         """Make a state from an array of shape (8,), or (4,) for a state at rest."""
         return cls(*values.tolist())
+
+    def scaled(self, factor: float) -> CableState:
+        """Return the cable as it looks in an image enlarged by a factor."""
+        return replace(
+            self,
+            distance=self.distance * factor,
+            width=self.width * factor,
+            distance_rate=self.distance_rate * factor,
+            width_rate=self.width_rate * factor,
+        )
+
+    def at_rest(self) -> CableState:
+        """Return where the cable is, without its rates."""
+        return CableState(self.distance, self.angle, self.width, self.skew)
 
     def is_finite(self) -> bool:
         """Tell whether every component is a finite number."""

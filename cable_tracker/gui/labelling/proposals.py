@@ -108,9 +108,9 @@ class Proposer:
                     return LabelProposal(frame, None, str(error))
         words = f"tracked from frame {start}"
         if estimate is not None and estimate.is_claimed:
-            return LabelProposal(frame, at_rest(estimate.state), words)
+            return LabelProposal(frame, estimate.state.at_rest(), words)
         if estimate is not None and frame - start <= MOST_FRAMES_IN_DOUBT:
-            return LabelProposal(frame, at_rest(estimate.state), f"{words}, in doubt")
+            return LabelProposal(frame, estimate.state.at_rest(), f"{words}, in doubt")
         return LabelProposal(frame, None, f"the tracker has lost the cable since frame {start}")
 
     def _moving_state(self, start: int, labels: Labels) -> CableState:
@@ -140,10 +140,6 @@ class Proposer:
         tracker.initialise(GivenState.around(found[0].state, is_guess=True))
         estimate = tracker.process(grey, picture.stamp)
         if not estimate.is_claimed:
-            return LabelProposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")
-        return LabelProposal(frame, at_rest(estimate.state), "detected in this frame")
-
-
-def at_rest(state: CableState) -> CableState:
-    """Return where a cable is, without its rates."""
-    return CableState(state.distance, state.angle, state.width, state.skew)
+            state = found[0].state.at_rest()
+            return LabelProposal(frame, state, "detected in this frame, in doubt")
+        return LabelProposal(frame, estimate.state.at_rest(), "detected in this frame")

@@ -34,3 +34,14 @@ def test_one_number_that_is_not_finite_makes_a_state_not_finite(column, value):
     assert CableState.from_array(values).is_finite()
     values[column] = value
     assert not CableState.from_array(values).is_finite()
+
+
+MOVING = CableState(8.0, 0.2, 16.0, 0.1, 4.0, 0.3, -12.0, 0.4)
+
+
+def test_in_a_larger_image_lengths_grow_and_angles_do_not():
+    assert MOVING.scaled(0.25) == CableState(2.0, 0.2, 4.0, 0.1, 1.0, 0.3, -3.0, 0.4)
+
+
+def test_at_rest_a_cable_is_where_it_was():
+    assert MOVING.at_rest() == CableState(8.0, 0.2, 16.0, 0.1)
