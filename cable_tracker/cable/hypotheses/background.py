@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.shared_borders import is_within_shared_border_limits
-from cable_tracker.cable.measure.likelihood_ratio import allocate_log_ratios, fill_log_ratios
+from cable_tracker.cable.measure.likelihood_ratio import measured_cables
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
@@ -105,10 +105,8 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 @compiled_part
 def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatArray:
     """Return the log-likelihood ratios (count,) of the first strips."""
-    measured = allocate_log_ratios(count)
-    fill_log_ratios(
-        strips, 0, count, inputs.scan, inputs.model, inputs.scan.points_across, measured
-    )
+    scan = inputs.scan
+    measured = measured_cables(strips, count, scan, inputs.model, scan.points_across)
     return marginal_log_ratios(measured.log_ratios, inputs.polarity)
 
 

@@ -55,9 +55,8 @@ from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.cable_map import is_worked_out
 from cable_tracker.cable.measure.likelihood_ratio import (
     BorderClearness,
-    allocate_log_ratios,
     border_clearness,
-    fill_log_ratios,
+    measured_cables,
 )
 from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK, bright_share
 from cable_tracker.cable.model.geometry import state_in_chart
@@ -381,8 +380,7 @@ def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
 @compiled_part
 def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
     """Return the mean log-likelihood ratios (2,) of the first mean's borders, without texture."""
-    measured = allocate_log_ratios(1)
-    fill_log_ratios(means, 0, 1, inputs.scan, inputs.model, inputs.scan.points_across, measured)
+    measured = measured_cables(means, 1, inputs.scan, inputs.model, inputs.scan.points_across)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own

@@ -46,7 +46,7 @@ from cable_tracker.cable.hypotheses.sample import (
 )
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
-from cable_tracker.cable.measure.likelihood_ratio import fill_log_ratios
+from cable_tracker.cable.measure.likelihood_ratio import fill_measures
 from cable_tracker.cable.measure.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -219,7 +219,7 @@ def _draw_rates_and_measure(
 def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
-    fill_log_ratios(
+    fill_measures(
         sample.states,
         start,
         stop,

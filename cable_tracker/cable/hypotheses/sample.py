@@ -16,7 +16,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues, empty_densities
 from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
 from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
-from cable_tracker.cable.measure.likelihood_ratio import CableLogRatios, allocate_log_ratios
+from cable_tracker.cable.measure.likelihood_ratio import CableMeasures, allocate_measures
 from cable_tracker.cable.measure.polarity_prior import (
     BRIGHT,
     DARK,
@@ -43,7 +43,7 @@ class Sample(NamedTuple):
         The particles, shape (N, 8), in the chart about one reference angle.
     densities : DensityValues
         Densities before the frame is looked at.
-    measured : CableLogRatios
+    measured : CableMeasures
         Log-likelihood ratios of the frame, for either polarity.
     map_log_ratios : FloatArray
         What the map of the frame adds, shape (N,); 0 without one [nats].
@@ -61,7 +61,7 @@ class Sample(NamedTuple):
 
     states: FloatArray
     densities: DensityValues
-    measured: CableLogRatios
+    measured: CableMeasures
     map_log_ratios: FloatArray
     log_likelihoods: FloatArray
     proposal_density: FloatArray
@@ -74,7 +74,7 @@ def empty_sample(count: int) -> Sample:
     return Sample(
         np.empty((count, STATE_SIZE)),
         empty_densities(count),
-        allocate_log_ratios(count),
+        allocate_measures(count),
         np.zeros(count),
         np.empty(count),
         np.empty(count),

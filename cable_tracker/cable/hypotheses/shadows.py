@@ -27,7 +27,7 @@ from cable_tracker.cable.hypotheses.shared_borders import (
     parabolic_window,
     shared_border_score,
 )
-from cable_tracker.cable.measure.likelihood_ratio import CableLogRatios
+from cable_tracker.cable.measure.likelihood_ratio import CableMeasures
 from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.model.geometry import border_offset, border_side, relative_direction
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
@@ -101,7 +101,7 @@ def empty_shadows() -> Shadows:
 def find_shadows(
     states: FloatArray,
     possible: BoolArray,
-    measured: CableLogRatios,
+    measured: CableMeasures,
     rules: ShadowRules,
     shadows: Shadows,
 ) -> int:
@@ -113,7 +113,7 @@ def find_shadows(
         The particles, shape (N, 8), in one chart.
     possible : BoolArray
         Whether each of them is a possible cable, shape (N,).
-    measured : CableLogRatios
+    measured : CableMeasures
         Their log-likelihood ratios; it may have more rows.
     rules : ShadowRules
         Limits of what counts as a shadow.
@@ -144,7 +144,7 @@ def find_shadows(
 def _clearest_dark_strip(
     states: FloatArray,
     possible: BoolArray,
-    measured: CableLogRatios,
+    measured: CableMeasures,
     rules: ShadowRules,
     others: IndexArray,
 ) -> int:
@@ -173,7 +173,7 @@ def _clearest_dark_strip(
 def _ceiling_beside(
     states: FloatArray,
     possible: BoolArray,
-    measured: CableLogRatios,
+    measured: CableMeasures,
     rules: ShadowRules,
     strip: int,
     border: int,
@@ -202,7 +202,7 @@ def _ceiling_beside(
 @compiled_loop
 def fill_shadow_losses(
     states: FloatArray,
-    measured: CableLogRatios,
+    measured: CableMeasures,
     shadows: Shadows,
     count: int,
     unit: float,
@@ -212,7 +212,7 @@ def fill_shadow_losses(
 
     Parameters
     ----------
-    states, measured : FloatArray, CableLogRatios
+    states, measured : FloatArray, CableMeasures
         Particles, shape (N, 8), and their log-likelihood ratios; see `find_shadows`.
     shadows, count : Shadows, int
         The shadows of the frame, and their number.

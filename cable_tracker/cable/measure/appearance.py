@@ -43,8 +43,7 @@ from cable_tracker.cable.measure.border_points import (
 from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.measure.likelihood_ratio import (
     RatioModel,
-    allocate_log_ratios,
-    fill_log_ratios,
+    measured_cables,
 )
 from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, ScanLines
@@ -108,8 +107,8 @@ def appearances_of(
     `cable_map`: the map of the frame, or `NO_MAP`.
     """
     count = len(states)
-    found, measured = np.empty(count), allocate_log_ratios(count)
-    fill_log_ratios(states, 0, count, scan, model, scan.points_across, measured)
+    found = np.empty(count)
+    measured = measured_cables(states, count, scan, model, scan.points_across)
     crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
     for row in range(count):

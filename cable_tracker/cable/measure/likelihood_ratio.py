@@ -77,24 +77,24 @@ ONE_POINT = 1.0
 """Expected length of borders whose parts beyond the edge are neither paid for nor counted."""
 
 
-class CableLogRatios(NamedTuple):
-    """Log-likelihood ratios of N cables [nats]: column `BRIGHT` 0 for bright, `DARK` 1 for dark.
+class CableMeasures(NamedTuple):
+    """What a frame shows of N cables, by columns `BRIGHT` and `DARK` where polarity matters.
 
     Attributes
     ----------
     log_ratios : FloatArray
-        Tempered log-likelihood ratio, cable against no cable, shape (N, 2).
+        Tempered log-likelihood ratio, cable against no cable, shape (N, 2) [nats].
     weaker_border_mean : FloatArray
         Mean log-likelihood ratio per point of the weaker border, summed over the classes of its
-        strength, not tempered, with what the texture says, shape (N, 2).
+        strength, not tempered, with what the texture says, shape (N, 2) [nats].
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     bright_border_log_ratios : FloatArray
         Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
-        alone, summed over the classes of its strength, shape (N, 2).
+        alone, summed over the classes of its strength, shape (N, 2): cable, border [nats].
     border_means : FloatArray
         Mean log-likelihood ratio per point of the left and of the right border, each alone, not
-        tempered, without texture, shape (N, 2, 2): cable, polarity, border.
+        tempered, without texture, shape (N, 2, 2): cable, polarity, border [nats].
     outsides : FloatArray
         Mean grey level outside the left and the right border [scales of the contrast], shape
         (N, 2); 0 for a border that is not in view.
@@ -109,9 +109,9 @@ class CableLogRatios(NamedTuple):
 
 
 @compiled_part
-def allocate_log_ratios(count: int) -> CableLogRatios:
+def allocate_measures(count: int) -> CableMeasures:
     """Return uninitialised arrays for N cables."""
-    return CableLogRatios(
+    return CableMeasures(
         np.empty((count, 2)),
         np.empty((count, 2)),
         np.empty(count),
@@ -170,7 +170,7 @@ class BorderLikelihoodRatio:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
         return _marginal_log_ratios(self.measure(states, image).log_ratios, EITHER)
 
-    def measure(self, states: FloatArray, image: WorkingImage) -> CableLogRatios:
+    def measure(self, states: FloatArray, image: WorkingImage) -> CableMeasures:
         """Measure cables, shape (N, 4) or more columns.
 
         Raises
@@ -180,10 +180,8 @@ class BorderLikelihoodRatio:
         """
         if states.ndim != 2 or states.shape[1] < POSE_SIZE:
             raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
-        measured = allocate_log_ratios(len(states))
         rows = np.array(states, np.float64, order="C")
-        _measure_all(rows, scan_inputs(image), self.model_for(image), measured)
-        return measured
+        return _measure_all(rows, scan_inputs(image), self.model_for(image))
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
         """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""
@@ -211,10 +209,8 @@ def power_of_a_point(tempering: float, line_spacing: float, scale: float) -> flo
 
 
 @compiled
-def _measure_all(
-    states: FloatArray, scan: ScanInputs, model: RatioModel, measured: CableLogRatios
-) -> None:
-    fill_log_ratios(states, 0, len(states), scan, model, scan.points_across, measured)
+def _measure_all(states: FloatArray, scan: ScanInputs, model: RatioModel) -> CableMeasures:
+    return measured_cables(states, len(states), scan, model, scan.points_across)
 
 
 @compiled
@@ -223,16 +219,26 @@ def _marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> Flo
 
 
 @compiled_part
-def fill_log_ratios(
+def measured_cables(
+    states: FloatArray, count: int, scan: ScanInputs, model: RatioModel, expected: float
+) -> CableMeasures:
+    """Measure the first of some states; `expected` is that of `fill_measures`."""
+    measured = allocate_measures(count)
+    fill_measures(states, 0, count, scan, model, expected, measured)
+    return measured
+
+
+@compiled_part
+def fill_measures(
     states: FloatArray,
     start: int,
     stop: int,
     scan: ScanInputs,
     model: RatioModel,
     expected: float,
-    measured: CableLogRatios,
+    measured: CableMeasures,
 ) -> None:
-    """Fill in the log-likelihood ratios of the states from `start` to `stop`.
+    """Fill in the measures of the states from `start` to `stop`.
 
     A border with less than the `expected` length in view pays for what it lacks, see
     `ScanInputs.points_across`, and means per point are taken over at least that length.
@@ -283,7 +289,7 @@ def _combine_borders(
     tempering: float,
     longest: float,
     shares: FloatArray,
-    measured: CableLogRatios,
+    measured: CableMeasures,
     cable: int,
 ) -> None:
     """Fill in the log-likelihood ratios of a cable from those along its borders.
@@ -297,7 +303,7 @@ def _combine_borders(
     longest : float
         Length over which means per point are taken: that in view of the longer border, at least
         that of a border through the picture [distances of the scan lines].
-    measured, cable : CableLogRatios, int
+    measured, cable : CableMeasures, int
         Row of the arrays that is filled in.
     """
     for polarity in range(2):
@@ -337,8 +343,7 @@ def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) ->
     """
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
-    measured = allocate_log_ratios(count)
-    fill_log_ratios(states, 0, count, scan, model, ONE_POINT, measured)
+    measured = measured_cables(states, count, scan, model, ONE_POINT)
     for row in range(count):
         shown = min(measured.visible_lengths[row] / scan.points_across, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf
