@@ -8,7 +8,15 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import borders_cross_inside, relative_direction
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+    CableState,
+)
 from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.detection.border_lines import BorderLines, turn_between
 from cable_tracker.detection.detector import Detection
@@ -129,7 +137,7 @@ def plausible_pairs(
                 continue
             pose = poses[found]
             bright[found] = _cable_between(angle, offsets[first], opposite, -offsets[second], pose)
-            if not narrowest <= pose[2] <= widest:
+            if not narrowest <= pose[WIDTH] <= widest:
                 continue
             if borders_cross_inside(pose, image_size):
                 continue
@@ -137,14 +145,14 @@ def plausible_pairs(
             ends[found, 0], ends[found, 1] = first, second
             side = int(bright[found])
             if supports[second] >= PARTNER_SHARE * supports[first]:
-                strips[first, side] = min(strips[first, side], pose[2])
+                strips[first, side] = min(strips[first, side], pose[WIDTH])
             if supports[first] >= PARTNER_SHARE * supports[second]:
-                strips[second, side] = min(strips[second, side], pose[2])
+                strips[second, side] = min(strips[second, side], pose[WIDTH])
             found += 1
     for pair in range(found):
         outer = 1 - int(bright[pair])
         beside = max(strips[ends[pair, 0], outer], strips[ends[pair, 1], outer])
-        if beside < poses[pair, 2]:
+        if beside < poses[pair, WIDTH]:
             scores[pair] *= GAP_FACTOR
     return poses[:found], scores[:found]
 
@@ -165,8 +173,8 @@ def _cable_between(
     cos_skew = math.cos(skew)
     middle = (left + right) / 2
     wrapped, sign = relative_direction(middle, 0.0)
-    pose[0] = sign * (offset + other_offset) / (2 * cos_skew)
-    pose[1] = wrapped
-    pose[2] = abs(other_offset - offset) / cos_skew
-    pose[3] = sign * skew
+    pose[DISTANCE] = sign * (offset + other_offset) / (2 * cos_skew)
+    pose[ANGLE] = wrapped
+    pose[WIDTH] = abs(other_offset - offset) / cos_skew
+    pose[SKEW] = sign * skew
     return bright

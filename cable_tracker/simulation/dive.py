@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.simulation.borders import (
     ProjectedBorders,
@@ -110,8 +110,9 @@ class Dive:
         projected = project_tube(self.tube, self.camera, poses)
         states = fit_states(projected, self.camera.image_size)
         # Where the line is written the other way round, so is the sense of its distance and skew.
-        states[:, 4:] = wanted[:, 4:]
-        turned = np.abs(wrap_states(wanted)[:, 1] - wanted[:, 1]) > np.pi / 2
+        states[:, POSE_SIZE:] = wanted[:, POSE_SIZE:]
+        angles = wanted[:, StateColumn.ANGLE]
+        turned = np.abs(wrap_states(wanted)[:, StateColumn.ANGLE] - angles) > np.pi / 2
         states[turned, StateColumn.DISTANCE_RATE] *= -1
         states[turned, StateColumn.SKEW_RATE] *= -1
         states[~projected.in_view()] = np.nan

@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import project_borders, states_in_chart
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.state import ANGLE, STATE_SIZE
 from cable_tracker.simulation.borders import fit_states, project_tube
 from cable_tracker.simulation.camera import Camera, CameraPoses, chain
 from cable_tracker.simulation.tube import Tube
@@ -52,9 +52,9 @@ def steer(
 
 def _in_chart_of(wanted: FloatArray, seen: FloatArray) -> FloatArray:
     shifted = seen.copy()
-    shifted[:, 1] -= wanted[:, 1]
+    shifted[:, ANGLE] -= wanted[:, ANGLE]
     chart = states_in_chart(shifted, 0.0)
-    chart[:, 1] += wanted[:, 1]
+    chart[:, ANGLE] += wanted[:, ANGLE]
     return chart
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -219,14 +219,14 @@ class Trajectory:
         """
         scale = pixel_scale(image_width)
         states = np.empty((times.size, STATE_SIZE))
-        states[:, 0] = scale * self.distance.values(times)
-        states[:, 1] = self.angle.values(times)
-        states[:, 2] = scale * self.width.values(times)
-        states[:, 3] = self.skew.values(times)
-        states[:, 4] = scale * _rate(self.distance, times)
-        states[:, 5] = _rate(self.angle, times)
-        states[:, 6] = scale * _rate(self.width, times)
-        states[:, 7] = _rate(self.skew, times)
+        states[:, StateColumn.DISTANCE] = scale * self.distance.values(times)
+        states[:, StateColumn.ANGLE] = self.angle.values(times)
+        states[:, StateColumn.WIDTH] = scale * self.width.values(times)
+        states[:, StateColumn.SKEW] = self.skew.values(times)
+        states[:, StateColumn.DISTANCE_RATE] = scale * _rate(self.distance, times)
+        states[:, StateColumn.ANGLE_RATE] = _rate(self.angle, times)
+        states[:, StateColumn.WIDTH_RATE] = scale * _rate(self.width, times)
+        states[:, StateColumn.SKEW_RATE] = _rate(self.skew, times)
         return states
 
     def way(self, times: FloatArray) -> FloatArray:

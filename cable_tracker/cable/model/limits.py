@@ -8,7 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
+from cable_tracker.cable.model.state import (
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    WIDTH,
+    StateColumn,
+    pose_units,
+)
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 LEAST_EXTENT = np.array([0.0, 0.0, 0.8, math.radians(0.5)])
@@ -56,10 +63,14 @@ def words_beyond_limits(pose: FloatArray, limits: StateLimits) -> str:
     A component that is NaN lies beyond nothing.
     """
     beyond = (
-        (f"d {pose[0]:.1f} px", "distance_limit", abs(pose[0]) > limits.upper[0]),
-        (f"w {pose[2]:.1f} px", "width_minimum", pose[2] < limits.lower[2]),
-        (f"w {pose[2]:.1f} px", "width_maximum", pose[2] > limits.upper[2]),
-        (f"beta {pose[3]:.3f} rad", "skew_limit", abs(pose[3]) > limits.upper[3]),
+        (
+            f"d {pose[DISTANCE]:.1f} px",
+            "distance_limit",
+            abs(pose[DISTANCE]) > limits.upper[DISTANCE],
+        ),
+        (f"w {pose[WIDTH]:.1f} px", "width_minimum", pose[WIDTH] < limits.lower[WIDTH]),
+        (f"w {pose[WIDTH]:.1f} px", "width_maximum", pose[WIDTH] > limits.upper[WIDTH]),
+        (f"beta {pose[SKEW]:.3f} rad", "skew_limit", abs(pose[SKEW]) > limits.upper[SKEW]),
     )
     return ", ".join(f"{value} by {name}" for value, name, is_beyond in beyond if is_beyond)
 

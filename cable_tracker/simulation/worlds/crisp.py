@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.worlds.motion import WORLD_RATE
 from cable_tracker.simulation.worlds.strip import border_points, pixel_grid, view_strip
@@ -59,16 +59,16 @@ def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> Float
     scale = pixel_scale(image_size[0])
     state = np.zeros(STATE_SIZE)
     # Width and skew are settled first, so that wide and skewed strips are not fewer than others.
-    state[2] = scale * float(np.exp(rng.uniform(*np.log(STRIP_WIDTHS))))
-    steepest = np.arctan(state[2] / image_size[1])
-    state[3] = np.clip(rng.uniform(-STRIP_SKEW, STRIP_SKEW), -steepest, steepest)
+    state[WIDTH] = scale * float(np.exp(rng.uniform(*np.log(STRIP_WIDTHS))))
+    steepest = np.arctan(state[WIDTH] / image_size[1])
+    state[SKEW] = np.clip(rng.uniform(-STRIP_SKEW, STRIP_SKEW), -steepest, steepest)
     while True:
         for _ in range(PLACES_TRIED):
-            state[0] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
-            state[1] = rng.uniform(-np.pi / 2, np.pi / 2)
+            state[DISTANCE] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
+            state[ANGLE] = rng.uniform(-np.pi / 2, np.pi / 2)
             if _is_seen(state, image_size):
                 return state
-        state[3] *= 0.8
+        state[SKEW] *= 0.8
 
 
 def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
@@ -78,7 +78,7 @@ def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
     least = LEAST_BORDER * image_size[1] / spacing
     if min(int((view.u < 0).sum()), int((view.u > 0).sum())) < least:
         return False
-    return bool(view.radius.min() >= NARROWEST_SHARE * state[2] / 2)
+    return bool(view.radius.min() >= NARROWEST_SHARE * state[WIDTH] / 2)
 
 
 def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]:
@@ -107,4 +107,4 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
         picture = eight_bits(seen)
         truth = CableState.from_array(wrap_states(state[None, :])[0])
         yield SimulatedFrame(make_frame(index, WORLD_RATE, picture, truth), 1.0)
-        state[0] += DRIFT * scale * rng.standard_normal()
+        state[DISTANCE] += DRIFT * scale * rng.standard_normal()

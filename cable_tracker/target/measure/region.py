@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
 
 MIN_SHARE = 0.05
 """With less of its points in the picture a region has no score."""
@@ -145,9 +146,9 @@ def score_poses(
     scores = np.empty(len(states))
     counts = np.empty(len(hues.roots))
     for row in range(len(states)):
-        place = (states[row, 0], states[row, 1])
-        length = size * math.exp(states[row, 2])
-        turn = (length * math.cos(states[row, 3]), length * math.sin(states[row, 3]))
+        place = (states[row, X], states[row, Y])
+        length = size * math.exp(states[row, LOG_SCALE])
+        turn = (length * math.cos(states[row, ANGLE]), length * math.sin(states[row, ANGLE]))
         mean, share, likeness = _seen_inside(ratios, hues, counts, inside, place, turn)
         if share < MIN_SHARE:
             scores[row] = NO_SCORE

@@ -14,7 +14,7 @@ from cable_tracker.particle_filter.student_t import (
     relative_log_density,
     standard_student_t,
 )
-from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE, POSE_SIZE, STATE_SIZE, X, Y
 from cable_tracker.tracking.survival import share_about_last_place
 
 TAIL = 4.0
@@ -108,16 +108,16 @@ def _log_densities(  # noqa: PLR0917
     far_peak = size_peak - math.log(scale * angle * width * height) + math.log1p(-memory_share)
     densities = np.empty(len(states))
     for row in range(len(states)):
-        across = (states[row, 0] - last[0]) / place
-        up = (states[row, 1] - last[1]) / place
-        stretch = (states[row, 2] - last[2]) / scale
-        turned = states[row, 3] - last[3]
+        across = (states[row, X] - last[X]) / place
+        up = (states[row, Y] - last[Y]) / place
+        stretch = (states[row, LOG_SCALE] - last[LOG_SCALE]) / scale
+        turned = states[row, ANGLE] - last[ANGLE]
         # Angles of poses and of the last place may be whole turns apart.
         turn = (turned - TURN * math.floor(turned / TURN + 0.5)) / angle
         by_size = stretch * stretch + turn * turn
         squared = across * across + up * up + by_size
         near = near_peak + relative_log_density(squared, TAIL, POSE_SIZE)
-        if abs(states[row, 0]) <= width / 2 and abs(states[row, 1]) <= height / 2:
+        if abs(states[row, X]) <= width / 2 and abs(states[row, Y]) <= height / 2:
             far = far_peak + relative_log_density(by_size, TAIL, 2)
             most, least = max(near, far), min(near, far)
             near = most + math.log1p(math.exp(least - most))

@@ -27,8 +27,11 @@ class PoseColumn(IntEnum):
 POSE_SIZE = 4
 """Columns of the pose: position, scale and angle."""
 
+X, Y, LOG_SCALE, ANGLE = range(POSE_SIZE)
+"""Their columns for kernels."""
+
 STATE_SIZE = len(PoseColumn)
-"""Those, and the rates of the position, per second."""
+"""Those of the pose, and the rates of the position, per second."""
 
 
 def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:

@@ -122,7 +122,8 @@ def forecast_of(
     rates = ancestors[:, POSE_SIZE:] * over_time(damping, dt)
     centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
-    centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
+    angles = centres[:, PoseColumn.ANGLE]
+    centres[:, PoseColumn.ANGLE] = belief.angle + wrap_angle(angles - belief.angle)
     survival = _survival(centres, shape, dt, parameters)
     predicted = predict_existence(
         belief.presence, float(survival.mean()), event_probability(parameters.appearance_rate, dt)
@@ -147,7 +148,8 @@ def _survival(
 ) -> FloatArray:
     """Return the probabilities that poses (M, 4) remain in view, shape (M,)."""
     height, width = shape
-    inside = np.minimum(width / 2 - np.abs(centres[:, 0]), height / 2 - np.abs(centres[:, 1]))
+    x, y = centres[:, PoseColumn.X], centres[:, PoseColumn.Y]
+    inside = np.minimum(width / 2 - np.abs(x), height / 2 - np.abs(y))
     margin = parameters.leaving_margin * pixel_scale(width)
     rates = SurvivalRates(parameters.disappearance_rate, parameters.leaving_rate, margin)
     return survival_probability(inside, rates, dt)
