@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cable_tracker.errors import ParameterError, RecordingError, read_failure
@@ -26,47 +26,41 @@ def is_bag(path: Path) -> bool:
     return bool(storage_files(path)) and not find_pictures(path)
 
 
-def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> Source:
-    bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
-    if bags and not find_pictures(path):
-        raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")
-    return ImageFolderSource(path, rate=rate, skip_bad_frames=skip_bad_frames)
+@dataclass(frozen=True, slots=True)
+class ChosenRecording:
+    """Which recording to open, and how.
 
+    Attributes
+    ----------
+    path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth
+        See `open_source`.
+    """
 
-def _file_source(
-    path: Path, rate: float | None, skip_bad_frames: bool, allow_outside: bool
-) -> Source:
-    suffix = path.suffix.lower()
-    if suffix in VIDEO_SUFFIXES:
-        return VideoSource(path, skip_bad_frames=skip_bad_frames)
-    if suffix in SEQUENCE_SUFFIXES:
-        return SequenceFileSource(
-            path, rate=rate, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
-        )
-    known = (*BAG_SUFFIXES, *VIDEO_SUFFIXES, *SEQUENCE_SUFFIXES)
-    raise RecordingError(
-        f"{path}: {suffix or 'a file without suffix'} is no known kind of recording; known are"
-        f" {', '.join(known)}, bag folders and folders of pictures"
-    )
+    path: Path
+    topic: str | None = None
+    rate: float | None = None
+    truth: Path | None = None
+    skip_bad_frames: bool = False
+    allow_outside: bool = False
+    with_truth: bool = field(default=True, kw_only=True)
 
-
-def _open_unlabelled(  # noqa: PLR0917
-    path: Path,
-    topic: str | None,
-    rate: float | None,
-    skip_bad_frames: bool,
-    allow_outside: bool,
-    with_truth: bool,
-) -> Source:
-    if path.is_file() and not path.stat().st_size:
-        raise RecordingError(f"{path}: the file is empty; record or copy it again")
-    if is_bag(path):
-        return BagSource(path, topic=topic, skip_bad_frames=skip_bad_frames, with_truth=with_truth)
-    if topic is not None:
-        raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
-    if path.is_dir():
-        return _folder_source(path, rate, skip_bad_frames)
-    return _file_source(path, rate, skip_bad_frames, allow_outside)
+    def open(self) -> Source:
+        """Open it; see `open_source`."""
+        rate, path = self.rate, self.path
+        if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+            raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
+        try:
+            if not path.exists():
+                raise RecordingError(f"{path}: there is no such file or folder; check the path")
+            folder = path.parent if path.name == METADATA else path
+            source = _open_unlabelled(replace(self, path=folder))
+        except OSError as error:
+            raise read_failure(path, error) from error
+        if self.truth is not None and is_bag(self.truth):
+            _label_from_bag(source, self.truth)
+        elif self.truth is not None:
+            source.label(labels_by_frame(source, self.truth, self.allow_outside))
+        return source
 
 
 def open_source(
@@ -120,21 +114,51 @@ def open_source(
     ParameterError
         The rate is not a positive number.
     """
-    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
-        raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
-    try:
-        if not path.exists():
-            raise RecordingError(f"{path}: there is no such file or folder; check the path")
-        if path.name == METADATA:
-            path = path.parent
-        source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside, with_truth)
-    except OSError as error:
-        raise read_failure(path, error) from error
-    if truth is not None and is_bag(truth):
-        _label_from_bag(source, truth)
-    elif truth is not None:
-        source.label(labels_by_frame(source, truth, allow_outside))
-    return source
+    return ChosenRecording(
+        path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth=with_truth
+    ).open()
+
+
+def _open_unlabelled(chosen: ChosenRecording) -> Source:
+    path = chosen.path
+    if path.is_file() and not path.stat().st_size:
+        raise RecordingError(f"{path}: the file is empty; record or copy it again")
+    if is_bag(path):
+        return BagSource(
+            path,
+            topic=chosen.topic,
+            skip_bad_frames=chosen.skip_bad_frames,
+            with_truth=chosen.with_truth,
+        )
+    if chosen.topic is not None:
+        raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
+    return _folder_source(chosen) if path.is_dir() else _file_source(chosen)
+
+
+def _folder_source(chosen: ChosenRecording) -> Source:
+    path = chosen.path
+    bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
+    if bags and not find_pictures(path):
+        raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")
+    return ImageFolderSource(path, rate=chosen.rate, skip_bad_frames=chosen.skip_bad_frames)
+
+
+def _file_source(chosen: ChosenRecording) -> Source:
+    path, suffix = chosen.path, chosen.path.suffix.lower()
+    if suffix in VIDEO_SUFFIXES:
+        return VideoSource(path, skip_bad_frames=chosen.skip_bad_frames)
+    if suffix in SEQUENCE_SUFFIXES:
+        return SequenceFileSource(
+            path,
+            rate=chosen.rate,
+            skip_bad_frames=chosen.skip_bad_frames,
+            allow_outside=chosen.allow_outside,
+        )
+    known = (*BAG_SUFFIXES, *VIDEO_SUFFIXES, *SEQUENCE_SUFFIXES)
+    raise RecordingError(
+        f"{path}: {suffix or 'a file without suffix'} is no known kind of recording; known are"
+        f" {', '.join(known)}, bag folders and folders of pictures"
+    )
 
 
 def _label_from_bag(source: Source, truth: Path) -> None:
@@ -155,32 +179,3 @@ def _label_from_bag(source: Source, truth: Path) -> None:
             f" which have no time to tell them apart; give a sequence file"
         )
     source.label({index: labels[stamp] for index, stamp in enumerate(sorted(labels))})
-
-
-@dataclass(frozen=True, slots=True)
-class ChosenRecording:
-    """Which recording to open, and how.
-
-    Attributes
-    ----------
-    path, topic, rate, truth, skip_bad_frames, allow_outside
-        See `open_source`.
-    """
-
-    path: Path
-    topic: str | None = None
-    rate: float | None = None
-    truth: Path | None = None
-    skip_bad_frames: bool = False
-    allow_outside: bool = False
-
-    def open(self) -> Source:
-        """Open it; see `open_source`."""
-        return open_source(
-            self.path,
-            topic=self.topic,
-            rate=self.rate,
-            truth=self.truth,
-            skip_bad_frames=self.skip_bad_frames,
-            allow_outside=self.allow_outside,
-        )
