@@ -15,9 +15,13 @@ from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.flight import motions_at
+from cable_tracker.simulation.instrument_writer import (
+    FIX_SIGMA,
+    InstrumentWriter,
+    Tick,
+    vehicle_text,
+)
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
-from cable_tracker.simulation.survey_bag import InstrumentWriter, vehicle_text
-from cable_tracker.simulation.survey_dive import FIX_SIGMA, Tick
 
 READING_RATE = 50.0
 """Odometry and imu speak about so often [1/s]."""

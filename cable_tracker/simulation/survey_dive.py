@@ -15,15 +15,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.arrays import FloatArray
 from cable_tracker.simulation.clutter import Streak
 from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.instrument_writer import FIX_SIGMA, Tick
 from cable_tracker.simulation.instruments import (
-    ImuReading,
     InstrumentErrors,
     InstrumentSet,
-    OdometryReading,
 )
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.live_world import BURIAL_RAMP, LOOK
@@ -41,7 +39,6 @@ from cable_tracker.simulation.vehicle import (
     Current,
     Vehicle,
     VehicleModel,
-    VehicleState,
     VelocityCommand,
 )
 
@@ -59,9 +56,6 @@ TURN_GAIN, MOST_TURN = 1.0, 0.4
 
 SWAY_GAIN, MOST_SWAY = 0.4, 0.2
 """Sideways velocity per metre beside the wanted place [1/s], and the highest [m/s]."""
-
-FIX_SIGMA = 0.5
-"""Standard deviation of an acoustic fix, east and north each [m]."""
 
 CROSSING_RADIUS = 0.06
 """Radius of the cables that lie across [m]."""
@@ -195,43 +189,6 @@ def meetings(tube: Tube, streak: Streak) -> FloatArray:
     shares = across[before] / (across[before] - across[before + 1])
     met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
     return met
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Tick:
-    """State and measurements of the vehicle at one instant; only some have a picture.
-
-    Attributes
-    ----------
-    seconds : float
-        Time since the beginning [s].
-    motion : VehicleState
-        True pose and velocity of the vehicle.
-    odometry : OdometryReading
-        Reading of odometry.
-    imu : ImuReading
-        Reading of the imu.
-    altitude : float or None
-        Reading of the altimeter, with each picture [m].
-    fix : FloatArray or None
-        Acoustic fix, once a second: x, y in the world, shape (2,) [m].
-    picture : Image or None
-        Grey picture, uint8, shape (H, W).
-    truth : CableState or None
-        True state of the cable in the picture; None where nothing of it can be seen.
-    visibility : float
-        Share of the borders inside the picture that nothing hides, 0 to 1.
-    """
-
-    seconds: float
-    motion: VehicleState
-    odometry: OdometryReading
-    imu: ImuReading
-    altitude: float | None = None
-    fix: FloatArray | None = None
-    picture: Image | None = None
-    truth: CableState | None = None
-    visibility: float = 0.0
 
 
 class SurveyDive:

@@ -6,20 +6,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import OutputError
-from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.instrument_writer import ORIGIN, to_east_north
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
-from cable_tracker.simulation.survey_bag import (
-    ORIGIN,
-    TRUTH,
-    fix_at,
-    to_east_north,
-    vehicle_text,
-    write_survey_bag,
-)
+from cable_tracker.simulation.survey_bag import TRUTH, write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 
@@ -50,16 +43,6 @@ def test_the_truth_of_the_course_lies_beside_it(bag):
     world, east_north = np.array(truth["world"]), np.array(truth["east_north"])
     np.testing.assert_allclose(to_east_north(world), east_north)
     assert truth["origin"] == list(ORIGIN)
-
-
-def test_the_origin_of_the_world_lies_where_it_is_said_to():
-    fix = fix_at(LocalFrame(*ORIGIN), np.zeros(2), 0.0)
-    assert (fix.latitude, fix.longitude) == pytest.approx(ORIGIN, abs=1e-9)
-    assert fix.height == pytest.approx(0.0, abs=1e-6)
-
-
-def test_the_height_of_the_cable_is_written_with_sensible_digits():
-    assert "\ncable_height: 0.056\n" in vehicle_text(0.055999999999999994)
 
 
 def _write_survey(path: Path) -> None:
