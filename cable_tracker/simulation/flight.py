@@ -10,6 +10,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotations_of
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.vehicle import VehicleState
+from cable_tracker.simulation.world_frame import angles_from_renderer, from_renderer
 
 DIFFERENCE_STEP = 2e-3
 """Half the time over which velocities are taken [s]."""
@@ -42,9 +43,7 @@ class Flight:
 def flight_at(dive: Dive, times: FloatArray) -> Flight:
     """Return the vehicle of a dive at times (N,) [s]."""
     vehicle = dive.camera.vehicle(dive.views(times).poses)
-    yaw, pitch, roll = vehicle.angles.T
-    # The simulation counts a raised nose as positive.
-    return Flight(times, vehicle.positions, np.column_stack((roll, -pitch, yaw)))
+    return Flight(times, vehicle.positions, angles_from_renderer(vehicle.angles))
 
 
 def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
@@ -64,14 +63,13 @@ def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
     return np.hstack((np.einsum("nji,nj->ni", now, velocity), turn))
 
 
-def motions_at(dive: Dive, times: FloatArray) -> list[VehicleState]:
+def vehicle_states_at(dive: Dive, times: FloatArray) -> list[VehicleState]:
     """Return where the vehicle is at times (N,) [s], and how it moves.
 
     In the world of `vehicle`: x along the general course of the cable. Accelerations are not given.
     """
     flight, twists = flight_at(dive, times), twists_at(dive, times)
-    x, y, z = flight.positions.T
-    positions = np.column_stack((y, -x, z))
+    positions = from_renderer(flight.positions)
     nothing = np.zeros(3)
     return [
         VehicleState(position, angles, twist, nothing)

@@ -104,10 +104,10 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
     )
 
 
-def make_true_odometry(factory: MessageFactory, header: Message, motion: VehicleState) -> Message:
+def make_true_odometry(factory: MessageFactory, header: Message, state: VehicleState) -> Message:
     """Pack where the vehicle is as Odometry, without doubt."""
     nothing = np.zeros((6, 6))
-    reading = OdometryReading(motion.position, motion.angles, nothing, motion.twist, nothing)
+    reading = OdometryReading(state.position, state.angles, nothing, state.twist, nothing)
     return make_odometry(factory, header, reading)
 
 

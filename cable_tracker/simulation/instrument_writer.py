@@ -59,7 +59,7 @@ class Tick:
     ----------
     seconds : float
         Time since the beginning [s].
-    motion : VehicleState
+    state : VehicleState
         True pose and velocity of the vehicle.
     odometry : OdometryReading
         Reading of odometry.
@@ -78,7 +78,7 @@ class Tick:
     """
 
     seconds: float
-    motion: VehicleState
+    state: VehicleState
     odometry: OdometryReading
     imu: ImuReading
     altitude: float | None = None
@@ -143,7 +143,7 @@ class InstrumentWriter:
         self._write(node_topics.ODOMETRY, odometry, stamp)
         self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, errors), stamp)
         if tick.fix is not None:
-            height = float(tick.motion.position[2]) - DEPTH
+            height = float(tick.state.position[2]) - DEPTH
             fix = make_fix(factory, at_base, fix_at(self._frame, tick.fix, height))
             self._write(node_topics.FIX, fix, stamp)
         if tick.altitude is not None:
@@ -158,7 +158,7 @@ class InstrumentWriter:
         self._write(node_topics.ALTITUDE, measured, stamp)
         calibration = make_camera_info(factory, at_camera, self._camera)
         self._write(node_topics.CAMERA_INFO, calibration, stamp)
-        truth = make_true_odometry(factory, in_odom, tick.motion)
+        truth = make_true_odometry(factory, in_odom, tick.state)
         self._write(node_topics.TRUE_ODOMETRY, truth, stamp)
 
     def _write(self, topic: NodeTopic, message: Message, stamp: int) -> None:

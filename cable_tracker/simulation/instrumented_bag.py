@@ -14,7 +14,7 @@ from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.flight import motions_at
+from cable_tracker.simulation.flight import vehicle_states_at
 from cable_tracker.simulation.instrument_writer import (
     FIX_SIGMA,
     InstrumentWriter,
@@ -77,19 +77,19 @@ def write_instrumented_bag(
         instruments: InstrumentSet | None = None
         for frame in frames:
             times = (count + np.arange(readings) / readings) / rate
-            motions = motions_at(dive, times)
+            states = vehicle_states_at(dive, times)
             if instruments is None:
-                instruments = InstrumentSet(errors, motions[0], rng)
-            for number, (seconds, motion) in enumerate(zip(times, motions, strict=True)):
+                instruments = InstrumentSet(errors, states[0], rng)
+            for number, (seconds, state) in enumerate(zip(times, states, strict=True)):
                 # Odometry counts the time since the reading before.
                 elapsed = 1.0 / (rate * readings) if count or number else 0.0
                 is_fixed = count == 0 or int(count / rate) > int((count - 1) / rate)
                 fix = None
                 if number == 0 and is_fixed:
-                    fix = motion.position[:2] + FIX_SIGMA * rng.standard_normal(2)
-                altitude = instruments.altitude(motion) if number == 0 else None
-                odometry, imu = instruments.odometry(motion, elapsed), instruments.imu(motion)
-                writer.write(Tick(float(seconds), motion, odometry, imu, altitude, fix))
+                    fix = state.position[:2] + FIX_SIGMA * rng.standard_normal(2)
+                altitude = instruments.altitude(state) if number == 0 else None
+                odometry, imu = instruments.odometry(state, elapsed), instruments.imu(state)
+                writer.write(Tick(float(seconds), state, odometry, imu, altitude, fix))
             write_frame(bag, frame)
             count += 1
     write_bytes(path / VEHICLE_FILE, vehicle_text(dive.tube.height).encode())

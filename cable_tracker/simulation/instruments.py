@@ -124,16 +124,16 @@ class InstrumentSet:
         self._position = start.position.copy()
         self._seconds = 0.0
 
-    def odometry(self, motion: VehicleState, seconds: float) -> OdometryReading:
+    def odometry(self, state: VehicleState, seconds: float) -> OdometryReading:
         """Read the velocity log and add its way up.
 
         `seconds` is the time since the reading before; 0 for the first.
         """
-        twist = motion.twist + self._biases + self._steps * self._rng.standard_normal(6)
+        twist = state.twist + self._biases + self._steps * self._rng.standard_normal(6)
         twist[:3] *= self._scale
-        angles = self._angles(motion)
+        angles = self._angles(state)
         self._position = self._position + rotation_of(angles) @ twist[:3] * seconds
-        self._position[2] = motion.position[2]
+        self._position[2] = state.position[2]
         self._seconds += seconds
         drift = self.errors.velocity_bias * self._seconds
         place = max(drift, self.errors.velocity) ** 2
@@ -146,21 +146,21 @@ class InstrumentSet:
             twist_covariance=self._twist_covariance,
         )
 
-    def imu(self, motion: VehicleState) -> ImuReading:
+    def imu(self, state: VehicleState) -> ImuReading:
         """Read the imu."""
         rng, errors = self._rng, self.errors
-        up = rotation_of(motion.angles).T @ np.array([0.0, 0.0, GRAVITY])
+        up = rotation_of(state.angles).T @ np.array([0.0, 0.0, GRAVITY])
         return ImuReading(
-            angles=self._angles(motion),
-            turn=motion.twist[3:] + errors.turn * rng.standard_normal(3),
-            acceleration=motion.acceleration + up + errors.acceleration * rng.standard_normal(3),
+            angles=self._angles(state),
+            turn=state.twist[3:] + errors.turn * rng.standard_normal(3),
+            acceleration=state.acceleration + up + errors.acceleration * rng.standard_normal(3),
         )
 
-    def altitude(self, motion: VehicleState) -> float:
+    def altitude(self, state: VehicleState) -> float:
         """Read the altimeter, which is gimballed: the vertical distance to the bottom [m]."""
         wrong = 1.0 + self.errors.altitude * float(self._rng.standard_normal())
-        return float(motion.position[2]) * wrong
+        return float(state.position[2]) * wrong
 
-    def _angles(self, motion: VehicleState) -> FloatArray:
-        angles: FloatArray = motion.angles + self.errors.attitude * self._rng.standard_normal(3)
+    def _angles(self, state: VehicleState) -> FloatArray:
+        angles: FloatArray = state.angles + self.errors.attitude * self._rng.standard_normal(3)
         return angles

@@ -165,7 +165,7 @@ class LiveWorld:
         self.cable_height = self._tube.height
         current = Current.random(settings.current, course_rng)
         self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
-        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
+        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
         self.time = 0.0
 
     def _stretches(self) -> tuple[BuriedStretch, ...]:
@@ -185,9 +185,9 @@ class LiveWorld:
         place = point[:2] + aside * left
         return np.array([*place, self.settings.altitude, course + turned])
 
-    def motion(self) -> VehicleState:
+    def state(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves."""
-        return self._vehicle.motion()
+        return self._vehicle.state()
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
         """Let the vehicle go on; `altitude` is what its altimeter said last [m]."""
@@ -198,26 +198,26 @@ class LiveWorld:
         """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
         return cable_points(self._tube, along)
 
-    def cross_track(self, motion: VehicleState) -> TrueCrossTrack:
+    def cross_track(self, state: VehicleState) -> TrueCrossTrack:
         """Return where the cable is beside the vehicle."""
-        along = nearest_along(self._tube, motion.position[:2], float(motion.position[0]))
+        along = nearest_along(self._tube, state.position[:2], float(state.position[0]))
         point, direction = (part[0] for part in self.cable_at(np.array([along])))
-        aside = point[:2] - motion.position[:2]
+        aside = point[:2] - state.position[:2]
         error = float(direction[0] * aside[1] - direction[1] * aside[0])
-        heading = math.atan2(direction[1], direction[0]) - float(motion.angles[2])
+        heading = math.atan2(direction[1], direction[0]) - float(state.angles[2])
         heading = math.remainder(heading, 2 * math.pi)
         # Beyond a right angle what is to the left of the cable is to the right of the vehicle.
         cos = math.cos(heading)
         offset = error / math.copysign(max(abs(cos), LEAST_COSINE), cos)
         return TrueCrossTrack(along, error, offset, heading)
 
-    def picture(self, motion: VehicleState) -> Image:
+    def picture(self, state: VehicleState) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""
-        return self._scene.picture(motion, self.time)
+        return self._scene.picture(state, self.time)
 
-    def true_state(self, motion: VehicleState) -> CableState | None:
+    def true_state(self, state: VehicleState) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
-        return self._scene.seen(motion)[0]
+        return self._scene.seen(state)[0]
 
 
 def cable_course(seed: int, along: FloatArray) -> FloatArray:

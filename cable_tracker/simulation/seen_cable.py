@@ -1,7 +1,6 @@
 """The cable that a seed lays, and what of it a camera on a vehicle sees.
 
-The world frame is that of `vehicle`: x along the general course of the cable, y to its left. The
-renderer's has x across to the right and y along.
+The world frame is that of `vehicle`: x along the general course of the cable, y to its left.
 """
 
 from __future__ import annotations
@@ -24,6 +23,7 @@ from cable_tracker.simulation.dive import (
 from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.tube import Tube, random_bends
 from cable_tracker.simulation.vehicle import VehicleState
+from cable_tracker.simulation.world_frame import angles_to_renderer, from_renderer, to_renderer
 
 MOUNTING = math.radians(20.0)
 """Angle by which the camera looks forward [rad]."""
@@ -51,7 +51,7 @@ def cable_of_seed(seed: int) -> Tube:
 def cable_points(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return points and directions of a cable in the world, each (N, 3), at places (N,) [m]."""
     points, directions = tube.axis(along)
-    return _from_renderer(points), _from_renderer(directions)
+    return from_renderer(points), from_renderer(directions)
 
 
 def nearest_along(tube: Tube, place: FloatArray, along: float) -> float:
@@ -103,17 +103,17 @@ class CableScene:
         self.streaks = scene.streaks
         self._renderer = SceneRenderer(self.camera, scene, surroundings.look, rngs[1])
 
-    def picture(self, motion: VehicleState, seconds: float) -> Image:
+    def picture(self, state: VehicleState, seconds: float) -> Image:
         """Take the next picture at a time: grey, uint8, shape (H, W)."""
-        poses = self._poses(motion)
+        poses = self._poses(state)
         return self._renderer.render(poses.positions[0], poses.rotations[0], seconds)
 
-    def seen(self, motion: VehicleState) -> tuple[CableState | None, float]:
+    def seen(self, state: VehicleState) -> tuple[CableState | None, float]:
         """Return the cable in the image, and the share of its borders in it that nothing hides.
 
         None and 0 if nothing of it can be seen.
         """
-        poses = self._poses(motion)
+        poses = self._poses(state)
         projected = project_tube(self._tube, self.camera, poses)
         hidden = self.hidden(poses.positions[0], projected.world[0], projected.inside[0])
         visibility = visible_share(projected, 0, hidden)
@@ -126,14 +126,7 @@ class CableScene:
         """Tell which points of the cable's borders something covers; see `SceneRenderer.hidden`."""
         return self._renderer.hidden(self._cable, position, world, usable)
 
-    def _poses(self, motion: VehicleState) -> CameraPoses:
+    def _poses(self, state: VehicleState) -> CameraPoses:
         """Return the pose of the camera, one of them, as the renderer takes it."""
-        roll, pitch, yaw = motion.angles
-        x, y, z = motion.position
-        # The renderer counts a raised nose as positive.
-        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
-        return self.camera.poses(poses)
-
-
-def _from_renderer(vectors: FloatArray) -> FloatArray:
-    return np.stack((vectors[..., 1], -vectors[..., 0], vectors[..., 2]), axis=-1)
+        positions, angles = to_renderer(state.position), angles_to_renderer(state.angles)
+        return self.camera.poses(VehiclePoses(positions[None], angles[None]))

@@ -92,7 +92,7 @@ def write_survey_bag(
             seconds = tick.seconds
             if tick.picture is not None:
                 frames += 1
-                advance(float(tick.motion.position[0]))
+                advance(float(tick.state.position[0]))
     write_bytes(path / VEHICLE_FILE, vehicle_text(dive.cable_height).encode())
     write_bytes(path / TRUTH, json.dumps(truth_of(settings)).encode())
     return WrittenDive(frames, seconds)

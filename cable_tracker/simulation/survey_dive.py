@@ -222,7 +222,7 @@ class SurveyDive:
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
         self.errors = InstrumentErrors()
-        self._instruments = InstrumentSet(self.errors, self._vehicle.motion(), reading_rng)
+        self._instruments = InstrumentSet(self.errors, self._vehicle.state(), reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
 
@@ -256,20 +256,20 @@ class SurveyDive:
         for number in range(most):
             if number:
                 along = self._advance(number * period, along, period)
-            motion = self._vehicle.motion()
-            odometry = self._instruments.odometry(motion, period if number else 0.0)
-            imu = self._instruments.imu(motion)
+            state = self._vehicle.state()
+            odometry = self._instruments.odometry(state, period if number else 0.0)
+            imu = self._instruments.imu(state)
             fix = None
             if number % fix_every == 0:
-                fix = motion.position[:2] + FIX_SIGMA * self._rng.standard_normal(2)
+                fix = state.position[:2] + FIX_SIGMA * self._rng.standard_normal(2)
             if number % TICKS:
-                yield Tick(number * period, motion, odometry, imu, fix=fix)
+                yield Tick(number * period, state, odometry, imu, fix=fix)
                 continue
-            self._altitude = self._instruments.altitude(motion)
-            picture = self._scene.picture(motion, number * period)
-            truth, visibility = self._scene.seen(motion)
+            self._altitude = self._instruments.altitude(state)
+            picture = self._scene.picture(state, number * period)
+            truth, visibility = self._scene.seen(state)
             yield Tick(
-                number * period, motion, odometry, imu, self._altitude, fix,
+                number * period, state, odometry, imu, self._altitude, fix,
                 picture, truth, visibility,
             )  # fmt: skip
             if along >= settings.length:

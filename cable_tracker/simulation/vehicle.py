@@ -227,7 +227,7 @@ class Vehicle:
         x, y = self._current.at(self._time)
         return np.array([cos * surge - sin * sway + x, sin * surge + cos * sway + y, heave, turn])
 
-    def motion(self) -> VehicleState:
+    def state(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves over the ground."""
         step = 1e-3
         times = np.array([self._time - step, self._time, self._time + step])

@@ -29,7 +29,7 @@ def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), tu
     with BagWriter(path) as bag:
         for index in range(frames):
             stamp = 1_000_000_000 + round(index * 1e9 / RATE)
-            view = world.view(world.motion())
+            view = world.view(world.state())
             truths.append((view.box, view.place))
             write_frame(bag, Frame(index, stamp, raw_from_array(view.image, "bgr8")))
             if "camera_info" in instruments:
@@ -40,15 +40,15 @@ def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), tu
             for reading in range(READINGS):
                 now = stamp + round(reading * 1e9 / RATE / READINGS)
                 header = make_header(factory, now, BASE)
-                motion = world.motion()
+                state = world.state()
                 period = 1.0 / RATE / READINGS
                 if "odometry" in instruments:
-                    said = world.instruments.odometry(motion, period)
+                    said = world.instruments.odometry(state, period)
                     message = make_odometry(factory, header, said)
                     bag.write("/odometry", "nav_msgs/msg/Odometry", message, now)
                 if "imu" in instruments:
                     errors = world.instruments.errors
-                    message = make_imu(factory, header, world.instruments.imu(motion), errors)
+                    message = make_imu(factory, header, world.instruments.imu(state), errors)
                     bag.write("/imu", "sensor_msgs/msg/Imu", message, now)
                 rate = turn * math.sin(2.0 * index / RATE)
                 world.advance(VelocityCommand(0.0, 0.0, 0.0, rate), 5.0, period)

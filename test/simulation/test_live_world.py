@@ -74,7 +74,7 @@ def test_under_the_sand_nothing_is_to_be_seen(world):
 
 
 def test_the_vehicle_starts_where_it_sees_the_cable(world):
-    assert world.true_state(LiveWorld(SMALL).motion()) is not None
+    assert world.true_state(LiveWorld(SMALL).state()) is not None
 
 
 def test_the_course_can_be_had_without_the_world(world):
@@ -87,7 +87,7 @@ def test_the_same_seed_gives_the_same_pictures():
     for _ in range(2):
         own = LiveWorld(SMALL)
         own.advance(VelocityCommand(surge=0.4), SMALL.altitude, 0.5)
-        pictures.append(own.picture(own.motion()))
+        pictures.append(own.picture(own.state()))
     assert np.array_equal(*pictures)
     other = LiveWorld(LiveSettings(seed=4, length=20.0, image_size=(64, 48)))
-    assert not np.array_equal(pictures[0], other.picture(other.motion()))
+    assert not np.array_equal(pictures[0], other.picture(other.state()))

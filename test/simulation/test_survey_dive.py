@@ -31,15 +31,15 @@ def test_the_vehicle_stays_over_the_cable_to_its_end():
     tube = cable_of_seed(SMALL.cable_seed)
     course = cable_points(tube, np.arange(-3.0, 8.0, 0.05))[0][:, :2]
     for tick in ticks:
-        away = np.hypot(*(course - tick.motion.position[:2]).T).min()
+        away = np.hypot(*(course - tick.state.position[:2]).T).min()
         assert away < 0.6
-    assert ticks[-1].motion.position[0] > SMALL.length - 0.5
+    assert ticks[-1].state.position[0] > SMALL.length - 0.5
 
 
 def test_dives_over_one_cable_differ_in_all_but_the_cable():
     first, second = (next(SurveyDive(replace(SMALL, seed=seed)).ticks()) for seed in (1, 2))
     assert not np.array_equal(first.imu.angles, second.imu.angles)
-    np.testing.assert_array_equal(first.motion.position, second.motion.position)
+    np.testing.assert_array_equal(first.state.position, second.state.position)
 
 
 def test_the_same_seed_gives_the_same_dive():

@@ -94,9 +94,9 @@ def test_the_twist_is_how_the_pose_changes():
     craft = vehicle(current=0.1)
     run(craft, VelocityCommand(surge=0.5, turn=0.1), 5.0)
     command, step = VelocityCommand(surge=0.5, turn=0.1), 0.01
-    before = craft.motion()
+    before = craft.state()
     craft.advance(command, ALTITUDE, step)
-    after = craft.motion()
+    after = craft.state()
     middle = (before.twist + after.twist) / 2
     in_world = rotation_of((before.angles + after.angles) / 2) @ middle[:3]
     assert in_world == pytest.approx(moved(before, after, step), abs=2e-3)
@@ -109,10 +109,10 @@ def test_the_acceleration_is_how_the_velocity_over_ground_changes_in_a_turn_too(
     craft = vehicle()
     command, step = VelocityCommand(surge=0.5, sway=0.1, turn=0.3), 0.01
     run(craft, command, 8.0)
-    motions = [craft.motion()]
+    motions = [craft.state()]
     for _ in range(2):
         craft.advance(command, ALTITUDE, step)
-        motions.append(craft.motion())
+        motions.append(craft.state())
     before, now, after = motions
     first, last = (rotation_of(each.angles) @ each.twist[:3] for each in (before, after))
     gained = rotation_of(now.angles).T @ (last - first) / (2 * step)
@@ -125,7 +125,7 @@ def test_roll_and_pitch_stay_small_but_not_zero():
     tilts = []
     for _ in range(100):
         craft.advance(VelocityCommand(), ALTITUDE, 0.2)
-        tilts.append(craft.motion().angles[:2])
+        tilts.append(craft.state().angles[:2])
     assert 0.002 < np.abs(tilts).max() <= VehicleModel().tilt
 
 

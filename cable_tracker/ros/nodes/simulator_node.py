@@ -71,20 +71,20 @@ class SimulatorNode(VehicleNode):
         self._true_state = publisher(self, node_topics.GROUND_TRUTH, qos.RESULTS)
         self._true_cross_track = publisher(self, node_topics.TRUE_CROSS_TRACK, qos.RESULTS)
 
-    def _draw(self, motion: VehicleState) -> RawImage:
-        return raw_from_array(self._world.picture(motion), "mono8")
+    def _draw(self, state: VehicleState) -> RawImage:
+        return raw_from_array(self._world.picture(state), "mono8")
 
     def _publish_altitude(self, stamp: int) -> None:
         header = make_header(self._factory, stamp, BASE)
         self._range.publish(make_range(self._factory, header, self._altitude))
 
-    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
+    def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         base_header = make_header(self._factory, stamp, BASE)
         camera_header = make_header(self._factory, stamp, CAMERA)
-        state = self._world.true_state(motion)
-        self._true_state.publish(make_state(self._factory, camera_header, state))
-        truth = self._world.cross_track(motion)
-        depth = self._world.cable_height - float(motion.position[2])
+        cable = self._world.true_state(state)
+        self._true_state.publish(make_state(self._factory, camera_header, cable))
+        truth = self._world.cross_track(state)
+        depth = self._world.cable_height - float(state.position[2])
         self._true_cross_track.publish(
             make_cross_track(
                 self._factory,
@@ -95,8 +95,8 @@ class SimulatorNode(VehicleNode):
             )
         )
 
-    def _is_at_end(self, motion: VehicleState) -> bool:
-        truth = self._world.cross_track(motion)
+    def _is_at_end(self, state: VehicleState) -> bool:
+        truth = self._world.cross_track(state)
         farthest, since = self._farthest
         # Where a current carries a vehicle that stands still, it gets on, too, but to no purpose.
         is_driven = self._current_command() != VelocityCommand()

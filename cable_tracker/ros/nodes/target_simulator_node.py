@@ -65,11 +65,11 @@ class TargetSimulatorNode(VehicleNode):
         super()._create_topics()
         self._true_target = publisher(self, node_topics.TRUE_TARGET, qos.RESULTS)
 
-    def _draw(self, motion: VehicleState) -> RawImage:
-        self._view = self._world.view(motion)
+    def _draw(self, state: VehicleState) -> RawImage:
+        self._view = self._world.view(state)
         return raw_from_array(self._view.image, "bgr8")
 
-    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
+    def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         assert self._view is not None
         header = make_header(self._factory, stamp, BASE)
         # Of what is out of view the place is told, too; its variance says that it cannot be seen.
@@ -78,7 +78,7 @@ class TargetSimulatorNode(VehicleNode):
             make_relative_pose(self._factory, header, self._view.place, np.eye(3) * variance)
         )
 
-    def _is_at_end(self, motion: VehicleState) -> bool:
+    def _is_at_end(self, state: VehicleState) -> bool:
         return self._world.time >= self._world.settings.duration
 
     def _last_publishers(self) -> tuple[Publisher, ...]:

@@ -80,7 +80,7 @@ class SimulatedWorld(Protocol):
         """Let time pass."""
         ...
 
-    def motion(self) -> VehicleState:
+    def state(self) -> VehicleState:
         """Return where the vehicle is."""
         ...
 
@@ -140,15 +140,15 @@ class VehicleNode(ProcessNode):
         """Publish what the altimeter reads at a frame, if the vehicle has one."""
         return
 
-    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
+    def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         """Publish what is true at a frame."""
         raise NotImplementedError
 
-    def _draw(self, motion: VehicleState) -> RawImage:
+    def _draw(self, state: VehicleState) -> RawImage:
         """Return what the camera sees."""
         raise NotImplementedError
 
-    def _is_at_end(self, motion: VehicleState) -> bool:
+    def _is_at_end(self, state: VehicleState) -> bool:
         """Tell whether a frame is the last."""
         raise NotImplementedError
 
@@ -230,10 +230,10 @@ class VehicleNode(ProcessNode):
             passed = period
             self._vehicle_world.advance(self._current_command(), self._altitude, period)
         stamp = self._first_stamp + round(self._tick * period * NANOSECONDS)
-        motion = self._vehicle_world.motion()
-        self._publish_readings(motion, stamp, passed)
+        state = self._vehicle_world.state()
+        self._publish_readings(state, stamp, passed)
         if self._tick % TICKS == 0:
-            self._publish_frame(motion, stamp)
+            self._publish_frame(state, stamp)
         self._tick += 1
         # A machine that is too slow makes time pass more slowly; frames do not pile up.
         self._due = max(self._due + period, time.monotonic() - period)
@@ -242,31 +242,31 @@ class VehicleNode(ProcessNode):
         is_old = time.monotonic() - self._command_time > self._number("command_timeout")
         return VelocityCommand() if is_old and not self._lockstep else self._command
 
-    def _publish_readings(self, motion: VehicleState, stamp: int, passed: float) -> None:
+    def _publish_readings(self, state: VehicleState, stamp: int, passed: float) -> None:
         instruments = self._vehicle_world.instruments
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
         in_odom = make_header(self._factory, stamp, ODOM)
         self._odometry.publish(
-            make_odometry(self._factory, in_odom, instruments.odometry(motion, passed))
+            make_odometry(self._factory, in_odom, instruments.odometry(state, passed))
         )
         header = make_header(self._factory, stamp, BASE)
         self._imu.publish(
-            make_imu(self._factory, header, instruments.imu(motion), instruments.errors)
+            make_imu(self._factory, header, instruments.imu(state), instruments.errors)
         )
 
-    def _publish_frame(self, motion: VehicleState, stamp: int) -> None:
-        self._altitude = self._vehicle_world.instruments.altitude(motion)
+    def _publish_frame(self, state: VehicleState, stamp: int) -> None:
+        self._altitude = self._vehicle_world.instruments.altitude(state)
         camera_header = make_header(self._factory, stamp, CAMERA)
         self._info.publish(
             make_camera_info(self._factory, camera_header, self._vehicle_world.camera)
         )
         in_odom = make_header(self._factory, stamp, ODOM)
-        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, motion))
-        picture = self._draw(motion)
+        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, state))
+        picture = self._draw(state)
         self._publish_altitude(stamp)
-        self._publish_truth(motion, stamp)
-        is_at_end = self._is_at_end(motion)
+        self._publish_truth(state, stamp)
+        is_at_end = self._is_at_end(state)
         self._awaits_command = self._lockstep and not is_at_end
         self._deadline = time.monotonic() + self._number("answer_timeout")
         self._image.publish(make_image(self._factory, picture, camera_header))

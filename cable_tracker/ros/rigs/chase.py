@@ -130,7 +130,7 @@ def run_chase(
 def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
     world = request.world
     seen = ChaseWorld(world)
-    box = seen.view(seen.motion()).box
+    box = seen.view(seen.state()).box
     assert box is not None, "the target begins before the camera"
     return {
         "target_tracker": {

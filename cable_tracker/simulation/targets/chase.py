@@ -134,7 +134,7 @@ class ChaseWorld:
         start = np.array([0.0, 0.0, settings.altitude, 0.0])
         current = Current.random(settings.current, motion_rng)
         self._vehicle = Vehicle(VehicleModel(), current, start, motion_rng)
-        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
+        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
         self.time = 0.0
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
@@ -149,9 +149,9 @@ class ChaseWorld:
         )
         self.time += seconds
 
-    def motion(self) -> VehicleState:
+    def state(self) -> VehicleState:
         """Return where the vehicle is, and how it moves."""
-        return self._vehicle.motion()
+        return self._vehicle.state()
 
     @property
     def is_hidden(self) -> bool:
@@ -160,19 +160,19 @@ class ChaseWorld:
         into = self.time % settings.hidden_every
         return self.time >= settings.hidden_every and into < settings.hidden_for
 
-    def place(self, motion: VehicleState) -> FloatArray:
+    def place(self, state: VehicleState) -> FloatArray:
         """Return where the target is in base_link, shape (3,) [m]; the camera is its origin."""
-        there: FloatArray = rotation_of(motion.angles).T @ (self._target - motion.position)
+        there: FloatArray = rotation_of(state.angles).T @ (self._target - state.position)
         return there
 
-    def view(self, motion: VehicleState) -> ChaseView:
+    def view(self, state: VehicleState) -> ChaseView:
         """Return what the camera sees."""
         width, height = self.settings.image_size
         focal = self.camera.focal
-        roll, pitch, yaw = (float(angle) for angle in motion.angles)
+        roll, pitch, yaw = (float(angle) for angle in state.angles)
         offset = ((-yaw * focal) % self._around, math.tan(pitch) * focal)
         picture = self._surroundings.view((width, height), offset, self.time)
-        place = self.place(motion)
+        place = self.place(state)
         coverage = np.zeros((height, width), np.float32)
         if place[0] > NEAREST and not self.is_hidden:
             ahead, left, up = (float(value) for value in place)

@@ -103,8 +103,8 @@ def test_odometry_has_a_twist_and_its_covariance(world, start, pilot):
 def test_commands_that_are_not_finite_count_as_none(world, start, pilot):
     node = start()
     pilot.drives(surge=math.nan, turn=math.inf, frames=5)
-    assert node.world.motion().twist[0] < 0.2
-    assert abs(node.world.motion().angles[2]) < math.pi
+    assert node.world.state().twist[0] < 0.2
+    assert abs(node.world.state().angles[2]) < math.pi
 
 
 def test_a_vehicle_that_is_to_stand_still_for_long_ends_the_run(world, start, pilot):
@@ -179,9 +179,9 @@ def test_in_real_time_the_vehicle_stops_without_commands(world, pilot):
     node = world.simulator(**SMALL, command_timeout=0.3, current=0.0)
     pilot.waits_for(1)
     # On a busy machine it may stop between two commands.
-    while node.world.motion().twist[0] <= 0.1:
+    while node.world.state().twist[0] <= 0.1:
         pilot.drives(surge=0.5)
-    world.spin(lambda: node.world.motion().twist[0] < 0.05)
+    world.spin(lambda: node.world.state().twist[0] < 0.05)
 
 
 def test_the_clock_is_published_on_demand(world, start, pilot):

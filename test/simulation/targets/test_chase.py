@@ -16,7 +16,7 @@ from cable_tracker.simulation.vehicle import VelocityCommand
 
 def test_the_target_begins_before_the_camera_at_its_size():
     world = ChaseWorld(ChaseSettings(seed=1))
-    view = world.view(world.motion())
+    view = world.view(world.state())
     assert view.image.shape == (240, 320, 3)
     assert np.linalg.norm(view.place) == pytest.approx(FIRST_DISTANCE, abs=0.2)
     area = world.camera.focal * shown_size() / np.linalg.norm(view.place)
@@ -28,7 +28,7 @@ def test_the_picture_shows_the_target_where_its_place_says():
     world = ChaseWorld(ChaseSettings(seed=2))
     for _ in range(25):
         world.advance(VelocityCommand(turn=0.1), world.settings.altitude, 0.08)
-    view = world.view(world.motion())
+    view = world.view(world.state())
     rows, columns = np.nonzero(view.mask)
     ahead, left, up = view.place
     assert columns.mean() == pytest.approx(159.5 - world.camera.focal * left / ahead, abs=2.0)
@@ -37,9 +37,9 @@ def test_the_picture_shows_the_target_where_its_place_says():
 
 def test_where_the_bow_goes_down_target_and_background_go_up_alike():
     world = ChaseWorld(ChaseSettings(seed=2))
-    motion, pitch = world.motion(), math.radians(5.0)
+    state, pitch = world.state(), math.radians(5.0)
     level, lowered = (
-        world.view(replace(motion, angles=np.array([0.0, angle, 0.0]))) for angle in (0.0, pitch)
+        world.view(replace(state, angles=np.array([0.0, angle, 0.0]))) for angle in (0.0, pitch)
     )
     rise = world.camera.focal * math.tan(pitch)
     rows = [np.nonzero(view.mask)[0].mean() for view in (level, lowered)]
@@ -55,15 +55,15 @@ def test_the_same_seed_gives_the_same_pictures():
     one, two = (ChaseWorld(ChaseSettings(seed=5)) for _ in range(2))
     for world in (one, two):
         world.advance(VelocityCommand(0.3), 5.0, 0.08)
-    assert np.array_equal(one.view(one.motion()).image, two.view(two.motion()).image)
+    assert np.array_equal(one.view(one.state()).image, two.view(two.state()).image)
 
 
 def test_silt_hides_the_target_for_a_while():
     world = ChaseWorld(ChaseSettings(hidden_every=5.0, hidden_for=1.0))
     seen = []
     for _ in range(90):
-        seen.append(world.view(world.motion()).mask.any())
-        place = world.place(world.motion())
+        seen.append(world.view(world.state()).mask.any())
+        place = world.place(world.state())
         turn = math.atan2(place[1], place[0])
         world.advance(VelocityCommand(0.3, turn=turn), world.settings.altitude, 0.08)
     hidden = [number for number, visible in enumerate(seen) if not visible]
