@@ -93,8 +93,9 @@ class TargetTracker:
         """
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
-            loss = self._forget()
-            self._notice = f"another filter or working width{loss}" if loss else ""
+            # A second change before the next frame finds nothing more to forget.
+            if loss := self._forget():
+                self._notice = f"another filter or working width{loss}"
             return
         self._filter.configure(parameters)
 

@@ -296,6 +296,14 @@ def test_a_change_that_forgets_the_marked_target_says_so_once(draw, change):
     assert "mark it again" in events[0] and events[1] == ""
 
 
+@pytest.mark.parametrize("second", [{"filter": "blobs"}, {"working_width": 320}])
+def test_a_second_change_does_not_hide_that_the_first_forgot_the_marked_target(draw, second):
+    tracker, _ = started(draw)
+    for change in ({"working_width": 200}, second):
+        tracker.configure(tracker.parameters.replaced(change))
+    assert "mark it again" in tracker.process(draw(seed=2)[0], 2 * STEP).event
+
+
 def test_reset_forgets_and_repeats(draw):
     tracker, first = started(draw)
     tracker.reset()
