@@ -94,8 +94,8 @@ class TargetTracker:
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
             # A second change before the next frame finds nothing more to forget.
-            if loss := self._forget():
-                self._notice = f"another filter or working width{loss}"
+            if self._forget():
+                self._notice = "another filter or working width"
             return
         self._filter.configure(parameters)
 
@@ -186,16 +186,13 @@ class TargetTracker:
         step = self._succession(frame)
         start, self._start = self._start, None
         self._has_begun = False
-        event = "; ".join(filter(None, (self._notice, step.event)))
-        self._notice = ""
-        if self._ends(step):
-            event += self._forget()
+        event = self._leave_behind(step)
         self._frame = frame
         seen = make_working_frame(image, self._parameters.working_width)
         self._zoom = seen.zoom
         if start is not None:
             try:
-                return self._begin(seen, start, event)
+                return self._begin(seen, start, step.event)
             except FrameError as error:
                 # It does not stand out: what was followed still is.
                 event = str(error)
@@ -209,6 +206,16 @@ class TargetTracker:
         summary = self._filter.step(seen, dt, motion, apart)
         return self._estimate(summary, dt, event)
 
+    def _leave_behind(self, step: Succession) -> str:
+        """Forget what cannot be followed into a frame; return what to say of its time and of that.
+
+        Unless what is marked in the frame takes the place of what is forgotten.
+        """
+        notice, self._notice = self._notice, ""
+        is_missed = (self._ends(step) and self._forget()) or bool(notice)
+        reasons = _joined(step.event, notice)
+        return f"{reasons}: the marked target is forgotten, mark it again" if is_missed else reasons
+
     def _ends(self, step: Succession) -> bool:
         """Tell whether nothing that was followed before a frame can be followed on.
 
@@ -217,12 +224,12 @@ class TargetTracker:
         """
         return bool(step.event) and (self._is_proposed or not step.is_same_size)
 
-    def _forget(self) -> str:
-        """Begin with no target, and return what to say of a marked one."""
+    def _forget(self) -> bool:
+        """Begin with no target, and tell whether a marked one is missed by that."""
         is_missed = self._filter.particles is not None and not self._is_proposed
         self._filter = self._make_filter()
         self._status = StatusMachine()
-        return ": the marked target is forgotten, mark it again" if is_missed else ""
+        return is_missed
 
     @property
     def has_begun(self) -> bool:
@@ -320,6 +327,11 @@ class TargetTracker:
             score=summary.score,
             event=event,
         )
+
+
+def _joined(*events: str) -> str:
+    """Return what there is to say, one after the other."""
+    return "; ".join(filter(None, events))
 
 
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:

@@ -304,6 +304,19 @@ def test_a_second_change_does_not_hide_that_the_first_forgot_the_marked_target(d
     assert "mark it again" in tracker.process(draw(seed=2)[0], 2 * STEP).event
 
 
+@pytest.mark.parametrize("change", [{"working_width": 200}, {}], ids=["width", "image size"])
+def test_what_takes_the_place_of_a_forgotten_target_need_not_be_marked_again(draw, change):
+    tracker, _ = started(draw)
+    tracker.configure(tracker.parameters.replaced(change))
+    image, mask = draw(size=(320, 240) if change else (400, 300), seed=2)
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    estimate = tracker.process(image, 2 * STEP)
+    assert tracker.has_begun and estimate.status.value == "TRACKING"
+    assert "mark it again" not in estimate.event
+    assert ("size changed" in estimate.event) is not bool(change)
+    assert tracker.process(draw(seed=3, size=image.shape[1::-1])[0], 3 * STEP).event == ""
+
+
 def test_reset_forgets_and_repeats(draw):
     tracker, first = started(draw)
     tracker.reset()
