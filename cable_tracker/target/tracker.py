@@ -195,7 +195,7 @@ class TargetTracker:
                 return self._begin(seen, start, step.event)
             except FrameError as error:
                 # It does not stand out: what was followed still is.
-                event = str(error)
+                event = _joined(event, str(error))
                 if self.is_searching:
                     return self._nothing(event)
         apart = in_frame_pixels(others, 1.0 / seen.zoom)

@@ -224,6 +224,20 @@ def test_a_mark_that_does_not_stand_out_costs_no_target_that_is_followed(draw):
     np.testing.assert_array_equal(estimate.state, expected.state)
 
 
+def test_a_mark_that_does_not_stand_out_does_not_hide_that_the_one_before_is_forgotten(draw):
+    tracker, _ = started(draw)
+    tracker.initialise(TargetStart.from_box(20, 20, 60, 50))
+    event = tracker.process(draw(size=(400, 300), seed=2)[0], 2 * STEP).event
+    assert "size changed" in event and "mark it again" in event and "stand out" in event
+
+
+def test_a_mark_that_does_not_stand_out_does_not_hide_a_gap(draw):
+    tracker, _ = started(draw)
+    tracker.initialise(TargetStart.from_box(20, 20, 60, 50))
+    event = tracker.process(draw(seed=2)[0], 20_000_000_000).event
+    assert "no frame for" in event and "stand out" in event
+
+
 def test_a_mark_waits_for_a_frame_that_can_be_used(draw):
     tracker, _ = started(draw)
     image, _ = draw(seed=2)
