@@ -1,3 +1,4 @@
+import math
 from itertools import islice
 
 import cv2
@@ -367,6 +368,22 @@ def test_a_target_that_none_of_the_particles_can_have_kept_is_no_error(draw):
         estimate = tracker.process(draw(seed=number)[0], 10_000_000_000 + number * STEP)
         assert np.isfinite(estimate.state).all()
         assert np.isfinite(estimate.presence)
+
+
+def test_the_angle_of_an_estimate_has_no_whole_turns(draw):
+    tracker, before = started(draw)
+    turn = math.radians(100.0)
+    roll = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    homography = np.eye(3)
+    homography[:2, :2] = roll
+    place = before.state[:2]
+    for number in range(2, 7):
+        place = roll @ place
+        centre = (round(place[0] + 159.5), round(119.5 - place[1]))
+        image, _ = draw(centre=centre, seed=number, tilt=100 * (number - 1))
+        estimate = tracker.process(image, number * STEP, CameraMotion(homography))
+        expected = math.remainder((number - 1) * turn, 2.0 * math.pi)
+        assert estimate.state[3] == pytest.approx(expected, abs=0.3)
 
 
 @pytest.mark.parametrize("name", ["poses", "blobs"])

@@ -29,7 +29,8 @@ class TargetEstimate:
         Width and height of the frame [px].
     state : FloatArray
         x, y, log scale, angle, v_x, v_y, shape (6,); origin at the image centre, y up [px, rad, per
-        second]. The scale is that against the start. Zeros before the first target.
+        second]. The scale is that against the start, the angle in (-pi, pi]. Zeros before the first
+        target.
     covariance : FloatArray
         Covariance of its error, shape (6, 6).
     box : Box or None
