@@ -83,17 +83,22 @@ class TargetFilter(ABC):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
+        *,
+        counts_for: float,
     ) -> TargetSummary:
         """Follow the target into the next frame.
 
         Parameters
         ----------
         dt : float
-            Time since the frame before [s].
+            Time since the frame before, in which the target may have moved [s].
         motion : CameraMotion or None
             Motion of the camera since then.
         others : FloatArray
             Poses of the other targets that are claimed, shape (K, 6): they exclude this one.
+        counts_for : float
+            Time that the frame counts for where something is learnt from it [s]: `dt`, but after a
+            pause that of one frame.
         """
 
     def configure(self, parameters: TargetParameters) -> None:

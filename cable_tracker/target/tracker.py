@@ -203,8 +203,8 @@ class TargetTracker:
             return self._search(seen, event, apart)
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
-        summary = self._filter.step(seen, dt, motion, apart)
-        return self._estimate(summary, dt, event)
+        summary = self._filter.step(seen, dt, motion, apart, counts_for=step.dt)
+        return self._estimate(summary, step.dt, event)
 
     def _leave_behind(self, step: Succession) -> str:
         """Forget what cannot be followed into a frame; return what to say of its time and of that.

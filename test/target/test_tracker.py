@@ -303,6 +303,22 @@ def test_a_marked_target_is_looked_for_after(draw, pause):
     assert estimate.state[:2] == pytest.approx(before.state[:2], abs=4.0)
 
 
+@pytest.mark.parametrize("pause", [6.0, -0.3], ids=["a gap", "time goes back"])
+def test_no_pause_counts_for_the_time_for_which_a_lost_target_must_be_seen(draw, pause):
+    tracker, _ = started(draw)
+    tracker.configure(tracker.parameters.replaced({"confirmation_time": 1.0}))
+    for number in range(2, 14):
+        lost = tracker.process(draw(centre=None, seed=number)[0], number * STEP)
+    assert lost.status.value == "LOST"
+    again = 13 * STEP + round(pause * 1e9)
+    for number in range(20):
+        estimate = tracker.process(draw(seed=number)[0], again + number * STEP)
+        assert estimate.status.value == "LOST"
+    for number in range(20, 40):
+        estimate = tracker.process(draw(seed=number)[0], again + number * STEP)
+    assert estimate.status.value == "TRACKING"
+
+
 @pytest.mark.parametrize("change", [{"working_width": 200}, {"filter": "blobs"}])
 def test_a_change_that_forgets_the_marked_target_says_so_once(draw, change):
     tracker, _ = started(draw)

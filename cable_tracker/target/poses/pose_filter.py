@@ -129,6 +129,8 @@ class PoseFilter(TargetFilter):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
+        *,
+        counts_for: float,
     ) -> TargetSummary:
         """Follow the target into the next frame; see `TargetFilter`."""
         assert self._belief is not None
@@ -149,8 +151,8 @@ class PoseFilter(TargetFilter):
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        summary, belief = estimate_and_adapt(belief, measured, weights, dt, parameters)
-        self._belief = _with_followed_size(belief, dt, parameters, is_whole=summary.is_whole)
+        summary, belief = estimate_and_adapt(belief, measured, weights, counts_for, parameters)
+        self._belief = _with_followed_size(belief, counts_for, parameters, is_whole=summary.is_whole)
         return summary
 
 
@@ -203,7 +205,7 @@ def estimate_and_adapt(
     weights : FloatArray
         Weights of the particles that make the estimate, shape (N,).
     dt : float
-        Time since the frame before [s].
+        Time that the frame counts for [s].
     """
     known, frame = belief.known, measured.frame
     outline = find_outline(

@@ -155,8 +155,13 @@ class BlobFilter(TargetFilter):
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
+        *,
+        counts_for: float,
     ) -> TargetSummary:
-        """Follow the target into the next frame; see `TargetFilter`. `others` are not heeded."""
+        """Follow the target into the next frame; see `TargetFilter`.
+
+        `others` are not heeded, and `counts_for` neither: the shape follows at once.
+        """
         assert self._particles is not None and self._prior is not None
         image = _intensities(frame)
         states = self._moved(frame, dt, motion)
