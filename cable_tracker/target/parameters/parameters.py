@@ -214,7 +214,7 @@ class TargetParameters(ParameterSet):
         0.95, "", 0.0, 0.998, "Presence above which a target is claimed."
     )
     presence_to_lose: float = number(
-        0.5, "", 0.0, 1.0, "Presence below which a target is given up."
+        0.5, "", 0.0, 0.998, "Presence below which a target is given up."
     )
     confirmation_time: float = number(
         0.08, "s", 0.0, 10.0, "How long the presence must hold before a target is claimed."
