@@ -26,6 +26,9 @@ RING = (0.12, 0.5)
 LEAST_AREA = 12
 """Pixels that a shape needs."""
 
+LEAST_BOX = 3.3
+"""A marked box of this side has as many, wherever it lies between the pixels [px]."""
+
 GOLDEN = (0.7548776662466927, 0.5698402909980532)
 """Steps of a sequence that fills the square evenly (M. Roberts' R2)."""
 
@@ -89,11 +92,11 @@ def check_area(mask: BoolArray, zoom: float) -> None:
     FrameError
         It is too small.
     """
-    area = int(mask.sum())
-    if area < LEAST_AREA:
+    if int(mask.sum()) < LEAST_AREA:
+        side = math.ceil(LEAST_BOX * zoom)
         raise FrameError(
-            f"a target of {area * zoom**2:.0f} px² is too small; mark one of"
-            f" {math.ceil(LEAST_AREA * zoom**2)} px² at least"
+            "the marked target is too small to have a shape; mark a box of"
+            f" {side}x{side} px at least"
         )
 
 

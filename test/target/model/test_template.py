@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
+from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.template import (
     RING,
     SIDE,
     UNIT,
     centroid,
+    check_area,
     distances_about,
     template_of_mask,
 )
@@ -49,15 +51,25 @@ def test_extent_is_that_of_the_shape(draw):
     assert template.extent(math.pi / 2) == pytest.approx(template.extent(0.0)[::-1], abs=0.03)
 
 
+def marks(side, zoom):
+    """Masks of boxes of a side [px of the frame] that lie differently between the pixels."""
+    for offset in np.ndindex(5, 5):
+        left, top = zoom * (8.0 + np.array(offset) / 5.0)
+        start = TargetStart.from_box(left, top, left + side, top + side)
+        yield start.mask((20, 20), zoom)
+
+
 def test_specks_are_refused():
     mask = np.zeros((20, 20), bool)
     mask[3:6, 3:6] = True
-    with pytest.raises(FrameError, match="9 px² is too small; mark one of 12 px² at least"):
+    with pytest.raises(FrameError, match="too small to have a shape; mark a box of 4x4 px"):
         template_of_mask(mask, 60, 1.0)
 
 
-def test_how_small_specks_are_is_said_in_pixels_of_the_frame():
-    mask = np.zeros((20, 20), bool)
-    mask[3:6, 3:6] = True
-    with pytest.raises(FrameError, match="324 px² is too small; mark one of 432 px² at least"):
-        template_of_mask(mask, 60, 6.0)
+@pytest.mark.parametrize(("zoom", "side"), [(1.0, 4), (2.0, 7), (6.0, 20), (12.0, 40)])
+def test_the_box_that_is_asked_for_instead_of_a_speck_is_taken_wherever_it_lies(zoom, side):
+    with pytest.raises(FrameError, match=f"mark a box of {side}x{side} px at least"):
+        for mask in marks(max(2.9 * zoom, 3.0), zoom):
+            check_area(mask, zoom)
+    for mask in marks(side, zoom):
+        check_area(mask, zoom)
