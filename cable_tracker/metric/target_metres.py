@@ -123,8 +123,12 @@ class VehicleMotion:
         return turned if self._gyroscope.has_come else moved
 
 
-def turn_of_picture(camera: CameraModel, mounting: Mounting, rotation: FloatArray) -> CameraMotion:
+def turn_of_picture(
+    camera: CameraModel, mounting: Mounting, rotation: FloatArray
+) -> CameraMotion | None:
     """Return what a turn of the vehicle does to what the camera sees; the same at all distances.
+
+    None of a turn that takes what was seen out of view: see `CameraMotion.keeps_picture`.
 
     The lens is taken as a pinhole: over the turn from one frame to the next its distortion is
     nearly the same before and after.
@@ -141,6 +145,8 @@ def turn_of_picture(camera: CameraModel, mounting: Mounting, rotation: FloatArra
     matrix = camera.image_matrix
     to_later = mounting.rotation.T @ rotation.T @ mounting.rotation
     mapping = matrix @ to_later @ np.linalg.inv(matrix)
+    if not CameraMotion(mapping).keeps_picture(camera.image_size):
+        return None
     return CameraMotion(mapping / mapping[2, 2])
 
 

@@ -33,6 +33,8 @@ TARGET_INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETR
 LEAST_SIGMAS = (0.02, math.radians(0.3))
 """Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
 
+TURNED_TOO_FAR = "the camera is said to have turned away from what the frame before showed"
+
 
 class TargetSight:
     """Keeps what is known of camera, vehicle and the ranges of targets.
@@ -143,8 +145,9 @@ class TargetSight:
         elif not isinstance(camera, CameraModel):
             self._why_unaided = str(camera)
         else:
-            self._why_unaided = ""
-            return turn_of_picture(camera, self._settings.mounting, self._moved[0].rotation)
+            turn = turn_of_picture(camera, self._settings.mounting, self._moved[0].rotation)
+            self._why_unaided = TURNED_TOO_FAR if turn is None else ""
+            return turn
         return None
 
     def take(self, estimates: Sequence[TargetEstimate]) -> list[TargetMetres]:

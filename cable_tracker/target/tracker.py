@@ -170,7 +170,8 @@ class TargetTracker:
         stamp : int
             Time of the frame [ns].
         motion : CameraMotion or None
-            Motion of the camera since the frame before.
+            Motion of the camera since the frame before. One that does not keep the picture before
+            it counts as not known.
         others : FloatArray
             States of other targets, shape (K, 6), which this one keeps away from: those that are
             claimed; while it is searched for, all that are followed.
@@ -203,6 +204,9 @@ class TargetTracker:
             return self._search(seen, event, apart)
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
+        if motion is not None and not motion.keeps_picture(frame.size):
+            # Such a turn says nothing of where the target is.
+            motion = None
         summary = self._filter.step(seen, dt, motion, apart, counts_for=step.dt)
         return self._estimate(summary, step.dt, event)
 

@@ -74,6 +74,11 @@ class TestTurnOfPicture:
         moved = turn_of_picture(camera(), AHEAD, rotation).moved(np.zeros((1, 6)), 1.0)
         assert abs(moved[0, 3]) == pytest.approx(0.1, abs=1e-6)
 
+    @pytest.mark.parametrize("degrees", [70.0, 90.0, 120.0, 180.0])
+    def test_a_turn_away_from_what_was_seen_says_nothing(self, degrees):
+        rotation = rotations_by(np.array([[0.0, 0.0, math.radians(degrees)]]))[0]
+        assert turn_of_picture(camera(), AHEAD, rotation) is None
+
 
 class TestKnownSize:
     def test_bearing_and_range_are_those_of_the_target(self):

@@ -63,6 +63,13 @@ def test_an_imu_that_measures_no_turns_says_nothing():
     assert sight.why_unaided == "no odometry has come"
 
 
+def test_a_turn_away_from_what_was_seen_is_not_taken_out():
+    sight = calibrated()
+    fast = math.radians(80.0) / 0.04
+    assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
+    assert "turned away" in sight.why_unaided
+
+
 def test_turns_can_be_left_in():
     sight = calibrated(motion_aid=False)
     assert turn_of(sight, Instrument.ODOMETRY, odometry) is None

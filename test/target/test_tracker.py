@@ -205,6 +205,25 @@ def test_turns_of_the_camera_are_followed(draw):
     assert estimate.state[0] == pytest.approx(50.5, abs=3.0)
 
 
+def turned_right(degrees):
+    """What a turn of a camera of 60 deg across does to its picture."""
+    angle = math.radians(degrees)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    rotation = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
+    matrix = np.diag([277.0, 277.0, 1.0])
+    mapping = matrix @ rotation @ np.linalg.inv(matrix)
+    return CameraMotion(mapping / mapping[2, 2])
+
+
+@pytest.mark.parametrize("degrees", [80.0, 89.9, -88.0, 120.0])
+def test_a_turn_away_from_the_target_is_taken_as_not_known(draw, degrees):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    image, _ = draw(centre=(163, 120), seed=2)
+    estimate = tracker.process(image, 2 * STEP, turned_right(degrees))
+    np.testing.assert_array_equal(estimate.state, twin.process(image, 2 * STEP).state)
+
+
 def test_what_does_not_stand_out_is_said_and_not_claimed(draw):
     tracker = TargetTracker()
     tracker.initialise(TargetStart.from_box(100, 80, 150, 120))

@@ -68,7 +68,11 @@ def find_peaks(
     peaks = []
     for log_scale in log_scales:
         factor = float(np.exp(log_scale)) * 2.0 / COARSENESS
-        sides = [max(ELLIPSE_SIDE * half * factor, 1.0) for half in half_extent]
+        # Nothing in view is larger than the picture, whatever is believed of its size.
+        sides = [
+            min(max(ELLIPSE_SIDE * half * factor, 1.0), float(side))
+            for half, side in zip(half_extent, small, strict=True)
+        ]
         inner = cv2.boxFilter(coarse, -1, _kernel(sides, 1.0), borderType=cv2.BORDER_REPLICATE)
         outer = cv2.boxFilter(coarse, -1, _kernel(sides, SURROUND), borderType=cv2.BORDER_REPLICATE)
         response = inner - SURROUND_WEIGHT * outer

@@ -14,6 +14,7 @@ from cable_tracker.particle_filter.student_t import (
     relative_log_density,
     standard_student_t,
 )
+from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, POSE_SIZE, STATE_SIZE, X, Y
 from cable_tracker.tracking.survival import share_about_last_place
 
@@ -53,6 +54,17 @@ class Births:
     def aged(self, dt: float) -> Births:
         """Return it `dt` seconds later."""
         return replace(self, seconds=self.seconds + dt)
+
+    def turned(self, motion: CameraMotion, zoom: float) -> Births:
+        """Return it after a motion of the camera; `zoom` pixels of the frame are one of a pose.
+
+        A last place that turns out of the picture stays: it would say nothing of where in the
+        picture to look, and of a turn that is wrong the target is still where it was.
+        """
+        last = motion.moved(self.last[None], zoom)[0]
+        height, width = self.shape
+        is_out = abs(last[X]) > width / 2 or abs(last[Y]) > height / 2
+        return self if is_out else replace(self, last=last)
 
     def memory_share(self, memory_time: float) -> float:
         """Return the share of the births about the last place; its time constant in s."""

@@ -12,6 +12,10 @@ from cable_tracker.target.model.state import PoseColumn
 STEP = 1.0
 """Length over which the local turn and stretch of a homography are measured [px]."""
 
+LEAST_DEPTH = 0.3
+"""Least depth before the turned camera, against that of the picture's centre, at which places are
+told of the picture before."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraMotion:
@@ -26,6 +30,24 @@ class CameraMotion:
 
     homography: FloatArray
 
+    def keeps_picture(self, image_size: tuple[int, int]) -> bool:
+        """Tell whether all that a picture showed is still well before the camera.
+
+        Of a farther turn a homography says nothing: towards the camera's side all lengths grow
+        without bounds, and what is behind it is mirrored.
+
+        Parameters
+        ----------
+        image_size : (int, int)
+            Width and height of the frame [px].
+        """
+        right, up = (side / 2 for side in image_size)
+        corners = np.array([[x, y, 1.0] for x in (-right, right) for y in (-up, up)])
+        centre = self.homography[2, 2]
+        is_mirrored = np.linalg.det(self.homography) * centre <= 0.0
+        depths = corners @ self.homography[2] * centre
+        return bool(not is_mirrored and (depths >= LEAST_DEPTH * centre**2).all())
+
     def moved(self, states: FloatArray, zoom: float) -> FloatArray:
         """Return poses (N, 6) in pixels of the working image, `zoom` of the frame's, carried on."""
         places = states[:, :2] * zoom
@@ -39,5 +61,8 @@ class CameraMotion:
 
     def _mapped(self, points: FloatArray) -> FloatArray:
         homogeneous = np.column_stack((points, np.ones(len(points)))) @ self.homography.T
-        mapped: FloatArray = homogeneous[:, :2] / homogeneous[:, 2:]
+        centre = self.homography[2, 2]
+        # Poses far beyond the picture, which turn behind the camera, stay on their side of it.
+        depths = centre * np.maximum(homogeneous[:, 2:] / centre, LEAST_DEPTH)
+        mapped: FloatArray = homogeneous[:, :2] / depths
         return mapped

@@ -72,7 +72,7 @@ class PoseBelief:
         """
         belief = replace(self, known=replace(self.known, births=self.known.births.aged(dt)))
         if motion is not None:
-            belief = belief._moved(motion, frame.zoom)
+            belief = belief._moved(motion, frame)
         if belief.presence >= parameters.presence_to_track and belief._shows_otherwise(frame):
             known = relearnt(belief.known, belief.estimate, frame, parameters)
             belief = replace(belief, known=known)
@@ -85,14 +85,13 @@ class PoseBelief:
         """
         return not frame.has_chroma if self.known.is_coloured else frame.is_coloured
 
-    def _moved(self, motion: CameraMotion, zoom: float) -> PoseBelief:
-        births = self.known.births
-        last = motion.moved(births.last[None], zoom)[0]
+    def _moved(self, motion: CameraMotion, frame: WorkingFrame) -> PoseBelief:
+        zoom = frame.zoom
         return replace(
             self,
             particles=self.particles.moved_to(motion.moved(self.particles.states, zoom)),
             estimate=motion.moved(self.estimate[None], zoom)[0],
-            known=replace(self.known, births=replace(births, last=last)),
+            known=replace(self.known, births=self.known.births.turned(motion, zoom)),
         )
 
 

@@ -152,7 +152,9 @@ class PoseFilter(TargetFilter):
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
         summary, belief = estimate_and_adapt(belief, measured, weights, counts_for, parameters)
-        self._belief = _with_followed_size(belief, counts_for, parameters, is_whole=summary.is_whole)
+        self._belief = _with_followed_size(
+            belief, counts_for, parameters, is_whole=summary.is_whole
+        )
         return summary
 
 

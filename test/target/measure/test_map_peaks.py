@@ -17,3 +17,11 @@ def test_where_nothing_stands_out_there_is_no_peak():
     assert all(peak.strength < 0.0 for peak in find_peaks(-flat, (9.0, 9.0), np.zeros(1), 3)) or (
         len(find_peaks(flat, (9.0, 9.0), np.zeros(1), 3)) == 0
     )
+
+
+def test_what_is_believed_to_be_larger_than_the_picture_is_looked_for_as_large_as_it(draw):
+    ratios = np.where(draw(centre=(90, 70))[1], 2.0, 1.0).astype(np.float32)
+    (as_large,) = find_peaks(ratios, (200.0, 150.0), np.zeros(1), 1)
+    (larger,) = find_peaks(ratios, (200.0, 150.0), np.full(1, 2.0), 1)
+    assert larger[:2] == as_large[:2]
+    assert larger.strength == as_large.strength

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.target.model.births import Births
+from cable_tracker.target.model.camera_motion import CameraMotion
 
 LAST = np.array([60.0, -20.0, 0.1, 0.2, 5.0, 5.0])
 
@@ -25,6 +26,14 @@ def test_the_longer_it_is_gone_the_farther_it_is_looked_for():
     spreads = [np.median(np.abs(each.draw(4000, 4.0, rng)[:, 0] - 60.0)) for each in (soon, late)]
     assert spreads[1] > 2.0 * spreads[0]
     assert late.memory_share(4.0) < soon.memory_share(4.0)
+
+
+@pytest.mark.parametrize(("shift", "expected"), [(90.0, 150.0), (110.0, 60.0), (-230.0, 60.0)])
+def test_the_last_place_turns_with_the_camera_within_the_picture(shift, expected):
+    homography = np.eye(3)
+    homography[0, 2] = shift
+    turned = Births(LAST, 0.5, (240, 320)).turned(CameraMotion(homography), 1.0)
+    assert turned.last == pytest.approx([expected, *LAST[1:]])
 
 
 @pytest.mark.parametrize("turns", [-2, 1])
