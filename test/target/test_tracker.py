@@ -189,6 +189,36 @@ def test_a_target_of_little_colour_stays_learnt_in_colour():
     assert estimate.status.value == "TRACKING"
 
 
+def bar(length, width, seed):
+    """A red bar across the middle of the picture."""
+    picture = np.full((240, 320, 3), (90.0, 80.0, 40.0))
+    rows, columns = (slice(c - s // 2, c + s // 2) for c, s in ((120, width), (160, length)))
+    picture[rows, columns] = (30, 30, 200)
+    noise = np.random.default_rng(seed).normal(0.0, 6.0, picture.shape)
+    return np.clip(picture + noise, 0, 255).astype(np.uint8)
+
+
+def followed_bar(length, width):
+    """The estimates of a bar that is marked by its box and stands still."""
+    tracker = TargetTracker(TargetParameters(seed=1))
+    box = (160 - length // 2, 120 - width // 2, 160 + length // 2, 120 + width // 2)
+    tracker.initialise(TargetStart.from_box(*box))
+    return [tracker.process(bar(length, width, n), n * STEP) for n in range(1, 26)], box
+
+
+def test_a_long_target_is_followed_in_its_whole_length():
+    estimates, box = followed_bar(160, 14)
+    assert min(overlap(estimate.box, box) for estimate in estimates) > 0.9
+    assert all(estimate.is_whole for estimate in estimates)
+
+
+def test_no_size_is_told_of_a_target_that_is_like_a_line():
+    estimates, box = followed_bar(240, 10)
+    assert overlap(estimates[0].box, box) > 0.95
+    assert all(estimate.status.value == "TRACKING" for estimate in estimates)
+    assert not any(estimate.is_whole for estimate in estimates)
+
+
 def test_large_frames_are_reduced_and_told_in_their_own_pixels(draw):
     tracker, estimate = started(draw, centre=(320, 240), axes=(44, 28), size=(640, 480))
     mask = draw(centre=(320, 240), axes=(44, 28), size=(640, 480))[1]

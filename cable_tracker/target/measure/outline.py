@@ -14,7 +14,7 @@ from cable_tracker.contour.evolution import ContourSettings, evolve_by_ratio
 from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
-from cable_tracker.target.model.template import SIDE, UNIT, Template, interpolated
+from cable_tracker.target.model.template import UNIT, Template, interpolated
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 
 MARGIN = 1.4
@@ -146,7 +146,7 @@ def distances_at(
     Parameters
     ----------
     template : array
-        Distances of the template from its outline, shape (SIDE, SIDE).
+        Distances of the template from its outline, shape (S, S).
     column, row : float
         Pixel of the template's origin [px].
     size : float
@@ -157,7 +157,7 @@ def distances_at(
         Size of the result [px].
     """
     result = np.empty((height, width), np.float32)
-    middle = (SIDE - 1) / 2
+    middle = (len(template) - 1) / 2
     cosine, sine = math.cos(angle) * UNIT / size, math.sin(angle) * UNIT / size
     for i in range(height):
         for j in range(width):

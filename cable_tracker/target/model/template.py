@@ -14,11 +14,16 @@ from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import to_image
 
-SIDE = 97
-"""Rows and columns of the map of distances; odd, the origin is in the middle."""
+SIDE, MOST_SIDE = 97, 481
+"""Rows and columns of the map of distances, at least and at most; odd, the origin is in the middle.
+The least holds what reaches 1.5 units from its centroid with a ring around it, the most 9.5."""
 
 UNIT = 24.0
 """Pixels of the distance map per template unit (1 unit = square root of the target's area)."""
+
+THIN, LONG = 0.135, 10.0
+"""A bar is nowhere as deep as THIN, in units: one of 1 by 14 is. Its pixels scatter along it by more
+than LONG times as much as across, not so those of a thin ring."""
 
 RING = (0.12, 0.5)
 """The points around the target are this far from its outline, in units."""
@@ -40,8 +45,8 @@ class Template:
     Attributes
     ----------
     distances : array
-        Signed distances from the outline, negative inside, in units; float32, shape (SIDE, SIDE),
-        rows downwards.
+        Signed distances from the outline, negative inside, in units; float32, shape (S, S) with S
+        from SIDE to MOST_SIDE, rows downwards.
     size : float
         Length of a unit at scale 1 [px of the working image].
     inside, around : FloatArray
@@ -57,13 +62,22 @@ class Template:
     def reach(self) -> float:
         """Distance from the centroid that the shape does not exceed, in units."""
         rows, columns = np.nonzero(self.distances < 0.0)
-        middle = (SIDE - 1) / 2
+        middle = (len(self.distances) - 1) / 2
         return float(np.hypot(rows - middle, columns - middle).max() + 1.0) / UNIT
+
+    @property
+    def is_bar(self) -> bool:
+        """Whether too little of its outline lies at its ends to tell how much of it is seen."""
+        if float(self.distances.min()) <= -THIN:
+            return False
+        across, along = np.linalg.eigvalsh(np.cov(np.nonzero(self.distances < 0.0)))
+        return bool(along > LONG**2 * across)
 
     def extent(self, angle: float) -> tuple[float, float]:
         """Return the half width and half height of the turned shape, in units."""
         rows, columns = np.nonzero(self.distances < 0.0)
-        x, y = (each / UNIT for each in to_image(columns, rows, (SIDE, SIDE)))
+        side = len(self.distances)
+        x, y = (each / UNIT for each in to_image(columns, rows, (side, side)))
         across = math.cos(angle) * x - math.sin(angle) * y
         up = math.sin(angle) * x + math.cos(angle) * y
         half = 0.5 / UNIT
@@ -109,9 +123,28 @@ def template_of_mask(mask: BoolArray, points: int, zoom: float) -> Template:
         The mask is too small for a shape, see `check_area`.
     """
     check_area(mask, zoom)
-    x, y = centroid(mask)
+    centre = centroid(mask)
     size = math.sqrt(int(mask.sum()))
-    return make_template(distances_about(mask, (x, y), size, 0.0), size, points)
+    side = _side_for(mask, centre, size)
+    return make_template(distances_about(mask, centre, size, 0.0, side), size, points)
+
+
+def _side_for(mask: BoolArray, centre: tuple[float, float], size: float) -> int:
+    """Return how many rows and columns a map needs that holds a mask (H, W) and its ring.
+
+    Parameters
+    ----------
+    centre : (float, float)
+        Origin of the map from the image centre, y up [px].
+    size : float
+        Length of a unit [px].
+    """
+    height, width = mask.shape
+    rows, columns = np.nonzero(mask)
+    x, y = to_image(columns, rows, (width, height))
+    farthest = float(max(np.abs(x - centre[0]).max(), np.abs(y - centre[1]).max())) + 0.5
+    reach = farthest / size + RING[1]
+    return min(max(2 * math.ceil(reach * UNIT) + 1, SIDE), MOST_SIDE)
 
 
 def centroid(mask: BoolArray) -> tuple[float, float]:
@@ -122,9 +155,9 @@ def centroid(mask: BoolArray) -> tuple[float, float]:
 
 
 def distances_about(
-    mask: BoolArray, centre: tuple[float, float], size: float, angle: float
+    mask: BoolArray, centre: tuple[float, float], size: float, angle: float, side: int
 ) -> NDArray[np.float32]:
-    """Return the distances of a mask in the frame of a template, shape (SIDE, SIDE), in units.
+    """Return the distances of a mask in the frame of a template, shape (side, side), in units.
 
     Parameters
     ----------
@@ -136,8 +169,10 @@ def distances_about(
         Length of a unit [px].
     angle : float
         Angle of the template in the image [rad].
+    side : int
+        Rows and columns of the map; odd.
     """
-    return _into_template(signed_distances(mask), centre[0], centre[1], size, angle)
+    return _into_template(signed_distances(mask), centre[0], centre[1], size, angle, side)
 
 
 @compiled_inside
@@ -158,15 +193,15 @@ def interpolated(distances: NDArray[np.float32], column: float, row: float) -> t
 
 
 @compiled
-def _into_template(
-    distances: NDArray[np.float32], x: float, y: float, size: float, angle: float
+def _into_template(  # noqa: PLR0917
+    distances: NDArray[np.float32], x: float, y: float, size: float, angle: float, side: int
 ) -> NDArray[np.float32]:
     height, width = distances.shape
     cosine, sine = math.cos(angle), math.sin(angle)
-    middle = (SIDE - 1) / 2
-    result = np.empty((SIDE, SIDE), np.float32)
-    for i in range(SIDE):
-        for j in range(SIDE):
+    middle = (side - 1) / 2
+    result = np.empty((side, side), np.float32)
+    for i in range(side):
+        for j in range(side):
             across, up = (j - middle) / UNIT * size, (middle - i) / UNIT * size
             column = (width - 1) / 2 + x + cosine * across - sine * up
             row = (height - 1) / 2 - y - sine * across - cosine * up
@@ -184,7 +219,7 @@ def spread_points(
     Parameters
     ----------
     distances : array
-        Distance map of the shape, shape (SIDE, SIDE), in units.
+        Distance map of the shape, shape (S, S), in units.
     count : int
         Number of points of either kind; fewer where hardly any place fits.
     nearest, farthest : float
@@ -193,12 +228,13 @@ def spread_points(
     inside, around = np.empty((count, 2)), np.empty((count, 2))
     found_inside = found_around = 0
     first = second = 0.5
-    middle = (SIDE - 1) / 2
-    for _ in range(400 * count):
+    side = len(distances)
+    middle = (side - 1) / 2
+    for _ in range(400 * count * side * side // (SIDE * SIDE)):
         if found_inside == count and found_around == count:
             break
         first, second = (first + GOLDEN[0]) % 1.0, (second + GOLDEN[1]) % 1.0
-        column, row = first * (SIDE - 1), second * (SIDE - 1)
+        column, row = first * (side - 1), second * (side - 1)
         distance = distances[int(row + 0.5), int(column + 0.5)]
         x, y = (column - middle) / UNIT, (middle - row) / UNIT
         if distance < 0.0 and found_inside < count:

@@ -243,7 +243,9 @@ def adapted_to_contour(
         share_over_time(parameters.appearance_rate_around, learnt),
     )
     template, unshaped = known.template, known.unshaped + learnt * REFERENCE_RATE
-    if parameters.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
+    # Contours about poses that are too short would shorten a bar further.
+    follows = parameters.shape_rate > 0.0 and not known.template.is_bar
+    if follows and known.adaptations % RESHAPED_EVERY == 0:
         template = _reshaped(known.template, outline, angle, unshaped, parameters)
         unshaped = 0.0
     return replace(
@@ -265,7 +267,11 @@ def _reshaped(
     As far as in a number of reference frames.
     """
     distances = distances_about(
-        outline.mask, centroid(outline.mask), math.sqrt(outline.area), angle
+        outline.mask,
+        centroid(outline.mask),
+        math.sqrt(outline.area),
+        angle,
+        len(template.distances),
     )
     share = 1.0 - (1.0 - parameters.shape_rate) ** frames
     blended = (1.0 - share) * template.distances + share * distances

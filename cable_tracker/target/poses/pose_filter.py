@@ -233,7 +233,7 @@ def estimate_and_adapt(
         state=belief.estimate.copy(),
         covariance=covariance,
         outline=outline,
-        is_whole=is_whole,
+        is_whole=is_whole and not known.template.is_bar,
         presence=presence,
         effective_sample_size=effective_sample_size(belief.particles.log_weights),
         score=score,
