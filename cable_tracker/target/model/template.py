@@ -22,8 +22,8 @@ UNIT = 24.0
 """Pixels of the distance map per template unit (1 unit = square root of the target's area)."""
 
 THIN, LONG = 0.135, 10.0
-"""A bar is nowhere as deep as THIN, in units: one of 1 by 14 is. Its pixels scatter along it by more
-than LONG times as much as across, not so those of a thin ring."""
+"""A bar is nowhere as deep as THIN, in units: one of 1 by 14 is. Its pixels scatter along it more
+than LONG times as far as across, not so those of a thin ring."""
 
 RING = (0.12, 0.5)
 """The points around the target are this far from its outline, in units."""
