@@ -18,7 +18,7 @@ from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.sequences.target_labels import write_target_bag, write_target_pictures
+from cable_tracker.sequences.target_writer import write_target_bag, write_target_pictures
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import (

@@ -11,7 +11,8 @@ from functools import partial
 from cable_tracker.errors import CableTrackerError, one_line
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.picture_packet import make_packet, without_picture
-from cable_tracker.gui.session import AnySnapshot, Session
+from cable_tracker.gui.session import Session
+from cable_tracker.gui.snapshot import AnySnapshot
 from cable_tracker.gui.tracking_history import TrackingHistory
 
 WHOLE_EVERY = 50

@@ -16,7 +16,7 @@ from cable_tracker.cable.model.segments import (
     centreline_segments,
 )
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.gui.session import Snapshot, TargetSnapshot
+from cable_tracker.gui.snapshot import CableSnapshot, TargetSnapshot
 from cable_tracker.target.model.estimate import box_corners
 from cable_tracker.tracking.image_frame import to_page
 from cable_tracker.visualisation.drawable import (
@@ -44,9 +44,9 @@ CROSS_SHARE = 0.004
 """Length of an arm of the cross that stands for a particle, as a share of the picture's width."""
 
 
-def layers_of(snapshot: Snapshot) -> list[Layer]:
+def layers_of(snapshot: CableSnapshot) -> list[Layer]:
     """Return band, hypotheses, estimate and truth; each has a name, so that it can be hidden."""
-    size = (snapshot.grey.shape[1], snapshot.grey.shape[0])
+    size = (snapshot.image.shape[1], snapshot.image.shape[0])
     layers: list[Layer] = []
     colour = css(status_colour(snapshot.status))
     state = snapshot.state

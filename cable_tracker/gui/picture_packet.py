@@ -20,7 +20,7 @@ from cable_tracker.gui.picture_layers import (
     target_layers,
     target_particles,
 )
-from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
@@ -79,12 +79,12 @@ class PictureView:
     metres: dict[str, object] | None = None
 
 
-def _view_of_cable(snapshot: Snapshot) -> PictureView:
-    height, width = snapshot.grey.shape
+def _view_of_cable(snapshot: CableSnapshot) -> PictureView:
+    height, width = snapshot.image.shape
     cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 9))
     count = snapshot.hypothesis_count or len(snapshot.hypotheses)
     return PictureView(
-        picture=snapshot.grey,
+        picture=snapshot.image,
         layers=layers_of(snapshot),
         lines=particle_lines(cloud, (width, height)),
         cloud=cloud * np.append(TO_DISPLAY, 1.0),
@@ -142,7 +142,7 @@ def make_packet(
 
     Parameters
     ----------
-    snapshot : Snapshot or TargetSnapshot
+    snapshot : CableSnapshot or TargetSnapshot
         Filter output for the picture.
     history : FloatArray
         See `TrackingHistory.table`.

@@ -6,7 +6,8 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 
-from cable_tracker.gui.session import AnySnapshot, Listener
+from cable_tracker.gui.session import Listener
+from cable_tracker.gui.snapshot import AnySnapshot
 
 
 class SnapshotFeed:

@@ -7,7 +7,8 @@ from contextlib import suppress
 
 from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.followers.follower import Follower
-from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
+from cable_tracker.gui.session import AnyStart, Listener
+from cable_tracker.gui.snapshot import AnySnapshot
 from cable_tracker.gui.tracker_memory import TrackerMemory
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess

@@ -16,7 +16,8 @@ from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
-from cable_tracker.gui.session import Session, Snapshot, TargetSnapshot
+from cable_tracker.gui.session import Session
+from cable_tracker.gui.snapshot import CableSnapshot, TargetSnapshot
 from cable_tracker.gui.subject import CABLE, TARGET
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
@@ -74,7 +75,7 @@ class TrackingDesk:
     def present_state(self) -> CableState | None:
         """Return the newest estimate; None while no cable is claimed."""
         latest = self.session.latest if self.session is not None else None
-        return latest.state if isinstance(latest, Snapshot) else None
+        return latest.state if isinstance(latest, CableSnapshot) else None
 
     def present_box(self) -> Box | None:
         """Return the newest box; None while no target is claimed."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.gui.session import AnySnapshot, TargetSnapshot
+from cable_tracker.gui.snapshot import AnySnapshot, TargetSnapshot
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.status_words import DISABLED, REFUSED

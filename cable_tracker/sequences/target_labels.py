@@ -12,27 +12,20 @@ from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
-from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource
-from cable_tracker.sequences.image_writer import picture_name, write_picture
-from cable_tracker.sequences.messages.headers import make_header, stamp_or_received
-from cable_tracker.sequences.messages.target import make_polygon
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.source import is_bag
 from cable_tracker.sequences.unpacking import deserialise
-from cable_tracker.target.model.estimate import Box, box_corners
+from cable_tracker.target.model.estimate import Box
 
 BOXES_NAME = "boxes.txt"
 """Beside the pictures of a folder it is read without being asked for."""
@@ -138,7 +131,7 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
         There are none, they cannot be read, or belong to no frame of the recording.
     """
     if truth is None:
-        truth = _own_labels(source)
+        truth = _place_of_own_boxes(source)
     if is_bag(truth):
         if not isinstance(source, BagSource):
             raise RecordingError(
@@ -162,7 +155,7 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
     return BoxTruth(by_index=_numbered(source, read_boxes(truth), truth))
 
 
-def _own_labels(source: Source) -> Path:
+def _place_of_own_boxes(source: Source) -> Path:
     """Return where a recording's own boxes are, if it has any: beside its pictures, or in it."""
     beside = source.path / BOXES_NAME
     return beside if beside.is_file() else source.path
@@ -176,7 +169,7 @@ def own_boxes(source: Source) -> BoxTruth:
     RecordingError
         They cannot be read.
     """
-    path = _own_labels(source)
+    path = _place_of_own_boxes(source)
     if path != source.path:
         return find_boxes(source, path)
     if isinstance(source, BagSource) and _box_topic(source.storage):
@@ -255,56 +248,3 @@ def _around(corners: list[tuple[float, float]]) -> Box | None:
         return None
     (left, top), (right, bottom) = places.min(axis=0), places.max(axis=0)
     return (float(left), float(top), float(right), float(bottom))
-
-
-LabelledFrame = tuple[Frame, Box | None]
-"""A frame, and where the target is in it; None where it is out of view."""
-
-
-def write_target_bag(
-    path: Path,
-    frames: Iterable[LabelledFrame],
-    *,
-    storage: Literal["sqlite3", "mcap"] = "mcap",
-    overwrite: bool = False,
-) -> int:
-    """Write a bag with the topics `image` and `ground_truth/box`; return the number of frames.
-
-    The box is a polygon of four corners; it has none where the target is out of view.
-
-    Raises
-    ------
-    OutputError
-        The bag cannot be written.
-    """
-    count = 0
-    factory, topic = RosbagsMessages(), node_topics.TRUE_BOX
-    with BagWriter(path, storage, overwrite=overwrite) as bag:
-        for frame, box in frames:
-            write_frame(bag, frame)
-            header = make_header(factory, frame.stamp, frame.frame_id)
-            corners = np.empty((0, 2)) if box is None else box_corners(box)
-            polygon = make_polygon(factory, header, corners)
-            bag.write(topic.global_name, topic.type_name, polygon, frame.bag_time)
-            count += 1
-    return count
-
-
-def write_target_pictures(
-    folder: Path, frames: Iterable[LabelledFrame], *, overwrite: bool = False
-) -> int:
-    """Write each frame as a PNG, and `boxes.txt` beside them; return the number of frames.
-
-    Raises
-    ------
-    OutputError
-        The folder exists, or the disk does not let us write.
-    """
-    boxes = []
-    with output_folder(folder, BOXES_NAME, overwrite=overwrite) as content:
-        for frame, box in frames:
-            name = picture_name(frame.index)
-            write_picture(content / name, frame.image)
-            boxes.append((name, box))
-        (content / BOXES_NAME).write_text(format_boxes(boxes), encoding="utf-8")
-    return len(boxes)

@@ -8,7 +8,7 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 from starlette.websockets import WebSocketDisconnect
 
 from cable_tracker.gui.picture_feed import PictureFeed
-from cable_tracker.gui.session import Snapshot
+from cable_tracker.gui.snapshot import CableSnapshot
 
 from .conftest import unpack
 
@@ -57,8 +57,8 @@ class Shown:
         return lambda: self._listeners.remove(listener)
 
     def show(self, number, **given):
-        given = {"grey": np.zeros((24, 32), np.uint8), "status": "TRACKING"} | given
-        self.latest = Snapshot(number, number, number * 40_000_000, **given)
+        given = {"image": np.zeros((24, 32), np.uint8), "status": "TRACKING"} | given
+        self.latest = CableSnapshot(number, number, number * 40_000_000, **given)
         for listener in self._listeners:
             listener(self.latest)
 
@@ -82,7 +82,7 @@ def test_what_a_session_tells_when_another_is_watched_is_not_shown(feed, session
     other = Shown()
     feed.watch(other)
     other.show(1)
-    telling(Snapshot(7, 7, 280_000_000, np.zeros((24, 32), np.uint8), "LOST"))
+    telling(CableSnapshot(7, 7, 280_000_000, np.zeros((24, 32), np.uint8), "LOST"))
     assert feed._snapshot is other.latest
 
 
@@ -139,7 +139,7 @@ def test_who_comes_gets_the_whole_history(feed, session):
 
 
 def test_a_frame_that_cannot_be_shown_is_said_and_the_next_one_comes(feed, session):
-    session.show(1, grey=np.zeros((0, 8), np.uint8))
+    session.show(1, image=np.zeros((0, 8), np.uint8))
 
     async def visit(browser):
         description, _ = await browser.picture()

@@ -16,7 +16,7 @@ from cable_tracker.gui.picture_layers import (
     target_particles,
 )
 from cable_tracker.gui.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
-from cable_tracker.gui.session import Snapshot, TargetSnapshot
+from cable_tracker.gui.snapshot import CableSnapshot, TargetSnapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
 
 from .conftest import unpack
@@ -27,8 +27,8 @@ SECOND = 1_000_000_000
 
 
 def snapshot(number=1, stamp=SECOND, **given):
-    given = {"grey": GREY, "status": "TRACKING"} | given
-    return Snapshot(number=number, frame=number, stamp=stamp, **given)
+    given = {"image": GREY, "status": "TRACKING"} | given
+    return CableSnapshot(number=number, frame=number, stamp=stamp, **given)
 
 
 def tracked(**given):
@@ -80,14 +80,14 @@ def test_what_is_not_known_is_left_empty():
 
 
 def test_a_wide_picture_is_reduced_and_the_numbers_stay_those_of_the_frame():
-    description, sections = packed(snapshot(grey=np.zeros((100, 2 * LARGEST_WIDTH), np.uint8)))
+    description, sections = packed(snapshot(image=np.zeros((100, 2 * LARGEST_WIDTH), np.uint8)))
     picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture.shape[1] == LARGEST_WIDTH
     assert description["size"] == [2 * LARGEST_WIDTH, 100]
 
 
 def test_so_is_one_that_is_taller_than_any_jpeg():
-    description, sections = packed(snapshot(grey=np.zeros((65_501, 8), np.uint8)))
+    description, sections = packed(snapshot(image=np.zeros((65_501, 8), np.uint8)))
     picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture.shape == (LARGEST_HEIGHT, 1)
     assert description["size"] == [8, 65_501]

@@ -239,7 +239,7 @@ def test_at_a_frame_that_was_never_reached_the_tracker_starts_anew(watch):
     watched.at(0)
     jumped = watched.go_to(40)
     fresh = make_tracker(PARAMETERS)
-    fresh.process(jumped.grey, jumped.stamp)
+    fresh.process(jumped.image, jumped.stamp)
     assert np.array_equal(jumped.cloud[:, :8], fresh.particles.states)
 
 
@@ -419,7 +419,7 @@ def test_deep_grey_levels_are_shown_in_eight_bits(watch, tmp_path):
     for number in range(2):
         deep = np.full((48, 64), 40000, np.uint16)
         assert cv2.imwrite(str(folder / f"{number}.png"), deep)
-    assert watch(folder, init="random").at(0).grey.dtype == np.uint8
+    assert watch(folder, init="random").at(0).image.dtype == np.uint8
 
 
 @pytest.mark.parametrize("name", ["missing", "empty"])

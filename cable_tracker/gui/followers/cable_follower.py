@@ -15,7 +15,8 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.followers.follower import Follower
-from cable_tracker.gui.session import AnyStart, Snapshot
+from cable_tracker.gui.session import AnyStart
+from cable_tracker.gui.snapshot import CableSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import CABLE
 from cable_tracker.metric.recorded import RecordedMetres
@@ -130,7 +131,7 @@ class CableFollower(Follower):
         self._decoded = decode_grey(frame.image)
         self._grey = eight_bits(self._decoded)
 
-    def follow(self, frame: Frame, number: int) -> Snapshot:
+    def follow(self, frame: Frame, number: int) -> CableSnapshot:
         """Track a frame."""
         metres = self._metres
         if metres is not None:
@@ -145,26 +146,28 @@ class CableFollower(Follower):
         metres.observe(estimate)
         return replace(snapshot, metres=metres.measure(estimate))
 
-    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> Snapshot:
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> CableSnapshot:
         """Return a snapshot of a frame that is not tracked."""
-        return Snapshot(
+        return CableSnapshot(
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            grey=self._grey,
+            image=self._grey,
             status=status,
             reason=reason,
             truth=frame.truth,
             metres=None if self._metres is None else UNTRACKED,
         )
 
-    def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
+    def _tracked(
+        self, frame: Frame, number: int, estimate: CableEstimate, ms: float
+    ) -> CableSnapshot:
         particles = self._tracker.particles
-        return Snapshot(
+        return CableSnapshot(
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            grey=self._grey,
+            image=self._grey,
             status=estimate.status.value,
             reason=estimate.event,
             state=estimate.claimed_state,

@@ -6,7 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Protocol, Self
 
-from cable_tracker.gui.session import AnySnapshot, AnyStart
+from cable_tracker.gui.session import AnyStart
+from cable_tracker.gui.snapshot import AnySnapshot
 from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracker_memory import Remembered
 from cable_tracker.particle_filter.particles import Particles

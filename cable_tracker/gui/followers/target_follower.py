@@ -10,7 +10,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.followers.follower import Follower
-from cable_tracker.gui.session import AnyStart, TargetSnapshot
+from cable_tracker.gui.session import AnyStart
+from cable_tracker.gui.snapshot import TargetSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.metric.recorded_target import RecordedSight

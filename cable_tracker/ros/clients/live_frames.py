@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, eight_bits
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
@@ -187,11 +187,11 @@ class LiveFrames:
         sigma = read_sigma(parts.state)
         cloud = read_particles(parts.cloud) if parts.cloud is not None else None
         grey = eight_bits(decode_grey(parts.image))
-        return Snapshot(
+        return CableSnapshot(
             number=number,
             frame=None,
             stamp=stamp,
-            grey=grey,
+            image=grey,
             status=parts.status()
             or (TrackingStatus.TRACKING.value if state is not None else NO_REPORT),
             reason=facts.get("event", ""),

@@ -24,7 +24,8 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot
+from cable_tracker.gui.session import AnyStart
+from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
@@ -200,7 +201,7 @@ class LiveSession(SnapshotFeed):
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, GivenState), "a cable is not marked with an outline"
         latest = self._latest
-        width = latest.grey.shape[1] if isinstance(latest, Snapshot) else 320
+        width = latest.image.shape[1] if isinstance(latest, CableSnapshot) else 320
         return make_centreline(self._factory, header, start.state, _covariance(start, width))
 
     def reset(self) -> None:

@@ -52,7 +52,7 @@ def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_sai
         frames.take_image(header(0), picture(10 * second))
         frames.take_state(JointState(header=header(second)))
     frames.hand_on_what_is_due()
-    assert [int(each.grey[0, 0]) for each in shown] == [50, 60]
+    assert [int(each.image[0, 0]) for each in shown] == [50, 60]
 
 
 def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
@@ -62,4 +62,4 @@ def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
     frames.take_state(JointState(header=header(6)))
     frames.take_state(JointState(header=header(7)))
     frames.hand_on_what_is_due()
-    assert [int(each.grey[0, 0]) for each in shown] == [70]
+    assert [int(each.image[0, 0]) for each in shown] == [70]

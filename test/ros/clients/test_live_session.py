@@ -94,7 +94,7 @@ def test_pictures_come_with_all_that_belongs_to_them(session, camera, truth):
         return seen is not None and seen.status == "TRACKING" and seen.cloud is not None
 
     camera(is_whole)
-    assert seen.grey.shape == (240, 320)
+    assert seen.image.shape == (240, 320)
     assert seen.cloud.shape == (50, 9)
     assert math.isclose(seen.cloud[:, 8].sum(), 1.0, rel_tol=1e-4)
     assert abs(seen.state.distance - truth.distance) < 3.0
