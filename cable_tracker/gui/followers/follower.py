@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Protocol, Self
+from typing import Self
 
+from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot import AnySnapshot
 from cable_tracker.gui.subject import Subject
-from cable_tracker.gui.tracker_memory import Remembered
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
-
-
-class AnyTracker(Remembered, Protocol):
-    """Interface of the trackers of all subjects."""
-
-    def reset(self) -> None:
-        """Forget everything."""
-        ...
 
 
 class Follower(ABC):
@@ -36,7 +29,7 @@ class Follower(ABC):
 
     subject: Subject
     trouble: str = ""
-    _tracker: AnyTracker
+    _tracker: CableTracker | TargetTracker
     _parameters: ParameterSet
 
     @property
