@@ -72,7 +72,7 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 
     The strips that are like hypotheses are shared out among them.
     """
-    noise, image_size = inputs.noise, config.image_size
+    noise, image_size, unit = inputs.noise, config.image_size, config.shadows.unit
     count = len(states)
     background = empty_background(count)
     if count == 0:
@@ -83,18 +83,18 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
     kinds = 0
     for row in range(len(noise.anywhere)):
         _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[kinds])
-        kinds += _is_of_use_for_any(strips[kinds], states, image_size)
+        kinds += _is_of_use_for_any(strips[kinds], states, image_size, unit)
     total, ends = kinds, np.empty(count, np.int64)
     for row in range(count * share):
         index = row // share
         _place_like(states[index], noise, row, config.limits, image_size, strips[total])
-        total += _is_beside(strips[total], states[index], image_size)
+        total += _is_beside(strips[total], states[index], image_size, unit)
         ends[index] = total
     ratios = _ratios_of(strips, total, inputs)
     first = kinds
     for index in range(count):
         background.means[index], background.deviations[index] = _moments(
-            strips, ratios, kinds, states[index], image_size[0]
+            strips, ratios, kinds, states[index], unit
         )
         for row in range(first, ends[index]):
             background.alike[index] = max(background.alike[index], ratios[row])
@@ -112,33 +112,35 @@ def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatA
 
 @compiled_loop
 def _is_of_use_for_any(
-    strip: FloatArray, means: FloatArray, image_size: tuple[float, float]
+    strip: FloatArray, means: FloatArray, image_size: tuple[float, float], unit: float
 ) -> bool:
     """Tell whether a strip may be a cable, and at least one hypothesis shares no border with it."""
     apart = False
     for index in range(len(means)):
-        apart = apart or not is_within_shared_border_limits(strip, means[index], image_size[0])
+        apart = apart or not is_within_shared_border_limits(strip, means[index], unit)
     return apart and not borders_cross_inside(strip, image_size)
 
 
 @compiled_loop
-def _is_beside(strip: FloatArray, mean: FloatArray, image_size: tuple[float, float]) -> bool:
+def _is_beside(
+    strip: FloatArray, mean: FloatArray, image_size: tuple[float, float], unit: float
+) -> bool:
     """Tell whether a strip may be a cable, and does not lie on a hypothesis."""
     return (
         abs(strip[DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
         and not borders_cross_inside(strip, image_size)
-        and not is_within_shared_border_limits(strip, mean, image_size[0])
+        and not is_within_shared_border_limits(strip, mean, unit)
     )
 
 
 @compiled_loop
 def _moments(
-    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, image_width: float
+    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, unit: float
 ) -> tuple[float, float]:
     """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
     for row in range(count):
-        if not is_within_shared_border_limits(strips[row], mean, image_width):
+        if not is_within_shared_border_limits(strips[row], mean, unit):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION

@@ -6,7 +6,6 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import border_offset, relative_direction, wrap_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
-from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
 """Largest distance and angle between two borders that may be the same one [px at the reference
@@ -14,15 +13,15 @@ width, rad]."""
 
 
 @compiled_loop
-def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, image_width: float) -> bool:
+def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, unit: float) -> bool:
     """Tell whether any border of a strip is within both limits of any border of a hypothesis.
 
     Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
-    have shape (8,), `image_width` is in px.
+    have shape (8,), `unit` is that of `shared_border_score`.
     """
     wrapped, sign = relative_direction(strip[ANGLE], mean[ANGLE])
     offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
-    nearest = SHARED_OFFSET * image_width / REFERENCE_WIDTH
+    nearest = SHARED_OFFSET * unit
     for side in (-1.0, 1.0):
         for other in (-1.0, 1.0):
             own, its = offset + 0.5 * side * strip[WIDTH], 0.5 * other * mean[WIDTH]

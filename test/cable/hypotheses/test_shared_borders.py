@@ -43,7 +43,7 @@ def right_border_of(state):
 @pytest.mark.parametrize("write", [np.copy, turned_round], ids=["as it is", "turned round"])
 def test_neighbours_have_a_border_in_common(write):
     neighbour = write(beside())
-    assert is_within_shared_border_limits(neighbour, STRIP, 320.0)
+    assert is_within_shared_border_limits(neighbour, STRIP, 1.0)
     own, score = shared_border_score(neighbour, *right_border_of(STRIP), -1.0, 1.0)
     assert score == pytest.approx(1.0, abs=1e-6)
     assert own == (1 if write is turned_round else 0)
@@ -60,14 +60,14 @@ def test_the_farther_a_border_is_the_less_is_it_the_same(gap, turn):
 
 
 def test_a_strip_elsewhere_shares_none():
-    assert not is_within_shared_border_limits(beside(gap=20.0), STRIP, 320.0)
-    assert not is_within_shared_border_limits(beside(turn=0.3), STRIP, 320.0)
+    assert not is_within_shared_border_limits(beside(gap=20.0), STRIP, 1.0)
+    assert not is_within_shared_border_limits(beside(turn=0.3), STRIP, 1.0)
 
 
 def test_what_is_near_grows_with_the_picture():
     neighbour = beside(gap=12.0)
-    assert not is_within_shared_border_limits(neighbour, STRIP, 320.0)
-    assert is_within_shared_border_limits(neighbour, STRIP, 640.0)
+    assert not is_within_shared_border_limits(neighbour, STRIP, 1.0)
+    assert is_within_shared_border_limits(neighbour, STRIP, 2.0)
 
 
 @given(distance=st.floats(-5.0, 5.0))
