@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -12,6 +13,7 @@ from cable_tracker.tracking.survival import (
     SurvivalRates,
     share_about_last_place,
     survival_probability,
+    survival_rates,
 )
 
 RATES = SurvivalRates(vanishing=0.25, leaving=10.0, margin=8.0)
@@ -33,3 +35,9 @@ def test_the_last_place_is_forgotten_but_never_quite():
     shares = [share_about_last_place(seconds, 4.0) for seconds in (0.0, 4.0, 1e6)]
     most = 1.0 - SEARCH_SHARE
     assert shares == pytest.approx([most, most / math.e, most * LEAST_FADING])
+
+
+def test_the_margin_grows_with_the_picture():
+    parameters = SimpleNamespace(disappearance_rate=0.25, leaving_rate=10.0, leaving_margin=8.0)
+    assert survival_rates(parameters, 320) == RATES
+    assert survival_rates(parameters, 640) == RATES._replace(margin=16.0)

@@ -27,9 +27,9 @@ from cable_tracker.particle_filter.existence import PredictedExistence, predict_
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
-from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 from cable_tracker.tracking.rates import event_probability
-from cable_tracker.tracking.survival import SurvivalRates, survival_probability
+from cable_tracker.tracking.survival import SurvivalRates, survival_probability, survival_rates
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Lower bound of the kernel scales [px at the reference width, rad]: a scale of zero has no
@@ -226,15 +226,6 @@ def draw_ancestors(
     indices = resample(frequencies / frequencies.sum(), count, rng)
     weights = 1.0 / factors[indices]
     return Ancestors(particles.states[indices], weights / weights.sum())
-
-
-def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalRates:
-    """Return how often a cable leaves frames of a given width [px]."""
-    return SurvivalRates(
-        vanishing=parameters.disappearance_rate,
-        leaving=parameters.leaving_rate,
-        margin=parameters.leaving_margin * pixel_scale(image_width),
-    )
 
 
 def surviving_ancestors(

@@ -21,7 +21,7 @@ from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import event_probability, over_time
-from cable_tracker.tracking.survival import SurvivalRates, survival_probability
+from cable_tracker.tracking.survival import survival_probability, survival_rates
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,9 +149,7 @@ def _survival(
     height, width = shape
     x, y = centres[:, PoseColumn.X], centres[:, PoseColumn.Y]
     inside = np.minimum(width / 2 - np.abs(x), height / 2 - np.abs(y))
-    margin = parameters.leaving_margin * pixel_scale(width)
-    rates = SurvivalRates(parameters.disappearance_rate, parameters.leaving_rate, margin)
-    return survival_probability(inside, rates, dt)
+    return survival_probability(inside, survival_rates(parameters, width), dt)
 
 
 def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:

@@ -11,7 +11,6 @@ from cable_tracker.cable.hypotheses.births import (
     birth_density_of,
     draw_births,
 )
-from cable_tracker.cable.hypotheses.prediction import survival_rates
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.model.geometry import (
     image_reaches,
@@ -23,7 +22,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.survival import survival_probability
+from cable_tracker.tracking.survival import survival_probability, survival_rates
 
 SIZE = (320, 240)
 PARAMETERS = TrackerParameters(
