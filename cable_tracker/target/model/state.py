@@ -42,7 +42,7 @@ def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:
     return scaled
 
 
-def wrap_angle(angles: FloatArray) -> FloatArray:
+def wrap_full_turn(angles: FloatArray) -> FloatArray:
     """Return angles in (-pi, pi]."""
     wrapped: FloatArray = -np.remainder(np.pi - angles, 2.0 * np.pi) + np.pi
     return wrapped

@@ -15,7 +15,7 @@ from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.forecast import Forecast
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, wrap_angle
+from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
@@ -122,7 +122,7 @@ def forecast_of(
     centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
     angles = centres[:, PoseColumn.ANGLE]
-    centres[:, PoseColumn.ANGLE] = belief.angle + wrap_angle(angles - belief.angle)
+    centres[:, PoseColumn.ANGLE] = belief.angle + wrap_full_turn(angles - belief.angle)
     survival = _survival(centres, shape, dt, parameters)
     predicted = predict_existence(
         belief.presence, float(survival.mean()), event_probability(parameters.appearance_rate, dt)
