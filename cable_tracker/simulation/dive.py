@@ -30,6 +30,7 @@ from cable_tracker.simulation.texture import TiledTexture
 from cable_tracker.simulation.trajectory import Trajectory
 from cable_tracker.simulation.tube import Tube
 from cable_tracker.stamps import stamp_of_frame
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""
@@ -229,7 +230,7 @@ def lay_out(
         look.companions,
         clutter_rng,
     )
-    scale = camera.image_size[0] / 320
+    scale = pixel_scale(camera.image_size[0])
     resolution = int(np.clip(round(5 * scale), 2, 10)) * 4
     bed = _make_bed(surroundings, resolution, picture_rng)
     own = LaidCable(

@@ -17,6 +17,7 @@ from cable_tracker.simulation.seabed import BED_UNIT, CABLE_REACH
 from cable_tracker.simulation.texture import TiledTexture
 from cable_tracker.simulation.tube import Sight
 from cable_tracker.simulation.water import Illumination, Snow, random_lamps
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 LEAST_SLOPE = 0.03
 """Lines of sight that go down less steeply, or up, end at the horizon."""
@@ -234,7 +235,7 @@ class SceneRenderer:
         return np.concatenate((found, np.full(missing, found[-1]))).reshape(-1, ROW)
 
     def _expose(self, light: Image) -> Image:
-        scale = self._camera.image_size[0] / 320
+        scale = pixel_scale(self._camera.image_size[0])
         sigma = self._look.water.blur * max(scale, 0.5)
         light = cv2.GaussianBlur(light, (0, 0), sigma)
         gain = np.clip(MEAN_TONE / max(float(light.mean()), 1e-3), *EXPOSURE_LIMITS) ** 0.7

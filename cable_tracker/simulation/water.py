@@ -10,6 +10,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.look import Lamp, Water
 from cable_tracker.tracking.image_frame import to_pixel
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 REFERENCE_RANGE = 1.2
 """A lamp of strength 1 lights the bottom with 1 at this distance [m]."""
@@ -175,7 +176,7 @@ class Snow:
         depth = -seen[near, 2]
         width, height = camera.image_size
         points = camera.project(seen[near])
-        scale = width / 320
+        scale = pixel_scale(width)
         # What is near is out of focus: larger, and as much fainter.
         sharp = np.maximum(camera.focal * self.sizes[near] / depth, 0.35 * scale)
         radii = sharp + scale * 0.35 * np.maximum(1 / depth - 1.5, 0.0)

@@ -15,6 +15,7 @@ from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, T
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.image_frame import Window, bounding_box
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 LEAST_SHARE = 0.25
 """Smallest visible share of a target that counts as in view."""
@@ -109,7 +110,7 @@ def simulate_target(
     """
     scenario = find_target_scenario(name)
     rng = np.random.default_rng([seed, sorted(TARGET_SCENARIOS).index(name)])
-    zoom = size[0] / 320.0
+    zoom = pixel_scale(size[0])
     surroundings = make_surroundings(size, rng, margin=DRIFT * zoom, surface=scenario.surface)
     duration = frame_count / rate
     cast = scenario.cast(320.0, size[1] / zoom, duration, rng)

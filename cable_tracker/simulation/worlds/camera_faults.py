@@ -11,6 +11,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.sequences.encoded_pictures import after_jpeg
 from cable_tracker.simulation.worlds.world import Disturbance, Optics
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 BAR_SHARES = (0.03, 0.16)
 """Smallest and largest share of the picture that one black bar takes."""
@@ -168,7 +169,7 @@ def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> Non
 def _draw_crosshair(pixels: Image, where: BoolArray, rng: np.random.Generator) -> None:
     """Draw a line down and one across the middle, with marks on them."""
     height, width = pixels.shape
-    unit = width / 320
+    unit = pixel_scale(width)
     thickness = max(1, round(unit * rng.uniform(0.5, 1.5)))
     reach = float(rng.choice((0.3, 0.5, 0.5)))
     middle = np.array((width // 2, height // 2))
