@@ -2,6 +2,11 @@
 
 A cable that has left over an edge of the image is looked for along that edge, one that vanished in
 the middle (buried, or hidden) about where it was; the longer it is gone, the farther from there.
+While no cable is known, a part of the births is about the strips that a map of the frame shows.
+That looks at the frame before it counts, as births about measurements do in other trackers of
+several objects: spread over all poses, a cable that is seen for the first time weighs so little
+that wide strips, followed since the search began, lead for many frames.
+
 How likely one comes and goes, says `cable_tracker.tracking.survival`.
 """
 
@@ -28,6 +33,7 @@ from cable_tracker.cable.model.state import (
     SKEW,
     STATE_SIZE,
     WIDTH,
+    pose_units,
 )
 from cable_tracker.compilation import compiled_inside, compiled_loop
 from cable_tracker.particle_filter.student_t import relative_density
@@ -39,6 +45,14 @@ BIRTH_PEAK = (
     / math.sqrt(BIRTH_TAIL * math.pi)
 ) ** POSE_SIZE
 """Density at the middle of the births about the remembered cable, for scales of one."""
+
+MAP_SHARE = 0.03
+"""Share of the births about the strips of the map. Chosen on the worlds to tune on (`tune_*`): with
+half of the births strips that a map shows wrongly are followed too soon."""
+
+MAP_SCALES = np.array([6.0, 0.06, 6.0, 0.06])
+"""Scales of the births about a strip of the map: d, alpha, w, beta [px at the reference width,
+rad]."""
 
 MOST_TURNS = 2
 """Half turns that an angle may be drawn away from the remembered one; hardly any goes farther."""
@@ -63,6 +77,10 @@ class BirthDensity(NamedTuple):
         Density of the births about the remembered cable, at their middle.
     width, height : float
         Size of the frames [px].
+    map_strips : FloatArray
+        Strips that the map of the frame shows, shape (S, 8): none beside a known cable.
+    map_scales : FloatArray
+        `MAP_SCALES` for frames of this size, shape (4,) [px, rad].
     """
 
     lower: FloatArray
@@ -76,6 +94,8 @@ class BirthDensity(NamedTuple):
     peak: float
     width: float
     height: float
+    map_strips: FloatArray
+    map_scales: FloatArray
 
     def remembered_of(self, count: int) -> int:
         """Return how many of `count` births are about the remembered cable."""
@@ -88,7 +108,7 @@ def birth_density_of(
     memory_time: float,
     image_size: tuple[int, int],
 ) -> BirthDensity:
-    """Return the density of births.
+    """Return the density of births, without a map.
 
     Parameters
     ----------
@@ -114,11 +134,13 @@ def birth_density_of(
         peak=BIRTH_PEAK / math.prod(scales.tolist()),
         width=float(image_size[0]),
         height=float(image_size[1]),
+        map_strips=np.empty((0, STATE_SIZE)),
+        map_scales=MAP_SCALES * pose_units(image_size[0]),
     )
 
 
 def draw_births(births: BirthDensity, count: int, rng: np.random.Generator) -> FloatArray:
-    """Draw cables with their angle in (-pi/2, pi/2], shape (count, 8)."""
+    """Draw cables with their angle in (-pi/2, pi/2], shape (count, 8), none by the map."""
     noise = FrameNoise(
         np.empty((0, STATE_SIZE)),
         np.empty((0, 2)),
@@ -170,8 +192,19 @@ def _middle_at(angle: float, births: BirthDensity) -> float:
 
 
 @compiled_inside
-def birth_density(state: FloatArray, births: BirthDensity) -> float:
-    """Return the density of births at the places of a state (8,)."""
+def birth_density(state: FloatArray, drawn: float, births: BirthDensity) -> float:
+    """Return the density of births at the pose of a state (8,); `drawn`: without the map."""
+    if len(births.map_strips) == 0:
+        return drawn
+    return (1.0 - MAP_SHARE) * drawn + MAP_SHARE * _density_by_map(state, births)
+
+
+@compiled_inside
+def drawn_birth_density(state: FloatArray, births: BirthDensity) -> float:
+    """Return the density that births are drawn from at the pose of a state (8,): without the map.
+
+    About its strips particles are drawn in rounds, see `candidates`.
+    """
     wrapped, sign = relative_direction(state[ANGLE], 0.0)
     lower, upper = births.lower, births.upper
     inside = (
@@ -201,6 +234,22 @@ def _density_near(state: FloatArray, births: BirthDensity) -> float:
         beside = as_it_is if turn % 2 == 0 else turned_round
         near += beside * _birth_tail((wrapped + turn * math.pi) / scales[ANGLE])
     return near * _birth_tail(width) * births.peak
+
+
+@compiled_inside
+def _density_by_map(state: FloatArray, births: BirthDensity) -> float:
+    """Return the mean of the densities about the strips of the map, of which there is one."""
+    scales, near = births.map_scales, 0.0
+    for strip in births.map_strips:
+        wrapped, sign = relative_direction(state[ANGLE], strip[ANGLE])
+        near += (
+            _birth_tail((sign * state[DISTANCE] - strip[DISTANCE]) / scales[DISTANCE])
+            * _birth_tail(wrapped / scales[ANGLE])
+            * _birth_tail((state[WIDTH] - strip[WIDTH]) / scales[WIDTH])
+            * _birth_tail((sign * state[SKEW] - strip[SKEW]) / scales[SKEW])
+        )
+    volume = scales[DISTANCE] * scales[ANGLE] * scales[WIDTH] * scales[SKEW]
+    return float(near * BIRTH_PEAK / (len(births.map_strips) * volume))
 
 
 @compiled_inside

@@ -25,16 +25,15 @@ CANDIDATE_SHARE = 0.5
 CANDIDATE_NARROWING = 0.5
 """Factor on the kernel scales of detections, for each round once more."""
 
-MOST_LOOKED_AT, MOST_OF_MAP, MOST_CANDIDATES = 12, 2, 3
-"""Numbers of particles and of strips of the map that are looked at in a round, and of candidates
-among them."""
+MOST_LOOKED_AT, MOST_CANDIDATES = 12, 3
+"""Numbers of particles that are looked at in a round, and of candidates among them and the strips
+of the map."""
 
 
 @compiled_part
 def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
-    map_strips: FloatArray,
     inputs: ProposalInputs,
     config: ProposalConfig,
 ) -> FloatArray:
@@ -47,16 +46,15 @@ def likeliest_strips(
     states, log_likelihoods : FloatArray
         Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
         ones.
-    map_strips : FloatArray
-        Strips that the map shows, shape (S, 8).
     inputs : ProposalInputs
-        The scanned frame, the tables of its log-likelihood ratios, and its map.
+        The scanned frame, the tables of its log-likelihood ratios, its map, and the strips that
+        the map shows.
     config : ProposalConfig
         Radii of the clusters.
     """
     nowhere = np.empty((0, STATE_SIZE))
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
-    strips = np.concatenate((strips, map_strips))
+    strips = np.concatenate((strips, inputs.predicted.births.map_strips))
     order = np.argsort(-appearances_of(strips, inputs.scan, inputs.model, inputs.cable_map))
     return strips[order[:MOST_CANDIDATES]]

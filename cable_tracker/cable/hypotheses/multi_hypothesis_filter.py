@@ -24,6 +24,8 @@ M. Klaas, N. de Freitas and A. Doucet (2005), "Toward practical N^2 Monte Carlo:
 particle filter": weights by the density of the whole mixture.
 O. Cappe, A. Guillin, J.-M. Marin and C. Robert (2004), "Population Monte Carlo": the rounds.
 B. Ristic et al. (2013), "A tutorial on Bernoulli filters": the prediction of existence.
+B. Ristic, D. Clark, B.-N. Vo and B.-T. Vo (2012), "Adaptive target birth intensity for PHD and CPHD
+filters": births about what is measured.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ from cable_tracker.cable.hypotheses.belief_update import updated_belief
 from cable_tracker.cable.hypotheses.births import draw_births
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor
+from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor, with_births_by_map
 from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
 from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
 from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
@@ -154,12 +156,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         if belief.memory is not None:
             belief = replace(belief, memory=belief.memory.aged(dt))
         prediction = self._predictor.predict(belief, dt, motion)
+        is_known = prediction.prior.is_known
+        cable_map = image.cable_map if self._looks_at_map(belief, is_known=is_known) else NO_MAP
+        if not is_known:
+            prediction = with_births_by_map(prediction, cable_map)
         births = prediction.density.births
         counts = sample_counts(
             self._parameters, prediction.existence, births, len(detections), self._refined
         )
-        is_known = prediction.prior.is_known
-        cable_map = image.cable_map if self._looks_at_map(belief, is_known=is_known) else NO_MAP
         inputs = self._inputs(belief, prediction, counts, image, detections, cable_map)
         config = self._known_config if is_known else self._config
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)

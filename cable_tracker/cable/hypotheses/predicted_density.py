@@ -8,7 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density
+from cable_tracker.cable.hypotheses.births import (
+    BirthDensity,
+    birth_density,
+    drawn_birth_density,
+)
 from cable_tracker.cable.hypotheses.border_switch import BorderSwitch, switch_density
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.remembered_cable import width_penalty
@@ -74,6 +78,8 @@ class DensityValues(NamedTuple):
         one.
     birth, border_switch : FloatArray
         The birth density b and the border-switch density S, without their masses.
+    birth_proposal : FloatArray
+        Density that births are drawn from: b without the map.
     width_penalties : FloatArray
         Log-density of the width over its peak, by the width prior, at most 0 [nats].
     """
@@ -83,6 +89,7 @@ class DensityValues(NamedTuple):
     survivor_proposal: FloatArray
     birth: FloatArray
     border_switch: FloatArray
+    birth_proposal: FloatArray
     width_penalties: FloatArray
 
 
@@ -157,12 +164,13 @@ def _fill_densities_of(
     kernels = predicted.kernels
     evaluate_kernels(kernels, state)
     target, proposal = weighted_sums(kernels)
-    births = birth_density(state, predicted.births)
+    drawn = drawn_birth_density(state, predicted.births)
+    births = birth_density(state, drawn, predicted.births)
     penalty = width_penalty(state[WIDTH], predicted.log_width, predicted.width_spread)
     switches = switch_density(state, predicted.border_switch)
     densities.prior_survival[row] = predicted.mass_survived * kernels.peak * target
     densities.survivor_proposal[row] = kernels.peak * proposal
-    densities.birth[row] = births
+    densities.birth[row], densities.birth_proposal[row] = births, drawn
     densities.border_switch[row] = switches
     densities.width_penalties[row] = penalty
     # Births get the width penalty twice, here in the prior and again in `fill_log_likelihoods`.

@@ -15,7 +15,9 @@ from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
-from cable_tracker.cable.model.geometry import image_reach, state_in_chart
+from cable_tracker.cable.measure.cable_map import CableMap
+from cable_tracker.cable.measure.map_strips import strips_of_map
+from cable_tracker.cable.model.geometry import image_reach, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -37,6 +39,9 @@ density."""
 
 SMALLEST_CLUSTER_SHARE = 0.06
 """Minimum share of the ancestors that are drawn from each cluster."""
+
+MOST_OF_MAP = 2
+"""Number of strips of the map about which cables are born, and which are candidates."""
 
 LEAST_SURVIVING = 1e-300
 """Positive floor of an ancestor's weight, so that the weights can be normalised."""
@@ -77,6 +82,13 @@ class Prediction(NamedTuple):
     density: PredictedDensity
     prior: PriorPresence
     reference_angle: float
+
+
+def with_births_by_map(prediction: Prediction, cable_map: CableMap) -> Prediction:
+    """Return a prediction in which cables come into view about the strips of a map, too."""
+    strips = states_in_chart(strips_of_map(cable_map, MOST_OF_MAP), prediction.reference_angle)
+    births = prediction.density.births._replace(map_strips=strips)
+    return prediction._replace(density=prediction.density._replace(births=births))
 
 
 class Predictor:

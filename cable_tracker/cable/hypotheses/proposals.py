@@ -17,7 +17,6 @@ from cable_tracker.cable.hypotheses.border_switch import place_switches
 from cable_tracker.cable.hypotheses.candidates import (
     CANDIDATE_NARROWING,
     CANDIDATE_SHARE,
-    MOST_OF_MAP,
     likeliest_strips,
 )
 from cable_tracker.cable.hypotheses.peaks import (
@@ -47,7 +46,6 @@ from cable_tracker.cable.hypotheses.sample import (
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.likelihood_ratio import fill_measures
-from cable_tracker.cable.measure.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_part
@@ -81,18 +79,13 @@ def draw_sample(
     sample: Sample, inputs: ProposalInputs, counts: SampleCounts, config: ProposalConfig
 ) -> Drawn:
     """Draw the particles of all rounds."""
-    map_strips = strips_of_map(inputs.cable_map, 0 if config.is_known else MOST_OF_MAP)
-    for strip in map_strips:
-        state_in_chart(strip, inputs.reference_angle, strip)
     drawn = _draw_first(sample, inputs, counts, config)
     for number in range(len(counts.refined)):
         weights = normalise_log_weights(
             importance_log_weights(sample, drawn.filled, config.powers[number])
         )
         if counts.refined[number] and not weights.degenerate:
-            drawn = _draw_round(
-                sample, drawn, weights.log_weights, map_strips, number, inputs, counts, config
-            )
+            drawn = _draw_round(sample, drawn, weights.log_weights, number, inputs, counts, config)
     return drawn
 
 
@@ -119,7 +112,6 @@ def _draw_round(
     sample: Sample,
     before: Drawn,
     log_weights: FloatArray,
-    map_strips: FloatArray,
     number: int,
     inputs: ProposalInputs,
     counts: SampleCounts,
@@ -133,8 +125,6 @@ def _draw_round(
         The particles, and what of them was drawn in the rounds before.
     log_weights : FloatArray
         Log-weights of those that the round goes by, shape (`before.filled`,).
-    map_strips : FloatArray
-        Strips that the map shows, shape (S, 8).
     number : int
         Number of the round, from 0.
     inputs, counts, config : ProposalInputs, SampleCounts, ProposalConfig
@@ -144,7 +134,7 @@ def _draw_round(
     states, candidates = sample.states[:start], before.candidates
     if not config.is_known:
         log_likelihoods = sample.log_likelihoods[:start]
-        candidates = likeliest_strips(states, log_likelihoods, map_strips, inputs, config)
+        candidates = likeliest_strips(states, log_likelihoods, inputs, config)
     share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
     narrowing = CANDIDATE_NARROWING ** (number + 1)
     peaks = all_peaks(
@@ -270,7 +260,7 @@ def _fill_proposal_density(
     for row in range(start, stop):
         density[row] = (
             survivors * sample.densities.survivor_proposal[row]
-            + births * sample.densities.birth[row]
+            + births * sample.densities.birth_proposal[row]
             + counts.switches * sample.densities.border_switch[row]
         )
     if counts.detections:

@@ -21,7 +21,7 @@ from cable_tracker.cable.measure.cable_map import (
     strip_shares,
 )
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, STATE_SIZE, WIDTH
-from cable_tracker.compilation import compiled_fast_loop, compiled_part
+from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_part
 
 DIRECTIONS = 36
 """Number of directions of the fan."""
@@ -36,7 +36,7 @@ MOST_SKEW = math.radians(25.0)
 """Largest skew of a strip that is proposed [rad]; particles about it may have more."""
 
 
-@compiled_part
+@compiled
 def strips_of_map(cable_map: CableMap, most: int) -> FloatArray:
     """Return at most `most` strips that a map shows, best first, shape (C, 8), rates 0.
 

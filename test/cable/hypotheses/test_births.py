@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.births import (
+    MAP_SHARE,
     BirthDensity,
     birth_density,
     birth_density_of,
     draw_births,
+    drawn_birth_density,
 )
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.model.geometry import (
@@ -43,8 +45,12 @@ def births(memory=None, parameters=PARAMETERS, size=SIZE) -> BirthDensity:
     return birth_density_of(search_box(parameters, size[0]), memory, parameters.memory_time, size)
 
 
+def density_at(state, density) -> float:
+    return birth_density(state, drawn_birth_density(state, density), density)
+
+
 def densities(density, states) -> np.ndarray:
-    return np.array([birth_density(state, density) for state in states])
+    return np.array([density_at(state, density) for state in states])
 
 
 def survival_probabilities(states, size, parameters, dt) -> np.ndarray:
@@ -138,9 +144,7 @@ def test_about_the_remembered_cable_births_are_drawn_from_the_density_that_is_sa
 def test_the_density_of_births_does_not_depend_on_how_a_line_is_written(d, alpha, w, beta):
     one, other = cable(d, alpha, w, beta), cable(-d, alpha + np.pi, w, -beta)
     density = births(MEMORIES["left by a side"])
-    np.testing.assert_allclose(
-        birth_density(one, density), birth_density(other, density), rtol=1e-6
-    )
+    np.testing.assert_allclose(density_at(one, density), density_at(other, density), rtol=1e-6)
 
 
 @pytest.mark.parametrize("angle", [-0.5, 0.0, 0.7])
@@ -149,7 +153,7 @@ def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle
     density = births(memory)
     at_the_edge = image_reaches(np.array([angle]), SIZE)[0] - 5.0
     here, there, across = (
-        np.log(birth_density(cable(distance, angle), density))
+        np.log(density_at(cable(distance, angle), density))
         for distance in (at_the_edge, 0.3 * at_the_edge, -at_the_edge)
     )
     assert here > there + 0.5
@@ -181,3 +185,40 @@ def test_the_longer_it_is_gone_the_farther_it_is_looked_for(rng):
 def test_births_that_are_drawn_are_wrapped(rng):
     draws = draw_births(births(MEMORIES["beside the wrap"]), 2000, rng)
     np.testing.assert_allclose(wrap_states(draws), draws)
+
+
+def by_map(*strips, memory=None) -> BirthDensity:
+    return births(memory)._replace(map_strips=np.array(strips))
+
+
+@given(st.floats(-170, 170), ANGLES, st.floats(7, 100), st.floats(-0.1, 0.1))
+def test_the_density_by_a_map_does_not_depend_on_how_a_line_is_written(d, alpha, w, beta):
+    one, other = cable(d, alpha, w, beta), cable(-d, alpha + np.pi, w, -beta)
+    density = by_map(cable(20.0, 0.3), cable(-40.0, 1.5, 20.0))
+    assert density_at(one, density) == pytest.approx(density_at(other, density), rel=1e-6)
+
+
+@pytest.mark.parametrize("memory", [None, MEMORIES["in the middle"]])
+def test_a_map_moves_a_part_of_the_births_to_its_strips(memory, rng):
+    """The integrals over a box far from the strip, and over one about it."""
+    strip = cable(-60.0, -0.4, 20.0)
+    before, after = births(memory), by_map(strip, memory=memory)
+    far = cable(90.0, 0.9, 60.0)
+    assert density_at(far, after) == pytest.approx((1.0 - MAP_SHARE) * density_at(far, before))
+    reach = 12.0 * after.map_scales
+    near = np.zeros((200_000, 8))
+    near[:, :4] = strip[:4] + rng.uniform(-reach, reach, (len(near), 4))
+    gained = [birth_density(state, 0.0, after) for state in near]
+    assert np.mean(gained) * np.prod(2.0 * reach) == pytest.approx(MAP_SHARE, rel=0.1)
+
+
+def test_of_two_strips_each_has_half_of_it():
+    one, other = cable(-60.0, -0.4, 20.0), cable(80.0, 0.5, 50.0)
+    both, single = by_map(one, other), by_map(one)
+    assert birth_density(one, 0.0, both) == pytest.approx(0.5 * birth_density(one, 0.0, single))
+
+
+def test_births_are_not_drawn_by_the_map(rng):
+    """About its strips particles are drawn in rounds."""
+    strip = cable(-60.0, -0.4, 20.0)
+    assert drawn_birth_density(strip, by_map(strip)) == drawn_birth_density(strip, births())

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -19,8 +21,9 @@ def candidates(frame_inputs):
     def find(picture, poses, log_likelihoods, shown=NOTHING) -> np.ndarray:
         states = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
         map_strips = np.hstack((shown, np.zeros((len(shown), 4))))
-        inputs = frame_inputs(picture)
-        found = likeliest_strips(states, np.array(log_likelihoods), map_strips, inputs, CONFIG)
+        births = SimpleNamespace(map_strips=map_strips)
+        inputs = frame_inputs(picture)._replace(predicted=SimpleNamespace(births=births))
+        found = likeliest_strips(states, np.array(log_likelihoods), inputs, CONFIG)
         return found[:, :4]
 
     return find

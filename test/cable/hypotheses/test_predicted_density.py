@@ -5,7 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.births import birth_density, birth_density_of
+from cable_tracker.cable.hypotheses.births import (
+    birth_density,
+    birth_density_of,
+    drawn_birth_density,
+)
 from cable_tracker.cable.hypotheses.border_switch import switch_density, switch_from
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predicted_density import (
@@ -71,7 +75,8 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
     for row, state in enumerate(states):
         first, second = (literal_kernel(state, centre) for centre in CENTRES)
         survived = 0.8 * (0.9 * first + 0.1 * second)
-        born = 0.1 * birth_density(state, predicted.births)
+        drawn = drawn_birth_density(state, predicted.births)
+        born = 0.1 * birth_density(state, drawn, predicted.births)
         assert densities.prior_survival[row] == pytest.approx(survived, rel=1e-3)
         assert densities.survivor_proposal[row] == pytest.approx((first + second) / 2, rel=1e-3)
         assert densities.prior[row] == pytest.approx(survived + born, rel=1e-3)

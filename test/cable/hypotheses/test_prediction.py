@@ -14,7 +14,9 @@ from cable_tracker.cable.hypotheses.prediction import (
     draw_ancestors,
     gain_over,
     surviving_ancestors,
+    with_births_by_map,
 )
+from cable_tracker.cable.measure.cable_map import NO_MAP, cable_map_of
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -114,3 +116,19 @@ def test_survivors_diffuse_by_the_time_between_frames_and_by_one_frame_after_a_p
     scales = movement.diffusion_scales(time)
     np.testing.assert_allclose(density.kernels.scales, scales[:4])
     np.testing.assert_allclose(density.rate_scales, scales[4:])
+
+
+def test_strips_of_a_map_stand_in_the_chart_of_the_particles(rng):
+    parameters = TrackerParameters()
+    movement = CableMovement(parameters, 320)
+    predictor = Predictor(parameters, movement, search_box(parameters, 320), SIZE, rng)
+    states = search_box(parameters, 320).draw(50, rng)
+    prediction = predictor.predict(initial_belief(states, 0.5), 0.04, None)
+    prediction = prediction._replace(reference_angle=-1.5)
+    shown = np.zeros((60, 80), np.float32)
+    shown[40:50] = 0.9  # A strip along the rows, 40 px wide: its normal is upright.
+    births = with_births_by_map(prediction, cable_map_of(shown, -158.0, 118.0, 4.0)).density.births
+    strip = births.map_strips[0]
+    assert strip[:3] == pytest.approx([60.0, -np.pi / 2, 40.0], abs=4.0)
+    assert prediction.density.births.map_strips.shape == (0, 8)
+    assert with_births_by_map(prediction, NO_MAP).density.births.map_strips.shape == (0, 8)
