@@ -163,6 +163,9 @@ def _is_left(path: Path) -> bool:
 
 
 def move_store(settings: CampaignSettings, folder: Path) -> None:
-    """Put the results that were kept into the folder of their campaign, once all is done."""
+    """Put the results that were kept into the folder of their campaign.
+
+    Call it last: where the report is stopped, the folder goes, and with it all that lies in it.
+    """
     if settings.store is not None and settings.store.is_dir():
         shutil.move(settings.store, folder / STORE)

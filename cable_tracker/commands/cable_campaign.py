@@ -103,7 +103,6 @@ def evaluate_cables(
             results = evaluate_methods(
                 campaign, workers=settings, advance=lambda count: advance(progress, count)
             )
-        move_store(settings, folder)
         with progress_bar("writing the report", None):
             write_report(
                 folder,
@@ -112,6 +111,7 @@ def evaluate_cables(
                 methods=_descriptions(campaign),
                 sequences={each.name: each.description for each in campaign.sequences},
             )
+        move_store(settings, folder)
     _print_table(summary_table(results, PRINTED_METRICS))
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
     print_files(output, (REPORT, *(name for name, _ in CSV_FILES)))

@@ -225,13 +225,14 @@ def _run_several(
             outcomes = run_loops(
                 tasks, settings.store, cluster, resume=resume, advance=lambda: advance(progress)
             )
-        # The folders of the runs stand beside the tables.
-        for run in settings.store.iterdir():
-            shutil.move(run, folder / run.name)
-        settings.store.rmdir()
         totals = totals_by_method(outcomes)
         write_runs(folder / RUNS, outcomes)
         write_methods(folder / METHODS_TABLE, totals)
+        # The folders of the runs stand beside the tables. They come last: what stops the writing of
+        # the tables must not take the runs with it.
+        for run in settings.store.iterdir():
+            shutil.move(run, folder / run.name)
+        settings.store.rmdir()
     _print_runs(outcomes)
     _print_totals(totals)
     print_files(path, (RUNS, METHODS_TABLE))

@@ -135,12 +135,12 @@ def evaluate_targets(
     ):
         with progress_bar("following", None if None in counts else total) as progress:
             parts = run_all(tasks, workers=settings, advance=lambda count: advance(progress, count))
-        move_store(settings, folder)
         results = [each for part in parts for each in part]
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         table = markdown_table(results, campaign.methods, note)
         write_figures(folder / FIGURES_CSV, results)
         (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
+        move_store(settings, folder)
     console.print(table)
     print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))
 

@@ -126,6 +126,23 @@ def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path)
     assert not out.with_name("out.tasks").exists()
 
 
+def test_results_stay_where_the_report_is_stopped(monkeypatch, command, tmp_path):
+    class Signal(BaseException):
+        """Stops whatever is going on."""
+
+    def stopped(*_, **__):
+        raise Signal
+
+    monkeypatch.setattr("cable_tracker.commands.cable_campaign.write_report", stopped)
+    with pytest.raises(Signal) as stop:
+        command(
+            "evaluate", "--scenario", "tune_clear", "--method", "thesis", "--frames", 2,
+            "--workers", 1, "--seeds", 2, "--output", tmp_path / "out",
+        )  # fmt: skip
+    assert len(list((tmp_path / "out.tasks").iterdir())) == 2
+    assert [note.split(" kept in ")[0] for note in stop.value.__notes__] == ["2 finished tasks are"]
+
+
 @pytest.mark.usefixtures("empty_figures")
 def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     out = tmp_path / "out"

@@ -1,12 +1,13 @@
 """`cable-tracker evaluate --targets`."""
 
 import csv
+import errno
 
 import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import OutputError, ParameterError
 
 
 def command(*words):
@@ -29,6 +30,17 @@ def test_scenarios_are_judged_with_two_seeds(tmp_path):
         ("near_surface", seed, method) for seed in "78" for method in ("default", "CamShift")
     }
     assert "| default | " in (tmp_path / "out" / "table.md").read_text()
+
+
+def test_results_stay_where_the_table_cannot_be_written(monkeypatch, tmp_path):
+    def failing(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("cable_tracker.commands.target_campaign.write_figures", failing)
+    words = ("--scenario", "near_*", "--frames", 2, "--seeds", 1, "--method", "CamShift")
+    result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
+    assert isinstance(result.exception, OutputError)
+    assert len(list((tmp_path / "out.tasks").iterdir())) == 1
 
 
 def test_what_simulate_has_written_is_judged_with_parameters_of_the_users(tmp_path):

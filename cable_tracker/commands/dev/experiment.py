@@ -86,8 +86,8 @@ def experiment(  # noqa: PLR0917
     ):
         with progress_bar(name, chosen.frame_count()) as progress:
             result = chosen.run(settings, lambda count: advance(progress, count))
-        move_store(settings, folder)
         write_experiment(folder, result, note)
+        move_store(settings, folder)
     _print(result)
     print_files(path, result.file_names())
 

@@ -1,11 +1,12 @@
 import dataclasses
+import errno
 from functools import partial
 
 import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import (
@@ -52,6 +53,20 @@ def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
     assert set(files) == {"table.md", "taken_away.csv", "built_up.csv"}
     assert files["taken_away.csv"].splitlines()[1].startswith("any_width,")
     assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
+
+
+def test_results_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
+    def failing(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    short = partial(AblationExperiment, sequences=simulated_sequences(("S3",), 2))
+    monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
+    monkeypatch.setattr("cable_tracker.commands.dev.experiment.write_experiment", failing)
+    result = run(
+        "ablation", "--row", "thesis", "--seeds", 1, "--workers", 1, "--output", tmp_path / "out"
+    )
+    assert isinstance(result.exception, OutputError)
+    assert len(list((tmp_path / "out.tasks").iterdir())) == 1
 
 
 def test_rows_are_only_for_the_ablation(tmp_path):
