@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Protocol
 
-from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
@@ -39,7 +39,8 @@ class EvaluationFrame:
     stamp : int
         Time of the frame [ns].
     image : Image
-        Grey levels, uint8, shape (H, W).
+        Grey levels 0..255 as the tracker gets them everywhere, shape (H, W): uint8, or float32 of
+        recordings with more than eight bits.
     truth : CableState or None
         True state of the cable; None if there is none, or it is unknown.
     visibility : float
@@ -226,7 +227,7 @@ class RecordingSequence(LabelledRecording):
 
 
 def _judged(frame: Frame, grey: Image, visibility: float) -> EvaluationFrame:
-    return EvaluationFrame(frame.index, frame.stamp, eight_bits(grey), frame.truth, visibility)
+    return EvaluationFrame(frame.index, frame.stamp, grey, frame.truth, visibility)
 
 
 def simulated_sequences(

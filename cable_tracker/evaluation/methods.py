@@ -31,7 +31,10 @@ class Method(Protocol):
         ...
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
-        """Take a frame into account: grey uint8 of shape (H, W), and its time [ns]."""
+        """Take a frame into account.
+
+        Grey levels 0..255, uint8 or float32, of shape (H, W), and its time [ns].
+        """
         ...
 
 

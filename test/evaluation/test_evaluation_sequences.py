@@ -1,5 +1,6 @@
 import math
 
+import cv2
 import numpy as np
 import pytest
 
@@ -11,6 +12,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     available_worlds,
     simulated_sequences,
 )
+from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -65,6 +67,17 @@ def test_frames_of_a_scenario_are_grey_and_judged():
     assert frame.image.dtype == np.uint8
     assert frame.truth is not None
     assert 0.0 < frame.visibility <= 1.0
+
+
+def test_deep_grey_levels_are_judged_as_they_were_recorded(pictures, label_file):
+    for file in pictures.glob("*.png"):
+        levels = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE).astype(np.uint16)
+        cv2.imwrite(str(file), levels * np.uint16(2))
+    seen = next(RecordingSequence(label_file).frames(0)).image
+    with RecordingSequence(label_file).open() as source:
+        tracked = decode_grey(next(iter(source.frames())).image)
+    assert seen.dtype == np.float32
+    assert np.array_equal(seen, tracked)
 
 
 def test_without_a_cable_nothing_is_visible():
