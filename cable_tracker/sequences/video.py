@@ -16,6 +16,7 @@ from av.error import FFmpegError
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.ffmpeg_names import ffmpeg_name
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
@@ -59,7 +60,7 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
         raise read_failure(path, error) from error
     if not size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    capture = cv2.VideoCapture(ffmpeg_name(path), cv2.CAP_FFMPEG)
     try:
         if not capture.isOpened():
             raise RecordingError(
@@ -152,7 +153,7 @@ def _frames_not_shown(path: Path) -> int:
     """
     try:
         # Tags of a file may be no text.
-        with av.open(str(path), metadata_errors="replace") as container:
+        with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
             return sum(packet.is_discard for packet in container.demux(video=0))
     except (FFmpegError, IndexError):
         # It finds no stream of pictures; then the header is all that is known.
@@ -167,7 +168,7 @@ def _promised_seconds(path: Path) -> float | None:
     if path.suffix.lower() not in _TIMED_SUFFIXES:
         return None
     try:
-        with av.open(str(path), metadata_errors="replace") as container:
+        with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
             (stream,) = container.streams.video[:1]
             # The file may hold sound that lasts longer.
             promised = _seconds(stream.metadata.get("DURATION", ""))

@@ -9,6 +9,7 @@ from pathlib import Path
 import av
 from av.error import FFmpegError
 
+from cable_tracker.sequences.ffmpeg_names import ffmpeg_name
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS, stamp_of_frame
 
 ROUNDING = 2_000_000
@@ -33,7 +34,7 @@ def times_run_backwards(path: Path) -> bool:
     Its packets are looked at, not decoded. A file without streams that can be read has no times.
     """
     try:
-        with av.open(str(path), metadata_errors="replace") as container:
+        with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
             packets = islice(container.demux(video=0), _PROBED_PACKETS)
             times = [
                 float(packet.pts * packet.time_base)

@@ -17,6 +17,7 @@ from av.video.stream import VideoStream
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import AtomicFile
 from cable_tracker.errors import OutputError, write_failure
+from cable_tracker.sequences.ffmpeg_names import ffmpeg_name
 
 TICKS = 1000
 """Time stamps of the file per second: WebM counts milliseconds."""
@@ -90,7 +91,7 @@ class VideoWriter:
         try:
             self._file.part.touch()
             self._container = av.open(
-                str(self._file.part), mode="w", format="webm", options=CONTAINER_OPTIONS
+                ffmpeg_name(self._file.part), mode="w", format="webm", options=CONTAINER_OPTIONS
             )
         except (OSError, av.error.FFmpegError) as error:
             with contextlib.suppress(OutputError):

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from fractions import Fraction
+from pathlib import Path
 
 import av
 import numpy as np
@@ -64,6 +65,15 @@ def test_a_video_that_players_turn_is_read_as_it_is_stored(write_video):
     np.testing.assert_array_equal(*pictures)
     assert VideoSource(upright).note == ""
     assert "read as it is stored" in VideoSource(turned).note
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_time_of_day_in_a_name_is_no_protocol(monkeypatch, make_video, suffix):
+    video = make_video(f"2026-11-27T12:30:00{suffix}")
+    monkeypatch.chdir(video.parent)
+    source = VideoSource(Path(video.name))
+    assert len(list(source.frames())) == 10
+    assert source.note == ""
 
 
 def test_a_missing_video_is_refused(tmp_path):

@@ -1,4 +1,5 @@
 import errno
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,12 @@ def _write(path, stamps, size=(64, 48)):
     with VideoWriter(path) as writer:
         for index, stamp in enumerate(stamps):
             writer.add(_picture(20 * index % 256, size), stamp)
+
+
+def test_a_time_of_day_in_a_name_is_no_protocol(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    _write(Path("12:30:00.webm"), [0, SECOND])
+    assert len(_read(tmp_path / "12:30:00.webm")) == 2
 
 
 def _read(path):
