@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -107,6 +108,12 @@ def _say(text: str, style: str | None = None) -> None:
     messages.print(text, style=style, soft_wrap=True)
 
 
+def _print_any_name() -> None:
+    """Print names of files that are not UTF-8 as `ls` does, byte for byte, in every locale."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="surrogateescape")
+
+
 def main() -> None:
     """Run the command; a user's error is one line and exit code 2.
 
@@ -115,6 +122,7 @@ def main() -> None:
     """
     signals = StopSignals()
     signals.install()
+    _print_any_name()
     try:
         app()
     except CableTrackerError as error:

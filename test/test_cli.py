@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import signal
 import subprocess
 import sys
@@ -571,3 +572,12 @@ def test_a_signal_leaves_nothing_half_written(unlabelled, tmp_path, number):
     assert errors.strip().endswith("stopped; nothing was written")
     assert not partial.exists()
     assert not (tmp_path / "pictures_tracked").exists()
+
+
+def test_names_that_are_not_utf_8_are_printed_byte_for_byte(monkeypatch):
+    out = io.TextIOWrapper(io.BytesIO(), "utf-8")
+    monkeypatch.setattr("sys.stdout", out)
+    monkeypatch.setattr(cli, "app", lambda: print("Tauchg\udce4nge"))
+    cli.main()
+    out.flush()
+    assert out.buffer.getvalue() == b"Tauchg\xe4nge\n"

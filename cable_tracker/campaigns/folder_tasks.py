@@ -73,7 +73,8 @@ def fingerprint_of_files(*paths: Path) -> str:
     It is made of names, sizes and times of change; contents are not read.
     """
     lines = [line for path in paths for line in _facts_of_files(path)]
-    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+    # Names need not be UTF-8.
+    return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()
 
 
 def _facts_of_files(path: Path) -> Iterator[str]:

@@ -49,7 +49,9 @@ def fingerprint_of(task: object) -> str:
     """
     own = getattr(task, "fingerprint", None)
     text = own() if own is not None else repr(task)
-    return hashlib.sha256(f"{__version__} {type(task).__qualname__} {text}".encode()).hexdigest()
+    described = f"{__version__} {type(task).__qualname__} {text}"
+    # Names of files need not be UTF-8.
+    return hashlib.sha256(described.encode(errors="surrogateescape")).hexdigest()
 
 
 def keep_result(task: object, result: object, store: Path) -> None:

@@ -158,9 +158,14 @@ def write_report(
         A file cannot be written.
     """
     for name, make in CSV_FILES:
-        write_bytes(folder / name, make(results).encode())
+        write_bytes(folder / name, _bytes_of(make(results)))
     report = render_report(results, header, methods=methods, sequences=sequences)
-    write_bytes(folder / REPORT, report.encode())
+    write_bytes(folder / REPORT, _bytes_of(report))
+
+
+def _bytes_of(text: str) -> bytes:
+    """Return a text in UTF-8, with ? for the letters of recordings' names that are not."""
+    return text.encode(errors="replace")
 
 
 def render_report(
@@ -192,7 +197,7 @@ def render_report(
             _sequence_view(number, sequences.get(name, ""), chosen(results, sequence=name))
             for number, name in enumerate(sequences_of(results))
         ],
-        runs_uri=_data_uri("text/csv", runs_csv(results).encode()),
+        runs_uri=_data_uri("text/csv", _bytes_of(runs_csv(results))),
         start=results[0].start.value,
         seeds=seeds_text(result.seed for result in results),
         run_count=len(results),

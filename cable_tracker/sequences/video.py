@@ -51,7 +51,8 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
     Raises
     ------
     RecordingError
-        The file is missing, empty, no video, or one of more than `MAX_PIXELS` pixels.
+        The file is missing, empty, no video, one of more than `MAX_PIXELS` pixels, or one whose
+        name is not UTF-8.
     """
     silence_opencv()
     try:
@@ -60,6 +61,7 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
         raise read_failure(path, error) from error
     if not size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
+    _need_utf8_name(path)
     capture = cv2.VideoCapture(ffmpeg_name(path), cv2.CAP_FFMPEG)
     try:
         if not capture.isOpened():
@@ -73,6 +75,16 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
         yield capture
     finally:
         capture.release()
+
+
+def _need_utf8_name(path: Path) -> None:
+    """Refuse a name that is not UTF-8: with such a one OpenCV ends the process."""
+    name = str(path)
+    if name != name.encode(errors="replace").decode():
+        raise RecordingError(
+            f"{path}: a video whose path is not UTF-8 cannot be opened; rename the file or folder,"
+            " for example with convmv"
+        )
 
 
 def _need_bounded_size(path: Path, capture: cv2.VideoCapture) -> None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import os
+
 import pytest
 from campaign_tasks import Failing, Square
 
@@ -30,6 +32,11 @@ def test_a_folder_is_that_of_a_task_of_the_same_input_and_version(tmp_path):
     assert not is_done(Square(3), folder, "1.1")
     assert not is_done(Square(3, parameter="another"), folder, "1.0")
     assert not is_done(Square(4), tmp_path / "number_4", "1.0")
+
+
+def test_names_that_are_not_utf_8_count_too(tmp_path):
+    one, other = (tmp_path / os.fsdecode(name) for name in (b"dive\xe4", b"dive\xf6"))
+    assert fingerprint_of_files(one) != fingerprint_of_files(other)
 
 
 def test_a_task_that_fails_leaves_nothing_of_an_earlier_one(tmp_path):

@@ -116,6 +116,16 @@ def test_a_task_may_say_itself_what_stands_for_it(tmp_path):
     assert fingerprint_of(Counting(1, tmp_path)) != fingerprint_of(Counting(2, tmp_path))
 
 
+def test_a_task_may_speak_of_names_that_are_not_utf_8(tmp_path):
+    one, other = (Path(os.fsdecode(name)) for name in (b"dive\xe4", b"dive\xf6"))
+
+    class Naming(Counting):
+        def fingerprint(self):
+            return str(self.notes)
+
+    assert fingerprint_of(Naming(1, one)) != fingerprint_of(Naming(1, other))
+
+
 def test_a_result_that_cannot_be_written_is_reported(tmp_path):
     (tmp_path / "store").touch()
     with pytest.raises(OutputError, match="store: cannot be written"):

@@ -1,6 +1,7 @@
 import base64
 import math
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -141,3 +142,10 @@ def test_a_cell_shows_mean_and_range():
 
 def test_a_cell_of_one_run_shows_no_range():
     assert make_cell(spread_of([10.0]), "px").detail == ""
+
+
+def test_letters_of_names_that_are_not_utf_8_are_replaced(results, tmp_path):
+    named = [replace(result, sequence="Tauchg\udce4nge") for result in results[:1]]
+    write_report(tmp_path, named, HEADER, methods={}, sequences={})
+    for name in (REPORT, *(name for name, _ in CSV_FILES)):
+        assert "Tauchg?nge" in (tmp_path / name).read_text(encoding="utf-8")

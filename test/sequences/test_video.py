@@ -67,6 +67,13 @@ def test_a_video_that_players_turn_is_read_as_it_is_stored(write_video):
     assert "read as it is stored" in VideoSource(turned).note
 
 
+def test_a_video_whose_name_is_not_utf_8_is_refused(make_video):
+    # Opening it with OpenCV would end the process.
+    path = make_video().rename(os.fsdecode(os.fsencode(make_video()) + b"\xe4.mp4"))
+    with pytest.raises(RecordingError, match=r"not UTF-8 .*rename"):
+        VideoSource(path)
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_time_of_day_in_a_name_is_no_protocol(monkeypatch, make_video, suffix):
     video = make_video(f"2026-11-27T12:30:00{suffix}")
