@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.arrays import Image
@@ -147,10 +148,19 @@ class WorldSequence(SimulatedSequence):
         return WORLDS[self.name].description
 
     def _whole_count(self) -> int:
+        self.files()
+        return WORLDS[self.name].frame_count
+
+    def files(self) -> list[Path]:
+        """Return the photographs that its ground is taken from.
+
+        Raises
+        ------
+        RecordingError
+            It needs photographs, and there are none.
+        """
         world = WORLDS[self.name]
-        if world.photographed:
-            photographs_of(world.split)
-        return world.frame_count
+        return list(photographs_of(world.split)) if world.photographed else []
 
     def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
         return simulate_world(self.name, seed)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.sequences.source import ChosenRecording
 
 
@@ -50,10 +52,20 @@ class LabelledRecording(ChosenRecording):
             ) from error
 
     def files(self) -> list[Path]:
-        """Return what it is read from: a file or a folder, and the labels."""
-        return [self.path] if self.truth is None else [self.path, self.truth]
+        """Return what it is read from: files or a folder, and the labels."""
+        labels = [] if self.truth is None else [self.truth]
+        return [*recording_files(self.path), *labels]
+
+
+@runtime_checkable
+class ReadFromFiles(Protocol):
+    """What is read from files, all or in part."""
+
+    def files(self) -> list[Path]:
+        """Return the files and folders."""
+        ...
 
 
 def files_of(sequence: object) -> list[Path]:
-    """Return the files that a sequence is read from; none of a simulated one."""
-    return sequence.files() if isinstance(sequence, LabelledRecording) else []
+    """Return the files that a sequence is read from; none where it is simulated without any."""
+    return sequence.files() if isinstance(sequence, ReadFromFiles) else []

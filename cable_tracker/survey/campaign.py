@@ -22,6 +22,7 @@ from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded import own_vehicle_file
+from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
@@ -54,7 +55,7 @@ class SurveyTask:
         """Return a text that changes with the recording and the settings."""
         forward = self.settings.forward
         vehicle = forward.vehicle or own_vehicle_file(self.path)
-        files = (self.path, vehicle, *forward.parameters.files)
+        files = (*recording_files(self.path), vehicle, *forward.parameters.files)
         return f"{fingerprint_of_files(*files)} {self.settings!r}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:

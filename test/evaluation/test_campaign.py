@@ -7,9 +7,14 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.campaign import Campaign, _Task, evaluate_methods
-from cable_tracker.evaluation.evaluation_sequences import RecordingSequence, ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import (
+    RecordingSequence,
+    ScenarioSequence,
+    WorldSequence,
+)
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 pytestmark = pytest.mark.slow
 
@@ -84,6 +89,30 @@ def test_what_else_lies_in_the_folder_does_not_make_another_run(stripe, tmp_path
     before = task.fingerprint()
     (tmp_path / "notes.txt").write_text("another file")
     assert task.fingerprint() == before
+
+
+def test_a_sequence_file_is_another_one_when_a_picture_of_it_has_changed(tmp_path):
+    picture, labels = tmp_path / "a.png", tmp_path / "dive.txt"
+    picture.write_bytes(b"one")
+    labels.write_text("1 0 30 0 # a.png\n")
+    sequence = RecordingSequence(labels)
+    task = _Task(Campaign(("thesis",), (sequence,), (0,)), sequence, 0)
+    before = task.fingerprint()
+    picture.write_bytes(b"another")
+    assert task.fingerprint() != before
+
+
+def test_a_world_is_another_one_on_other_photographs(monkeypatch, tmp_path):
+    sequence = WorldSequence("report_inspection")
+    task = _Task(Campaign(("thesis",), (sequence,), (0,)), sequence, 0)
+    found = set()
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        for number in range(5):
+            (tmp_path / name / f"{number}.png").write_text(name)
+        monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / name))
+        found.add(task.fingerprint())
+    assert len(found) == 2
 
 
 def test_an_error_in_a_worker_reaches_the_caller(tmp_path):

@@ -82,6 +82,16 @@ def test_a_changed_vehicle_file_is_seen_beside_a_storage_file_too(bag, tmp_path)
         assert task.fingerprint() != before
 
 
+def test_a_list_is_surveyed_anew_when_one_of_its_pictures_has_changed(tmp_path):
+    picture, dive = tmp_path / "a.png", tmp_path / "dive.txt"
+    picture.write_bytes(b"one")
+    dive.write_text("1 0 30 0 # a.png\n")
+    task = SurveyTask(dive, SurveySettings(), "dive")
+    before = task.fingerprint()
+    picture.write_bytes(b"another")
+    assert task.fingerprint() != before
+
+
 def test_a_dive_with_a_broken_vehicle_file_ends_no_other(bag, tmp_path):
     broken = shutil.copytree(bag, tmp_path / "broken")
     (broken / "vehicle.yaml").write_text("mounting: sideways\n")
