@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -20,7 +20,14 @@ def forgiven_distance(image_width: int) -> float:
     return LOST_DISTANCE * pixel_scale(image_width)
 
 
-def is_off_cable(errors: FloatArray, widths: FloatArray, *, forgiven: float) -> BoolArray:
+def forgiven_distances(image_widths: IndexArray) -> FloatArray:
+    """Return `forgiven_distance` in images of several widths [px], shape (N,)."""
+    return np.array([forgiven_distance(width) for width in image_widths.tolist()], np.float64)
+
+
+def is_off_cable(
+    errors: FloatArray, widths: FloatArray, *, forgiven: float | FloatArray
+) -> BoolArray:
     """Tell whether estimates are off by more than max(forgiven, w/2) or 8 deg, shape (N,).
 
     An error that is no number is off.
@@ -31,10 +38,10 @@ def is_off_cable(errors: FloatArray, widths: FloatArray, *, forgiven: float) -> 
         Estimate minus truth of d, alpha, ..., shape (N, >= 2) [px, rad].
     widths : FloatArray
         True widths w, shape (N,) [px].
-    forgiven : float
-        Error of d that is forgiven however narrow the cable [px]: `forgiven_distance` for what runs
-        and tables count as a wrong claim; 0 for what is said of a recording with labels, a
-        centreline outside the true borders.
+    forgiven : float or FloatArray
+        Error of d that is forgiven however narrow the cable, one for all or shape (N,) [px]:
+        `forgiven_distance` for what runs and tables count as a wrong claim; 0 for what is said of a
+        recording with labels, a centreline outside the true borders.
     """
     allowance = np.maximum(forgiven, widths / 2)
     held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (

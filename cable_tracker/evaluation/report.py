@@ -313,7 +313,7 @@ def _sequence_view(number: int, description: str, results: Sequence[RunResult]) 
     first = {result.method: result for result in reversed(results)}
     trace = results[0].trace
     facts = (
-        f"{len(trace)} frames, {trace.times[-1]:.1f} s, {int(trace.visible.sum())} of them with a"
+        f"{len(trace)} frames, {trace.seconds:.1f} s, {int(trace.visible.sum())} of them with a"
         f" visible cable, {int(trace.hidden.sum())} without one (seed {results[0].seed})"
     )
     return SequenceView(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import compress
+from itertools import compress, pairwise
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import turned_covariance
-from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
+from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
+from cable_tracker.sequences.sequence_file import APART
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus
 
 UNKNOWN_VISIBILITY = float("nan")
@@ -68,8 +70,8 @@ class Trace:
         Length T.
     ms : FloatArray
         Time that the method took, shape (T,) [ms].
-    image_width : int
-        Width of the frames [px].
+    image_widths : IndexArray
+        Widths of the frames, shape (T,) [px]; they differ where a list holds several recordings.
     """
 
     frames: IndexArray
@@ -80,16 +82,22 @@ class Trace:
     covariances: FloatArray
     statuses: tuple[TrackingStatus, ...]
     ms: FloatArray
-    image_width: int
+    image_widths: IndexArray
 
     def __len__(self) -> int:
         return len(self.frames)
 
     @property
-    def times(self) -> FloatArray:
-        """Time since the first frame, shape (T,) [s]."""
-        seconds: FloatArray = (self.stamps - self.stamps[0]) / 1e9
-        return seconds
+    def recordings(self) -> list[tuple[int, int]]:
+        """First frame and last + 1 of each recording of a list, counted from the run's first."""
+        begins = np.flatnonzero(np.diff(self.stamps) >= APART // 2) + 1
+        return list(pairwise([0, *begins.tolist(), len(self)]))
+
+    @property
+    def seconds(self) -> float:
+        """Duration from first to last frame, over all recordings, without what is between [s]."""
+        spans = (self.stamps[stop - 1] - self.stamps[start] for start, stop in self.recordings)
+        return float(sum(spans)) / NANOSECONDS
 
     @property
     def claimed(self) -> BoolArray:
@@ -136,7 +144,7 @@ class Trace:
         """
         widths = self.truths[:, StateColumn.WIDTH]
         return self.visible & is_off_cable(
-            self.errors, widths, forgiven=forgiven_distance(self.image_width)
+            self.errors, widths, forgiven=forgiven_distances(self.image_widths)
         )
 
     def part(self, start: int, stop: int) -> Trace:
@@ -155,7 +163,7 @@ class Trace:
             covariances=self.covariances[mask],
             statuses=tuple(compress(self.statuses, mask)),
             ms=self.ms[mask],
-            image_width=self.image_width,
+            image_widths=self.image_widths[mask],
         )
 
 
@@ -171,7 +179,7 @@ def trace_of(outcomes: Sequence[FrameOutcome]) -> Trace:
         covariances=np.array([covariance for _, covariance in pairs]),
         statuses=tuple(outcome.estimate.status for outcome in outcomes),
         ms=np.array([outcome.ms for outcome in outcomes], np.float64),
-        image_width=outcomes[0].estimate.image_size[0],
+        image_widths=np.array([outcome.estimate.image_size[0] for outcome in outcomes], np.int64),
     )
 
 

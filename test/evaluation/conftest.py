@@ -3,7 +3,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
+from cable_tracker.sequences.sequence_file import APART
 from cable_tracker.tracking.status import TrackingStatus
 
 FRAME_NS = 40_000_000
@@ -73,6 +74,22 @@ def trace() -> Callable[[str], Trace]:
         "u": {"truth": None, "visibility": float("nan")},
     }
     return lambda letters: trace_of([_outcome(i, **kinds[k]) for i, k in enumerate(letters)])
+
+
+@pytest.fixture
+def apart() -> Callable[[Trace, Trace], Trace]:
+    """Put the runs of two recordings of one list together."""
+
+    def put_together(first: Trace, second: Trace) -> Trace:
+        second = replace(second, stamps=second.stamps + APART)
+        pairs = {
+            field.name: (getattr(first, field.name), getattr(second, field.name))
+            for field in fields(Trace)
+        }
+        statuses = {"statuses": first.statuses + second.statuses}
+        return Trace(**{name: np.concatenate(pair) for name, pair in pairs.items()} | statuses)
+
+    return put_together
 
 
 @dataclass(frozen=True)

@@ -95,3 +95,28 @@ def test_frames_of_a_mask_are_taken_with_all_that_is_known_of_them(trace):
     assert part.covariances.shape == (2, 4, 4)
     assert part.statuses == whole.statuses[:2]
     assert len(whole.where(whole.frames > 9)) == 0
+
+
+@pytest.fixture
+def two_recordings(outcome, apart):
+    """A list of a recording of three frames 320 px wide, and one of two frames 1280 px wide."""
+    error = (30.0, 0.0, 0.0, 0.0)
+    first, second = (
+        trace_of([outcome(number, error=error, width=width) for number in range(count)])
+        for width, count in ((320, 3), (1280, 2))
+    )
+    return apart(first, second)
+
+
+def test_recordings_of_a_list_are_told_apart(trace, two_recordings):
+    assert trace("hhh").recordings == [(0, 3)]
+    assert two_recordings.recordings == [(0, 3), (3, 5)]
+
+
+def test_what_is_between_recordings_is_no_part_of_the_duration(two_recordings):
+    assert two_recordings.seconds == pytest.approx(0.08 + 0.04)
+
+
+def test_each_frame_is_judged_by_its_own_width(two_recordings):
+    assert two_recordings.off.tolist() == [True, True, True, False, False]
+    assert two_recordings.part(3, 5).off.tolist() == [False, False]

@@ -76,7 +76,7 @@ class StripsExperiment(CampaignExperiment):
 def _width(run: RunResult) -> float:
     """Return the width of the strip [px at 320 px]."""
     width = float(run.trace.truths[0, StateColumn.WIDTH])
-    return width * REFERENCE_WIDTH / run.trace.image_width
+    return width * REFERENCE_WIDTH / float(run.trace.image_widths[0])
 
 
 def is_found(run: RunResult) -> bool:

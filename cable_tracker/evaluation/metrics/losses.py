@@ -50,7 +50,7 @@ class LossStatistics:
     recovery_seconds : float
         Mean duration of the losses that were recovered from [s]; NaN if there was none.
     unrecovered : float
-        Number of losses that lasted until the cable left or the run ended.
+        Number of losses that lasted until the cable left or the recording ended.
     """
 
     share: float
@@ -63,8 +63,18 @@ class LossStatistics:
 def loss_episodes(trace: Trace) -> list[LossEpisode]:
     """Return the losses of a run, in order.
 
-    Frames that are not judged do not interrupt a loss; frames without a cable end it.
+    Frames that are not judged do not interrupt a loss; frames without a cable end it, and so does
+    the end of a recording of a list.
     """
+    return [
+        episode
+        for start, stop in trace.recordings
+        for episode in _episodes_of_recording(trace.part(start, stop), start)
+    ]
+
+
+def _episodes_of_recording(trace: Trace, first: int) -> list[LossEpisode]:
+    """Return the losses of one recording, whose first frame is the run's frame `first`."""
     judged = np.flatnonzero(trace.visible | trace.hidden)
     lost, visible = trace.lost[judged], trace.visible[judged]
     stamps = trace.stamps[judged] / NANOSECONDS
@@ -74,7 +84,9 @@ def loss_episodes(trace: Trace) -> list[LossEpisode]:
         recovered = end < len(judged) and bool(visible[end])
         until = stamps[end] if recovered else stamps[end - 1] + period
         episodes.append(
-            LossEpisode(int(judged[start]), end - start, float(until - stamps[start]), recovered)
+            LossEpisode(
+                first + int(judged[start]), end - start, float(until - stamps[start]), recovered
+            )
         )
     return episodes
 

@@ -58,9 +58,18 @@ class ReturnStatistics:
 def cable_returns(trace: Trace) -> list[CableReturn]:
     """Return the returns of a cable that was in view before, in order.
 
-    Left out are those after which the cable leaves, or the run ends, before `RETURN_SECONDS` are
-    over, because it might still have been found.
+    Left out are those after which the cable leaves, or the recording ends, before `RETURN_SECONDS`
+    are over, because it might still have been found.
     """
+    return [
+        CableReturn(start + found.start, found.seconds)
+        for start, stop in trace.recordings
+        for found in _returns_of_recording(trace.part(start, stop))
+    ]
+
+
+def _returns_of_recording(trace: Trace) -> list[CableReturn]:
+    """Return the returns in one recording, counted from its first frame."""
     right = trace.useful
     back = trace.visible & (trace.visibility >= CLEARLY_BACK)
     returns = []

@@ -20,6 +20,14 @@ def test_frames_without_a_label_do_not_interrupt_a_loss(trace):
     assert loss.seconds == pytest.approx(0.12)
 
 
+def test_a_loss_ends_with_its_recording(trace, apart):
+    first, second = loss_episodes(apart(trace("hll"), trace("lh")))
+    assert (first.start, first.frame_count, first.recovered) == (1, 2, False)
+    assert first.seconds == pytest.approx(0.08)
+    assert (second.start, second.frame_count, second.recovered) == (3, 1, True)
+    assert second.seconds == pytest.approx(0.04)
+
+
 def test_loss_statistics_by_hand(trace):
     loss = loss_statistics(trace("hllhlnnhlllh"))
     assert loss.share == pytest.approx(6 / 10)

@@ -31,6 +31,13 @@ def test_a_cable_is_found_again_within_a_second(outcome, silent, found):
     assert returns.seconds == pytest.approx(silent * 0.04 if found else math.nan, nan_ok=True)
 
 
+def test_a_cable_does_not_come_back_in_another_recording(trace, apart):
+    assert cable_returns(apart(trace("hhnn"), trace("s" * 30))) == []
+    assert cable_returns(apart(trace("hhnn" + "s" * 10), trace("s" * 30))) == []
+    (back,) = cable_returns(apart(trace("hh"), trace("hhnn" + "h" * 30)))
+    assert back.start == 6
+
+
 def test_a_wrong_claim_finds_nothing(trace):
     assert return_statistics(trace("hhnn" + "l" * 30)).found == 0.0
 
