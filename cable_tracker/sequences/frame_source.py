@@ -122,9 +122,10 @@ class Source(ABC):
         RecordingError
             While iterating, after the frames before it: a frame cannot be decoded (unless bad
             frames are to be skipped: then it is handed out, and decoding it raises FrameError), or
-            the recording is damaged.
+            the recording is damaged. After the last frame: a label belongs to none, where that was
+            not known before.
         """
-        return self._handed_out(self._read(start))
+        return self._handed_out(self._read_to_end(start))
 
     def chosen_frames(self, wanted: Callable[[int], bool]) -> Iterator[Frame]:
         """Read the frames whose time [ns] is wanted; each is asked about once, in order.
@@ -137,6 +138,20 @@ class Source(ABC):
             As `frames`.
         """
         return self._handed_out(self._read_chosen(wanted))
+
+    def _read_to_end(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        """Yield the frames from one on, and then see that no label lies beyond the last."""
+        count = 0
+        with closing(self._read(start)) as items:
+            for item in items:
+                count = item.index + 1
+                yield item
+        last_label = max(self._labels or (), default=-1)
+        if count and self.frame_count is None and last_label >= count:
+            raise RecordingError(
+                f"{self.path}: has only {count} frames, counted from 0, but frame {last_label} is"
+                " labelled; correct the labels"
+            )
 
     def _handed_out(self, items: Generator[Frame | UnreadableFrame]) -> Iterator[Frame]:
         frames = self._checked(items)

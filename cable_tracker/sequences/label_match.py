@@ -80,7 +80,9 @@ def _mismatch(source: Source, label: Label, pictures: set[str] | None) -> str:
     if pictures is not None and label.frame is None:
         known = PurePath(label.filename).name in pictures
         return "" if known else f"{name} holds no such picture"
-    if label.frame is not None and count is not None and label.frame >= count:
+    if label.frame is None:
+        return f"a frame of {name} goes by its number: FILE:FRAME"
+    if count is not None and label.frame >= count:
         return f"{name} has only {count} frames, counted from 0"
     return ""
 

@@ -29,7 +29,7 @@ from cable_tracker.errors import (
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
-from cable_tracker.sequences.image_folder import load_picture
+from cable_tracker.sequences.image_folder import PICTURE_SUFFIXES, load_picture
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.video import TIMES_NOTE, VIDEO_SUFFIXES, VideoFrames, opened_video
 from cable_tracker.sequences.video_times import times_run_backwards
@@ -99,6 +99,24 @@ def _check_name(name: str, allow_outside: bool = False) -> None:
         )
 
 
+def _check_video(filename: str, frame: int | None) -> None:
+    """See that a video is named with the number of a frame, and with nothing else behind a colon.
+
+    Raises
+    ------
+    ValueError
+        It is not.
+    """
+    if frame is not None:
+        return
+    name, colon, rest = filename.rpartition(":")
+    is_picture = PurePosixPath(rest).suffix.lower() in PICTURE_SUFFIXES
+    if colon and name.lower().endswith(VIDEO_SUFFIXES) and not is_picture:
+        raise ValueError(f"{rest!r} is no number of a frame of {name}")
+    if filename.lower().endswith(VIDEO_SUFFIXES):
+        raise ValueError(f"{filename} is a video; name the frame: FILE:FRAME")
+
+
 def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
     numbers, hash_sign, name = text.partition("#")
     name = name.strip()
@@ -115,6 +133,7 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
         raise ValueError(f"w is {values[2]:g} px; leave out frames without a cable")
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
+    _check_video(filename, frame)
     return Label(wrapped_if_outside(CableState(*values)), filename, frame, line)
 
 
@@ -205,6 +224,7 @@ def _format_label(label: Label, allow_outside: bool) -> str:
     if read_back != (label.filename, label.frame) or not name or _breaks_a_line(name):
         raise ValueError(f"{name!r} is no usable file name")
     _check_name(label.filename, allow_outside)
+    _check_video(label.filename, label.frame)
     numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
     return f"{numbers} # {name}\n"
 
@@ -237,10 +257,7 @@ def _resolve(sequence: Path, label: Label, allow_outside: bool) -> Path:
 
 
 def _check_kind(sequence: Path, label: Label) -> None:
-    is_video = label.filename.lower().endswith(VIDEO_SUFFIXES)
-    if is_video and label.frame is None:
-        raise RecordingError(f"{sequence}: {label.filename} is a video; name the frame: FILE:FRAME")
-    if not is_video and label.frame is not None:
+    if label.frame is not None and not label.filename.lower().endswith(VIDEO_SUFFIXES):
         raise RecordingError(f"{sequence}: {label} asks for a frame of a file that is no video")
 
 

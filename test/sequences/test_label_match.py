@@ -39,6 +39,34 @@ def test_a_label_beyond_the_end_of_a_video_is_named(make_video, truth_of):
         open_source(make_video(), truth=truth_of("dive.avi:10"))
 
 
+def test_a_label_beyond_the_end_is_named_after_the_last_frame_where_the_end_is_not_known(
+    make_video, truth_of
+):
+    source = open_source(make_video("dive.mkv"), truth=truth_of("dive.mkv:9", "dive.mkv:10"))
+    seen = []
+    with pytest.raises(RecordingError, match=r"only 10 frames.* frame 10 is labelled"):
+        seen.extend(source.frames())
+    assert len(seen) == 10
+    later = open_source(make_video("dive.mkv"), truth=truth_of("dive.mkv:9")).frames(start=8)
+    assert [frame.truth is None for frame in later] == [True, False]
+
+
+def test_a_label_without_a_number_is_none_of_a_frame_of_a_video(make_video, truth_of):
+    with pytest.raises(RecordingError, match=r"line 2 labels 0\.png.* by its number: FILE:FRAME"):
+        open_source(make_video(), truth=truth_of("0.png", "any.avi:3"))
+
+
+@pytest.mark.parametrize("name", ["dive.avi: 3", "dive.avi:three", "dive.avi:-1", "dive.avi"])
+def test_what_is_no_number_of_a_frame_is_malformed(make_video, truth_of, name):
+    with pytest.raises(RecordingError, match=r"line 3 is malformed .*dive\.avi"):
+        open_source(make_video(), truth=truth_of("dive.avi:2", name))
+
+
+def test_a_picture_may_be_named_after_a_frame_of_a_video(pictures, truth_of):
+    (pictures / "0.png").rename(pictures / "dive.avi:0.png")
+    assert open_source(pictures, truth=truth_of("dive.avi:0.png")).has_truth
+
+
 def test_a_second_label_of_a_frame_is_named(pictures, truth_of):
     with pytest.raises(RecordingError, match=r"line 4 labels 1\.png again, after line 3"):
         open_source(pictures, truth=truth_of("0.png", "1.png", "1.png"))

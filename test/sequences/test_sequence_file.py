@@ -136,10 +136,14 @@ def test_labels_cannot_be_written_to_a_missing_folder(tmp_path):
         write_labels(tmp_path / "nothing" / "s.txt", [])
 
 
-@pytest.mark.parametrize("name", ["rec at 3.04\u202fPM.mp4", "a\u00a0b.png", "Tauchgang ä #2.png"])
-def test_names_with_blanks_of_any_kind_are_read_back(tmp_path, name):
-    write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), name)])
-    assert [label.filename for label in read_labels(tmp_path / "s.txt")] == [name]
+@pytest.mark.parametrize(
+    ("name", "frame"),
+    [("rec at 3.04\u202fPM.mp4", 4), ("a\u00a0b.png", None), ("Tauchgang ä #2.png", None)],
+)
+def test_names_with_blanks_of_any_kind_are_read_back(tmp_path, name, frame):
+    labels = [Label(CableState(1, 0, 2), name, frame)]
+    write_labels(tmp_path / "s.txt", labels)
+    assert read_labels(tmp_path / "s.txt") == labels
 
 
 def test_a_name_that_cannot_be_written_asks_for_another_name_and_not_for_room(tmp_path):
