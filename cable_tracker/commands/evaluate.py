@@ -38,13 +38,14 @@ from cable_tracker.commands.target_campaign import (
     simulated_targets,
     tuned_targets,
 )
+from cable_tracker.commands.terminal import say_left_out
 from cable_tracker.commands.tuning import ValueOption
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
     RecordingSequence,
-    simulated_sequences,
+    available_sequences,
 )
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
@@ -163,7 +164,8 @@ def evaluate(  # noqa: PLR0917
     if chosen is not None:
         sequences = (_labelled(RecordingSequence, chosen, unlabelled_is_empty),)
     else:
-        sequences = simulated_sequences(scenario or (), frames)
+        sequences, left_out = available_sequences(scenario or (), frames)
+        say_left_out(left_out)
     filters = tuned_filters(params, param, table)
     campaign = _cable_campaign(method, sequences, numbers, init, filters)
     evaluate_cables(campaign, output, cluster, force=force, resume=resume)

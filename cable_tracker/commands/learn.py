@@ -33,7 +33,7 @@ from cable_tracker.commands.options import (
     TruthOption,
     open_recording,
 )
-from cable_tracker.commands.terminal import console, counted, progress_bar
+from cable_tracker.commands.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.source import ChosenRecording
@@ -98,7 +98,8 @@ def learn(  # noqa: PLR0917
     values = read_parameter_file(params) if params is not None else {}
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames)
-    sequences = simulated_dives(scenarios, numbers, plan.limit)
+    sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
+    say_left_out(left_out)
     elsewhere, changes = np.random.default_rng(parameters.seed).spawn(2)
     counts = ResponseCounts(elsewhere)
     with ExitStack() as stack:
@@ -111,7 +112,9 @@ def learn(  # noqa: PLR0917
         for sequence in sequences:
             shown = counted(sequence.frames(), progress)
             count_frames(counts, sequence, shown, parameters, plan, rng=changes)
-        table = counts.table(describe_origin(scenarios, numbers, paths, truth, plan))
+        table = counts.table(
+            describe_origin(scenarios, numbers, paths, truth, plan, left_out=left_out)
+        )
         table.save(file)
     console.print(
         f"{counts.frames} frames, {counts.border_points} points on borders,"

@@ -16,7 +16,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
     WorldSequence,
-    simulated_sequences,
+    available_sequences,
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -101,8 +101,10 @@ def parse_seeds(text: str) -> tuple[int, ...]:
 
 def simulated_dives(
     names: Sequence[str], seeds: Sequence[int], limit: int | None
-) -> list[LabelledSequence]:
+) -> tuple[list[LabelledSequence], dict[str, str]]:
     """Return dives to learn from: each of some scenarios and worlds with each seed.
+
+    Worlds of a pattern that cannot be drawn here come second, each with the reason.
 
     Parameters
     ----------
@@ -118,10 +120,11 @@ def simulated_dives(
     ParameterError
         There is no such scenario, or it is a world that reports are made on.
     RecordingError
-        A world needs photographs, and there are none.
+        A world that is named needs photographs, and there are none.
     """
-    dives = []
-    for sequence in simulated_sequences(names, limit) if names else ():
+    dives: list[LabelledSequence] = []
+    sequences, left_out = available_sequences(names, limit) if names else ((), {})
+    for sequence in sequences:
         world = WORLDS[sequence.name] if isinstance(sequence, WorldSequence) else None
         if world is not None and world.split is Split.REPORT:
             raise ParameterError(
@@ -134,7 +137,7 @@ def simulated_dives(
             frames = _frames_maker(simulate, sequence.name, seed, limit)
             name = f"{sequence.name}, seed {seed}"
             dives.append(LabelledSequence(name, count, frames, shows_cable))
-    return dives
+    return dives, left_out
 
 
 def _frames_maker(
@@ -220,14 +223,22 @@ def describe_origin(
     paths: Sequence[Path],
     truth: Path | None,
     plan: LearningPlan,
+    *,
+    left_out: Iterable[str] = (),
 ) -> str:
-    """Say what a table is learnt from, without the folders, which are private."""
+    """Say what a table is learnt from, without the folders, which are private.
+
+    `left_out` are the worlds that a pattern among the scenarios stands for, but for want of
+    photographs.
+    """
     parts = []
     if scenarios:
         word = "seed" if len(seeds) == 1 else "seeds"
         numbers = ", ".join(map(str, seeds))
         beginning = f", {plan.limit} frames of each" if plan.limit is not None else ""
-        parts.append(f"simulated {', '.join(scenarios)} with {word} {numbers}{beginning}")
+        missing = ", ".join(left_out)
+        without = f" without {missing}" if missing else ""
+        parts.append(f"simulated {', '.join(scenarios)}{without} with {word} {numbers}{beginning}")
     parts += [path.resolve().name for path in paths]
     if truth is not None:
         parts[-1] += f" labelled by {truth.name}"

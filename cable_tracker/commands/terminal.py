@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TypeVar
@@ -65,6 +65,14 @@ def print_table(
     for row in rows:
         table.add_row(*row)
     console.print(table)
+
+
+def say_left_out(reasons: Mapping[str, str]) -> None:
+    """Say on stderr which scenarios of a pattern are left out, and why; `reasons` by name."""
+    for reason in dict.fromkeys(reasons.values()):
+        names = [name for name, other in reasons.items() if other == reason]
+        verb = "is" if len(names) == 1 else "are"
+        messages.print(f"note: {', '.join(names)} {verb} left out: {reason}", soft_wrap=True)
 
 
 def print_facts(title: str, facts: Iterable[tuple[str, str]]) -> None:

@@ -270,6 +270,50 @@ def simulated_sequences(
     return tuple(chosen.values())
 
 
+def available_sequences(
+    names: Sequence[str], limit: int | None = None
+) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+    """Return scenarios and worlds by name, and those of a pattern that can be drawn here.
+
+    Returns
+    -------
+    sequences : tuple of EvaluationSequence
+        See `simulated_sequences`.
+    left_out : dict of str to str
+        Why each other world that a pattern stands for cannot be drawn. What is named itself is
+        never left out.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario or world.
+    RecordingError
+        None of them can be drawn here.
+    """
+    chosen: dict[str, EvaluationSequence] = {}
+    left_out: dict[str, str] = {}
+    for pattern in names or SCENARIOS:
+        for sequence in simulated_sequences([pattern], limit):
+            reason = "" if sequence.name == pattern else _why_not_drawn(sequence)
+            if reason:
+                left_out[sequence.name] = reason
+            else:
+                chosen[sequence.name] = sequence
+    if not chosen:
+        raise RecordingError(next(iter(left_out.values())))
+    kept_out = {name: reason for name, reason in left_out.items() if name not in chosen}
+    return tuple(chosen.values()), kept_out
+
+
+def _why_not_drawn(sequence: EvaluationSequence) -> str:
+    """Return why a sequence cannot be drawn here; empty if it can."""
+    try:
+        sequence.frame_count()
+    except RecordingError as error:
+        return str(error)
+    return ""
+
+
 def available_worlds(
     worlds: Iterable[World], limit: int | None = None
 ) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
@@ -281,10 +325,8 @@ def available_worlds(
     notes = []
     for world in worlds:
         sequence = WorldSequence(world.name, limit)
-        try:
-            sequence.frame_count()
-        except RecordingError as error:
-            notes.append(f"`{world.name}` is left out: {error}")
+        if reason := _why_not_drawn(sequence):
+            notes.append(f"`{world.name}` is left out: {reason}")
         else:
             sequences.append(sequence)
     return tuple(sequences), tuple(notes)

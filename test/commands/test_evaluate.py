@@ -7,6 +7,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +101,20 @@ def test_scenarios_are_evaluated(command, tmp_path):
     assert str(out / REPORT) in printed.replace("\n", "")
     assert len((out / "runs.csv").read_text().splitlines()) == 1 + 2 * 2
     assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("empty_figures")
+def test_worlds_of_a_pattern_that_need_photographs_are_left_out_with_a_note(
+    monkeypatch, command, tmp_path
+):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    code, _, messages = command(
+        "evaluate", "--scenario", "tune_[ce]*", "--method", "lsd", "--frames", 1, "--seeds", 1,
+        "--workers", 1, "--output", tmp_path / "out",
+    )  # fmt: skip
+    assert code == 0
+    assert messages.startswith("note: tune_empty is left out: ")
+    assert "tune_clear" in (tmp_path / "out" / "runs.csv").read_text()
 
 
 @pytest.mark.usefixtures("empty_figures")

@@ -10,6 +10,7 @@ from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 FRAMES = 6
 DIVE = SimulationSettings(frame_count=FRAMES, image_size=(160, 120), clutter=0.1, seed=1)
@@ -221,3 +222,13 @@ def test_the_origin_names_no_folders():
 def test_what_is_no_table(tmp_path, content):
     (tmp_path / "x.json").write_text(content)
     assert not is_table(tmp_path / "x.json")
+
+
+def test_a_table_says_which_worlds_of_a_pattern_it_lacks(monkeypatch, command, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    code, _, messages = command(
+        "learn", "--scenario", "tune_[ce]*", "--frames", 1, "--harder", 0, "--output", "table.json"
+    )
+    assert code == 0
+    assert messages.startswith("note: tune_empty is left out: ")
+    assert "tune_[ce]* without tune_empty with seed 0" in load_table("table.json").source

@@ -9,6 +9,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     RecordingSequence,
     ScenarioSequence,
     WorldSequence,
+    available_sequences,
     available_worlds,
     simulated_sequences,
 )
@@ -141,6 +142,34 @@ def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_p
     assert {sequence.frame_count() for sequence in sequences} == {7}
     assert not any(sequence.name.startswith("tune") for sequence in sequences)
     assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)
+
+
+@pytest.fixture
+def no_photographs(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+
+
+@pytest.mark.usefixtures("no_photographs")
+def test_a_pattern_stands_for_the_worlds_that_can_be_drawn():
+    sequences, left_out = available_sequences(["report_*"], 7)
+    assert "report_clear" in {sequence.name for sequence in sequences}
+    assert set(left_out) == {"report_inspection", "report_inspection_hard", "report_empty"}
+    assert all(FOLDER_VARIABLE in reason for reason in left_out.values())
+
+
+@pytest.mark.usefixtures("no_photographs")
+def test_a_world_that_is_named_is_not_left_out():
+    sequences, left_out = available_sequences(["report_inspection*", "report_inspection"])
+    assert [sequence.name for sequence in sequences] == ["report_inspection"]
+    assert set(left_out) == {"report_inspection_hard"}
+    with pytest.raises(RecordingError, match=FOLDER_VARIABLE):
+        sequences[0].frame_count()
+
+
+@pytest.mark.usefixtures("no_photographs")
+def test_where_no_world_of_a_pattern_can_be_drawn_the_reason_is_told():
+    with pytest.raises(RecordingError, match=FOLDER_VARIABLE):
+        available_sequences(["report_inspection*"])
 
 
 def test_labels_of_another_folder_are_passed_over(pictures):
