@@ -12,7 +12,7 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import move_store, stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.terminal import advance, console, print_files, progress_bar
+from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
@@ -21,10 +21,11 @@ from cable_tracker.evaluation.report import (
     REPORT,
     ReportHeader,
     TableView,
+    refusal_words,
     summary_table,
     write_report,
 )
-from cable_tracker.evaluation.runs import Start
+from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.tables import CSV_FILES
 
 TITLE = "How well the cable is followed"
@@ -113,6 +114,7 @@ def evaluate_cables(
             )
         move_store(settings, folder)
     _print_table(summary_table(results, PRINTED_METRICS))
+    _say_refusals(results)
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
     print_files(output, (REPORT, *(name for name, _ in CSV_FILES)))
 
@@ -123,6 +125,13 @@ def _descriptions(campaign: Campaign) -> dict[str, str]:
         (each.name for each in campaign.filters), "particle filter with parameters of yours"
     )
     return {name: METHODS[name].description for name in campaign.methods} | tuned
+
+
+def _say_refusals(results: Sequence[RunResult]) -> None:
+    """Say on stderr which methods refused frames of which sequence, once for all seeds."""
+    refusing = {(each.sequence, each.method): each for each in results if each.refused}
+    for (sequence, method), result in refusing.items():
+        messages.print(f"note: {method} on {sequence}: {refusal_words(result)}", soft_wrap=True)
 
 
 def _print_table(view: TableView) -> None:

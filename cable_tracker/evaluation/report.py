@@ -328,12 +328,20 @@ def _sequence_view(number: int, description: str, results: Sequence[RunResult]) 
     )
 
 
+def refusal_words(result: RunResult) -> str:
+    """Say how many frames a method refused in a run, at least one, and why the first."""
+    frames = "1 frame was" if result.refused == 1 else f"{result.refused} frames were"
+    return f"{frames} refused and taken as not claimed ({result.refusal})"
+
+
 def _method_view(result: RunResult) -> MethodView:
     loss = result.metrics.loss
     caption = f"seed {result.seed}"
     if not math.isnan(loss.share):
         caption += f": {100 * loss.share:.1f} % of the frames lost"
         caption += f", longest loss {loss.longest_seconds:.2f} s" if loss.share else ""
+    if result.refused:
+        caption += f"; {refusal_words(result)}"
     return MethodView(
         name=result.method,
         caption=caption,

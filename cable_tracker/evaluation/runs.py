@@ -7,14 +7,17 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.encoded_pictures import jpeg_bytes
+from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
@@ -53,6 +56,10 @@ class RunResult:
         Metrics of the run.
     sheet : bytes
         A contact sheet of overlays, JPEG; empty if none was asked for.
+    refused : int
+        Number of frames that the method could not use; they count as frames without a claim.
+    refusal : str
+        Number of the first of them, and why; empty if there is none.
     """
 
     method: str
@@ -62,6 +69,8 @@ class RunResult:
     trace: Trace
     metrics: RunMetrics
     sheet: bytes
+    refused: int = 0
+    refusal: str = ""
 
 
 class MethodRun:
@@ -96,26 +105,22 @@ class MethodRun:
         self._restart_every = restart_every
         self._method = make(seed)
         self._outcomes: list[FrameOutcome] = []
+        self._refused = 0
+        self._refusal = ""
         self._sheet = (
             ContactSheet(SHEET_STRIDE, SHEET_PICTURES, SHEET_PICTURE_WIDTH) if with_sheet else None
         )
 
     def process(self, frame: EvaluationFrame) -> None:
-        """Show the method one more frame.
-
-        Raises
-        ------
-        FrameError
-            The method cannot use it; the message names the frame.
-        """
+        """Show the method one more frame; one that it refuses is one without a claim."""
         self._begin_if_due(frame)
         begin = time.thread_time()
         try:
             estimate = self._method.process(frame.image, frame.stamp)
         except FrameError as error:
-            raise FrameError(
-                f"frame {frame.index} cannot be judged ({error}); leave it out of the recording"
-            ) from error
+            estimate = _nothing_claimed(frame)
+            self._refused += 1
+            self._refusal = self._refusal or f"frame {frame.index}: {error}"
         ms = (time.thread_time() - begin) * 1e3
         outcome = FrameOutcome(frame.index, frame.truth, frame.visibility, estimate, ms)
         self._outcomes.append(outcome)
@@ -159,13 +164,36 @@ class MethodRun:
         trace = trace_of(self._outcomes)
         metrics = run_metrics(trace, started_at_random=self._start is Start.RANDOM)
         return RunResult(
-            self._name, sequence, self._seed, self._start, trace, metrics, self._encoded_sheet()
+            self._name,
+            sequence,
+            self._seed,
+            self._start,
+            trace,
+            metrics,
+            self._encoded_sheet(),
+            self._refused,
+            self._refusal,
         )
 
     def _encoded_sheet(self) -> bytes:
         if self._sheet is None:
             return b""
         return jpeg_bytes(self._sheet.draw(), SHEET_QUALITY)
+
+
+def _nothing_claimed(frame: EvaluationFrame) -> CableEstimate:
+    """Return the estimate that stands for a refused frame: no claim, and no state."""
+    height, width = frame.image.shape
+    nan = float("nan")
+    return CableEstimate(
+        stamp=frame.stamp,
+        status=TrackingStatus.LOST,
+        state=CableState.from_array(np.full(STATE_SIZE, nan)),
+        covariance=np.full((STATE_SIZE, STATE_SIZE), nan),
+        effective_sample_size=nan,
+        evidence=nan,
+        image_size=(width, height),
+    )
 
 
 def run_together(

@@ -149,3 +149,9 @@ def test_letters_of_names_that_are_not_utf_8_are_replaced(results, tmp_path):
     write_report(tmp_path, named, HEADER, methods={}, sequences={})
     for name in (REPORT, *(name for name, _ in CSV_FILES)):
         assert "Tauchg?nge" in (tmp_path / name).read_text(encoding="utf-8")
+
+
+def test_the_report_says_which_frames_were_refused(results):
+    refusing = replace(results[0], refused=2, refusal="frame 3: too <dark>")
+    page = render_report([refusing], HEADER, methods={}, sequences={})
+    assert "2 frames were refused and taken as not claimed (frame 3: too &lt;dark&gt;)" in page

@@ -4,7 +4,6 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 
@@ -79,15 +78,21 @@ def test_the_progress_is_told_after_each_frame(make, stripe):
     assert len(calls) == 12
 
 
-def test_a_frame_that_cannot_be_used_is_named(make, made):
+def test_a_frame_that_is_refused_is_one_without_a_claim(outcome, stripe):
     class Refusing(Recorder):
         def process(self, image, stamp):
-            raise FrameError("too dark")
+            estimate = super().process(image, stamp)
+            if len(self.seen) in {4, 7}:
+                raise FrameError("it has the time of the frame before")
+            return estimate
 
-    run = MethodRun("m", lambda seed: Refusing(None, seed), 0, Start.RANDOM)
-    frame = EvaluationFrame(17, 1, np.zeros((240, 320), np.uint8), None, 0.0)
-    with pytest.raises(FrameError, match=r"frame 17 .*too dark"):
-        run.process(frame)
+    run = MethodRun("m", lambda seed: Refusing(outcome, seed), 0, Start.RANDOM, with_sheet=True)
+    (result,) = run_together([run], stripe.frames(0), "stripe")
+    assert (result.refused, result.refusal) == (2, "frame 3: it has the time of the frame before")
+    assert len(result.trace) == 12
+    assert np.flatnonzero(~result.trace.claimed).tolist() == [3, 6]
+    assert np.isnan(result.trace.estimates).all(axis=1).nonzero()[0].tolist() == [3, 6]
+    assert np.isfinite(result.metrics.errors.rmse).all()
 
 
 def test_a_sheet_is_a_jpeg_picture_and_only_there_if_asked_for(make, stripe):
