@@ -32,6 +32,7 @@ from cable_tracker.commands.options import (
     TopicOption,
     TruthOption,
     open_recording,
+    refuse_without_effect,
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.tuning import chosen_parameters
@@ -78,6 +79,14 @@ def learn(  # noqa: PLR0917
         typer.Option(help="YAML file with the parameters that the table will be used with."),
     ] = None,
     seed: SeedOption = None,
+    unlabelled_is_empty: Annotated[
+        bool,
+        typer.Option(
+            "--unlabelled-is-empty",
+            help="Frames of the recordings without a label show no cable, and count as background;"
+            " else they are passed over.",
+        ),
+    ] = False,
     force: ForceOption = False,
     topic: TopicOption = None,
     rate: RateOption = None,
@@ -94,10 +103,13 @@ def learn(  # noqa: PLR0917
     """
     paths, scenarios = source or [], list(dict.fromkeys(scenario or []))
     _check_wishes(paths, truth, scenarios, seeds, frames)
+    if not paths:
+        of_recordings = {"--unlabelled-is-empty": unlabelled_is_empty}
+        refuse_without_effect(of_recordings, "can only do something for a recording")
     numbers = parse_seeds(seeds if seeds is not None else "0")
     values = read_parameter_file(params) if params is not None else {}
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
-    plan = LearningPlan(every, harder, frames, skip_bad_frames)
+    plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
     say_left_out(left_out)
     elsewhere, changes = np.random.default_rng(parameters.seed).spawn(2)
@@ -106,7 +118,7 @@ def learn(  # noqa: PLR0917
         for path in paths:
             chosen = ChosenRecording(path, topic, rate, truth, skip_bad_frames, allow_outside)
             recording = stack.enter_context(open_recording(chosen))
-            sequences.append(labelled_recording(recording))
+            sequences.append(labelled_recording(recording, plan))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
         for sequence in sequences:

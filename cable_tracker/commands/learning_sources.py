@@ -45,14 +45,15 @@ class LabelledSequence:
         Number of frames; None when it is unknown before all have been read.
     frames : callable
         Makes or reads them. A frame in which nothing of the cable can be seen has no truth.
-    shows_cable : bool
-        Whether there is a cable anywhere; if not, all frames are background.
+    unlabelled_is_empty : bool
+        Whether a frame without a truth shows no cable, and so is background. Otherwise it is passed
+        over.
     """
 
     name: str
     frame_count: int | None
     frames: Callable[[], Iterator[Frame]]
-    shows_cable: bool = True
+    unlabelled_is_empty: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +70,15 @@ class LearningPlan:
         Number of frames used from the beginning of each simulated dive; None: all.
     skip_bad_frames : bool
         Pass over a frame that cannot be decoded.
+    unlabelled_is_empty : bool
+        Whether frames of recordings without a label show no cable.
     """
 
     every: int = 1
     harder: int = 1
     limit: int | None = None
     skip_bad_frames: bool = False
+    unlabelled_is_empty: bool = False
 
 
 def parse_seeds(text: str) -> tuple[int, ...]:
@@ -132,11 +136,11 @@ def simulated_dives(
                 " take worlds whose names begin with tune_"
             )
         simulate = simulate_scenario if world is None else simulate_world
-        count, shows_cable = sequence.frame_count(), world is None or world.has_cable
+        count, is_empty = sequence.frame_count(), world is not None and not world.has_cable
         for seed in seeds:
             frames = _frames_maker(simulate, sequence.name, seed, limit)
             name = f"{sequence.name}, seed {seed}"
-            dives.append(LabelledSequence(name, count, frames, shows_cable))
+            dives.append(LabelledSequence(name, count, frames, is_empty))
     return dives, left_out
 
 
@@ -155,19 +159,21 @@ def _frames_maker(
     return frames
 
 
-def labelled_recording(recording: Source) -> LabelledSequence:
+def labelled_recording(recording: Source, plan: LearningPlan) -> LabelledSequence:
     """Return an open recording to learn from.
 
     Raises
     ------
     RecordingError
-        It has no labels.
+        It has no labels, and was not said to show no cable.
     """
-    if not recording.has_truth:
+    if not (recording.has_truth or plan.unlabelled_is_empty):
         raise RecordingError(
             f"{recording.path}: has no ground truth to learn from; give labels with --truth FILE"
         )
-    return LabelledSequence(str(recording.path), recording.frame_count, recording.frames)
+    return LabelledSequence(
+        str(recording.path), recording.frame_count, recording.frames, plan.unlabelled_is_empty
+    )
 
 
 def total_of(sequences: Iterable[LabelledSequence]) -> int | None:
@@ -186,7 +192,7 @@ def count_frames(
     *,
     rng: np.random.Generator,
 ) -> None:
-    """Count the labelled ones of every K-th frame, as the tracker sees them.
+    """Count the labelled and the empty ones of every K-th frame, as the tracker sees them.
 
     Parameters
     ----------
@@ -199,7 +205,7 @@ def count_frames(
         A frame cannot be used and is not to be skipped.
     """
     for frame in frames:
-        if frame.index % plan.every or (frame.truth is None and sequence.shows_cable):
+        if frame.index % plan.every or (frame.truth is None and not sequence.unlabelled_is_empty):
             continue
         try:
             image = decode_grey(frame.image)
@@ -242,6 +248,8 @@ def describe_origin(
     parts += [path.resolve().name for path in paths]
     if truth is not None:
         parts[-1] += f" labelled by {truth.name}"
+    if plan.unlabelled_is_empty:
+        parts.append("frames without a label as background")
     if plan.every > 1:
         parts.append(f"one frame in {plan.every}")
     if plan.harder > 0:

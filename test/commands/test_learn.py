@@ -45,6 +45,11 @@ def unlabelled(labels):
     return folder
 
 
+def first_numbers(printed):
+    """Frames, points on borders, and points elsewhere."""
+    return [int(word) for word in printed.splitlines()[0].split() if word.isdigit()]
+
+
 def left_behind():
     return {path.name for path in Path().iterdir()}
 
@@ -114,12 +119,34 @@ def test_frames_without_a_cable_teach_what_a_bottom_looks_like(command):
     wanted = ("learn", "--scenario", "tune_clear", "--frames", 2, "--harder", 0, "--output")
     _, alone, _ = command(*wanted, "a.json")
     _, with_decoys, _ = command(*wanted, "b.json", "--scenario", "tune_decoys")
-    (frames, borders, elsewhere), (same_frames, same_borders, more) = (
-        [int(word) for word in line.splitlines()[0].split() if word.isdigit()]
-        for line in (alone, with_decoys)
+    (frames, borders, elsewhere), (same_frames, same_borders, more) = map(
+        first_numbers, (alone, with_decoys)
     )
     assert (frames, borders) == (same_frames, same_borders)
     assert more > elsewhere
+
+
+def test_frames_without_a_label_are_background_when_that_is_said(command, labels, unlabelled):
+    few = Path("few.txt")
+    few.write_text("".join(labels.read_text().splitlines(keepends=True)[:4]))
+    wanted = ("learn", unlabelled, "--truth", few, "--harder", 0, "--output")
+    _, passed_over, _ = command(*wanted, "a.json")
+    code, counted, _ = command(*wanted, "b.json", "--unlabelled-is-empty")
+    assert code == 0
+    (frames, borders, elsewhere), (same_frames, same_borders, more) = map(
+        first_numbers, (passed_over, counted)
+    )
+    assert (frames, borders) == (same_frames, same_borders)
+    assert more > elsewhere
+    assert "frames without a label as background" in load_table("b.json").source
+
+
+def test_simulated_dives_have_no_frames_without_a_label(command):
+    code, _, messages = command(
+        "learn", "--scenario", "S1", "--unlabelled-is-empty", "--output", "table.json"
+    )
+    assert code == 2
+    assert "--unlabelled-is-empty can only do something for a recording" in messages
 
 
 def test_the_same_seed_gives_the_same_file_and_another_one_does_not(command, bag):
