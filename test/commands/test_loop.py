@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import csv
+import errno
 
 import pytest
 from typer.testing import CliRunner
 
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.cli import app
 from cable_tracker.commands import loop as loop_command
-from cable_tracker.commands.loop import verdict_on
+from cable_tracker.commands.loop import _run_several, verdict_on
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
@@ -116,3 +118,18 @@ def test_each_run_of_several_finds_the_parameter_file_from_any_folder(monkeypatc
     assert [(task.method, task.seed) for task in chosen[0]] == [("default", 0), ("default", 1)]
     for task in chosen[0]:
         assert f"--params={tmp_path / 'mine.yaml'}" in task.arguments
+
+
+def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
+    def failing(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    def run_loops(_tasks, store, *_, **__):
+        (store / "default_0").mkdir(parents=True)
+        return []
+
+    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", run_loops)
+    monkeypatch.setattr("cable_tracker.commands.loop.write_runs", failing)
+    with pytest.raises(OutputError):
+        _run_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
+    assert (tmp_path / "out.tasks" / "default_0").is_dir()
