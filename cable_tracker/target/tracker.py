@@ -22,7 +22,7 @@ from cable_tracker.target.measure.working_frame import (
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, in_frame_pixels, wrap_angle
+from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, in_frame_pixels, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
@@ -312,7 +312,7 @@ class TargetTracker:
         zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
         state = in_frame_pixels(summary.state[None], self._zoom)[0]
         # The filter goes on counting whole turns.
-        state[PoseColumn.ANGLE] = wrap_angle(state[PoseColumn.ANGLE])
+        state[PoseColumn.ANGLE] = wrap_full_turn(state[PoseColumn.ANGLE])
         outline = summary.outline
         corners = corners_of(outline, self._zoom) if outline is not None else np.empty((0, 2))
         box = None
