@@ -139,7 +139,7 @@ def evaluate_targets(
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         table = markdown_table(results, campaign.methods, note)
         write_figures(folder / FIGURES_CSV, results)
-        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
+        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8", errors="replace")
         move_store(settings, folder)
     console.print(table)
     print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))

@@ -21,8 +21,11 @@ def csv_text(headings: Iterable[object], rows: Iterable[Iterable[object]]) -> st
 
 
 def write_csv(path: Path, headings: Iterable[object], rows: Iterable[Iterable[object]]) -> None:
-    """Write a table into a file, row by row; see `csv_text`."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    """Write a table into a file, row by row; see `csv_text`.
+
+    Letters of names that are not UTF-8 become ?.
+    """
+    with path.open("w", newline="", encoding="utf-8", errors="replace") as file:
         _write(file, headings, rows)
 
 

@@ -58,6 +58,16 @@ def test_what_simulate_has_written_is_judged_with_parameters_of_the_users(tmp_pa
     assert all(float(row["success"]) > 0.5 for row in rows(tmp_path / "out"))
 
 
+def test_a_recording_whose_name_is_not_utf_8_is_judged(tmp_path):
+    out = tmp_path / "out"
+    command("simulate", tmp_path / "dive", "--target", "near_surface", "--frames", 3)
+    dive = (tmp_path / "dive").rename(tmp_path / "Tauchg\udce4nge")
+    words = ("--source", dive, "--method", "CamShift", "--seeds", 1, "--output", out)
+    command("evaluate", "--targets", *words)
+    assert rows(out)[0]["scenario"] == "Tauchg?nge"
+    assert "Tauchg?nge" in (out / "table.md").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     "words",
     [

@@ -23,3 +23,8 @@ def test_a_file_holds_the_text_of_the_table(tmp_path):
     path, rows = tmp_path / "table.csv", [(1, "x,y"), ("", "\u00e9")]
     write_csv(path, ("a", "b"), iter(rows))
     assert path.read_bytes() == csv_text(("a", "b"), rows).encode()
+
+
+def test_letters_of_names_that_are_not_utf_8_are_replaced(tmp_path):
+    write_csv(tmp_path / "table.csv", ("name",), [("Tauchg\udce4nge",)])
+    assert (tmp_path / "table.csv").read_text(encoding="utf-8") == "name\nTauchg?nge\n"
