@@ -137,9 +137,10 @@ def evaluate_targets(
             parts = run_all(tasks, workers=settings, advance=lambda count: advance(progress, count))
         results = [each for part in parts for each in part]
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
-        table = markdown_table(results, campaign.methods, note)
+        # Names of recordings need not be UTF-8; the table is, in its file and where it is printed.
+        table = markdown_table(results, campaign.methods, note).encode(errors="replace").decode()
         write_figures(folder / FIGURES_CSV, results)
-        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8", errors="replace")
+        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
         move_store(settings, folder)
     console.print(table)
     print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))

@@ -63,7 +63,9 @@ def test_a_recording_whose_name_is_not_utf_8_is_judged(tmp_path):
     command("simulate", tmp_path / "dive", "--target", "near_surface", "--frames", 3)
     dive = (tmp_path / "dive").rename(tmp_path / "Tauchg\udce4nge")
     words = ("--source", dive, "--method", "CamShift", "--seeds", 1, "--output", out)
-    command("evaluate", "--targets", *words)
+    result = command("evaluate", "--targets", *words)
+    assert result.exit_code == 0, result.output
+    assert "Tauchg?nge" in result.output
     assert rows(out)[0]["scenario"] == "Tauchg?nge"
     assert "Tauchg?nge" in (out / "table.md").read_text(encoding="utf-8")
 
