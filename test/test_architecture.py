@@ -75,6 +75,13 @@ MAY_IMPORT = {
     "cli": {"commands"},
 }  # fmt: skip
 """Of the folders and of the modules beside them, lowest first."""
+ORDER_WITHIN = {
+    "cable/hypotheses": [
+        "frame_noise", "predict", "weigh", "propose", "background", "conclusion", "belief",
+        "first_claim", "belief_summary", "belief_update", "prediction", "multi_hypothesis_filter",
+    ],
+}  # fmt: skip
+"""Folders and modules of a folder, lowest first: each may import those before it."""
 ROS_PACKAGES = {
     "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "launch",
     "launch_ros", "nav_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs",
@@ -102,22 +109,30 @@ def imported_modules(path: Path) -> list[str]:
     return modules
 
 
-def parts_of_the_package() -> set[str]:
-    folders = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
-    return folders | {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
+def parts_of(folder: Path) -> set[str]:
+    folders = {path.parent.name for path in folder.glob("*/__init__.py")}
+    return folders | {path.stem for path in folder.glob("*.py")} - {"__init__"}
 
 
-def parts_imported_by(part: str) -> set[str]:
-    paths = [PACKAGE / f"{part}.py", *(PACKAGE / part).rglob("*.py")]
-    modules = [
-        module.split(".") for path in paths if path.is_file() for module in imported_modules(path)
-    ]
-    named = {module[1] for module in modules if module[0] == "cable_tracker" and len(module) > 1}
-    return named & parts_of_the_package()
+def parts_imported_by(part: str, folder: Path = PACKAGE) -> set[str]:
+    """Parts of a folder that one of them imports."""
+    paths = [folder / f"{part}.py", *(folder / part).rglob("*.py")]
+    modules = {module for path in paths if path.is_file() for module in imported_modules(path)}
+    above = ".".join(folder.relative_to(PACKAGE.parent).parts) + "."
+    inside = {module.removeprefix(above) for module in modules if module.startswith(above)}
+    return {module.split(".")[0] for module in inside} & parts_of(folder)
 
 
 def test_every_part_has_its_place():
-    assert parts_of_the_package() == set(MAY_IMPORT)
+    assert parts_of(PACKAGE) == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("folder", ORDER_WITHIN)
+def test_imports_within_a_folder_run_one_way(folder):
+    order = ORDER_WITHIN[folder]
+    assert parts_of(PACKAGE / folder) == set(order)
+    for place, part in enumerate(order):
+        assert parts_imported_by(part, PACKAGE / folder) <= set(order[: place + 1]), part
 
 
 def test_what_a_part_may_import_stands_below_it():

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.weigh.thin_strips import needed_clearness
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS

@@ -28,9 +28,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses, unmeasured_hypotheses
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.particle_filter.existence import log_odds_of

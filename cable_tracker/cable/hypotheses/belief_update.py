@@ -5,8 +5,8 @@ from __future__ import annotations
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
 from cable_tracker.cable.hypotheses.first_claim import is_new_clear, leading_evidence
-from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
-from cable_tracker.cable.hypotheses.remembered_cable import remember
+from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
+from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import probability_of
 from cable_tracker.particle_filter.particles import Particles

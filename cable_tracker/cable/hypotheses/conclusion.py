@@ -7,17 +7,26 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.association import (
-    continues_known,
-    inherited_log_odds,
-    is_same_hypothesis,
-)
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
     Background,
     background_of,
 )
-from cable_tracker.cable.hypotheses.clusters import (
+from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
+from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.proposals import Drawn, draw_sample
+from cable_tracker.cable.hypotheses.propose.sample import (
+    Sample,
+    importance_log_weights,
+    lost_to_shadows,
+)
+from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
+from cable_tracker.cable.hypotheses.weigh.association import (
+    continues_known,
+    inherited_log_odds,
+    is_same_hypothesis,
+)
+from cable_tracker.cable.hypotheses.weigh.clusters import (
     MOST_CLUSTERS,
     NO_CLUSTER,
     Clusters,
@@ -29,28 +38,19 @@ from cable_tracker.cable.hypotheses.clusters import (
     most_probable_first,
     reordered,
 )
-from cable_tracker.cable.hypotheses.evidence_correction import (
+from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
     MeasuredGroups,
     WeighedParticles,
     corrected_log_weights,
 )
-from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
-from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
-from cable_tracker.cable.hypotheses.proposals import Drawn, draw_sample
-from cable_tracker.cable.hypotheses.sample import (
-    Sample,
-    importance_log_weights,
-    lost_to_shadows,
-)
-from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
-from cable_tracker.cable.hypotheses.score_likelihood import (
+from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence, updated_log_odds
+from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
     KNOWN_MODEL,
     MODEL,
     FrameScores,
     shown_share,
 )
-from cable_tracker.cable.hypotheses.thin_strips import thin_factor, trusted_appearance
+from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor, trusted_appearance
 from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.cable_map import is_worked_out
 from cable_tracker.cable.measure.likelihood_ratio import (

@@ -6,9 +6,9 @@ Its score for a claim is the clearness of its weaker border, and what its appear
 from __future__ import annotations
 
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
-from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.thin_strips import (
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.weigh.thin_strips import (
     needed_clearness,
     trusted_appearance,
     trusted_share,

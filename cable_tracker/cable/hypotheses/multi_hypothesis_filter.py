@@ -44,16 +44,19 @@ from cable_tracker.cable.filter_interface import (
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.belief_update import updated_belief
-from cable_tracker.cable.hypotheses.births import draw_births
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.predict.births import draw_births
 from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor, with_births_by_map
-from cable_tracker.cable.hypotheses.presence import LIKELY_PRESENCE
-from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
-from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
-from cable_tracker.cable.hypotheses.rounds import refined_counts
-from cable_tracker.cable.hypotheses.sample import empty_sample
-from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts
+from cable_tracker.cable.hypotheses.propose.proposal_config import (
+    beside_a_known_cable,
+    proposal_config,
+)
+from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
+from cable_tracker.cable.hypotheses.propose.sample import empty_sample
+from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
+from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.measure.border_points import scan_inputs
 from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio

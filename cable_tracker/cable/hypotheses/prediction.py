@@ -9,12 +9,15 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.births import birth_density_of
-from cable_tracker.cable.hypotheses.border_switch import BORDER_SWITCH_RATE, switch_from
-from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
-from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
-from cable_tracker.cable.hypotheses.presence import PriorPresence
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.predict.births import birth_density_of
+from cable_tracker.cable.hypotheses.predict.border_switch import BORDER_SWITCH_RATE, switch_from
+from cable_tracker.cable.hypotheses.predict.predicted_density import (
+    LEAST_PROBABILITY,
+    PredictedDensity,
+)
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.weigh.clusters import SMALLEST_MASS, Clusters
+from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
 from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import image_reach, state_in_chart, states_in_chart

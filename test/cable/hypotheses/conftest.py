@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.measure.border_points import scan_inputs
 from cable_tracker.cable.measure.cable_map import NO_MAP
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio

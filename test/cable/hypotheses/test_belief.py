@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.belief import initial_belief, resampled_belief
-from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 
 
 def test_states_that_are_given_count_alike_and_are_wrapped(rng):

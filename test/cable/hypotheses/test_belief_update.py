@@ -15,7 +15,7 @@ from cable_tracker.cable.hypotheses.belief_update import (
     updated_p_bright,
 )
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

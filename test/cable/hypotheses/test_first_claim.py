@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.first_claim import (
     APPEARANCE_SHARE,
     LEAST_APPEARANCE,
@@ -19,8 +18,9 @@ from cable_tracker.cable.hypotheses.first_claim import (
     is_new_clear,
     leading_evidence,
 )
-from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
+from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.weigh.thin_strips import needed_clearness
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses import multi_hypothesis_filter, sample_counts
+from cable_tracker.cable.hypotheses import multi_hypothesis_filter
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.belief_summary import SMALLEST_HYPOTHESIS, displacement_factors
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
@@ -14,7 +14,8 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     LEAST_PRESENCE,
     MultiHypothesisFilter,
 )
-from cable_tracker.cable.hypotheses.presence import HIGHEST
+from cable_tracker.cable.hypotheses.propose import sample_counts
+from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import make_working_image

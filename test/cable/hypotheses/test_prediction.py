@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.prediction import (
     SMALLEST_CLUSTER_SHARE,
     Ancestors,
@@ -16,6 +15,7 @@ from cable_tracker.cable.hypotheses.prediction import (
     surviving_ancestors,
     with_births_by_map,
 )
+from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.measure.cable_map import NO_MAP, cable_map_of
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement

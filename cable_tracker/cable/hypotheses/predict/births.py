@@ -1,0 +1,264 @@
+"""Where a cable that was not in view comes into it: the density of births.
+
+A cable that has left over an edge of the image is looked for along that edge, one that vanished in
+the middle (buried, or hidden) about where it was; the longer it is gone, the farther from there.
+While no cable is known, a part of the births is about the strips that a map of the frame shows.
+That looks at the frame before it counts, as births about measurements do in other trackers of
+several objects: spread over all poses, a cable that is seen for the first time weighs so little
+that wide strips, followed since the search began, lead for many frames.
+
+How likely one comes and goes, says `cable_tracker.tracking.survival`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
+from cable_tracker.cable.model.geometry import (
+    image_reach,
+    relative_direction,
+    wrap_states,
+)
+from cable_tracker.cable.model.initial_state import SearchBox, between
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+    pose_units,
+)
+from cable_tracker.compilation import compiled_inside, compiled_loop
+from cable_tracker.particle_filter.student_t import relative_density
+from cable_tracker.tracking.survival import share_about_last_place
+
+BIRTH_PEAK = (
+    math.gamma((BIRTH_TAIL + 1.0) / 2)
+    / math.gamma(BIRTH_TAIL / 2)
+    / math.sqrt(BIRTH_TAIL * math.pi)
+) ** POSE_SIZE
+"""Density at the middle of the births about the remembered cable, for scales of one."""
+
+MAP_SHARE = 0.03
+"""Share of the births about the strips of the map. Chosen on the worlds to tune on (`tune_*`): with
+half of the births strips that a map shows wrongly are followed too soon."""
+
+MAP_SCALES = np.array([6.0, 0.06, 6.0, 0.06])
+"""Scales of the births about a strip of the map: d, alpha, w, beta [px at the reference width,
+rad]."""
+
+MOST_TURNS = 2
+"""Half turns that an angle may be drawn away from the remembered one; hardly any goes farther."""
+
+
+class BirthDensity(NamedTuple):
+    """Where a cable that was not in view comes into it: anywhere, or where one was last seen.
+
+    Attributes
+    ----------
+    lower, upper : FloatArray
+        The box of the search without knowledge, shape (8,) [px, rad, per second].
+    box_density : float
+        Density of d, alpha, w, beta in it.
+    pose, scales : FloatArray
+        The remembered cable, and the scales of births about it, shape (4,).
+    share : float
+        Share of the births about the remembered cable; 0 without one.
+    side, inset : float
+        Sign of d where it left over the edge, else 0; how far inside it was then [px].
+    peak : float
+        Density of the births about the remembered cable, at their middle.
+    width, height : float
+        Size of the frames [px].
+    map_strips : FloatArray
+        Strips that the map of the frame shows, shape (S, 8): none beside a known cable.
+    map_scales : FloatArray
+        `MAP_SCALES` for frames of this size, shape (4,) [px, rad].
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    box_density: float
+    pose: FloatArray
+    scales: FloatArray
+    share: float
+    side: float
+    inset: float
+    peak: float
+    width: float
+    height: float
+    map_strips: FloatArray
+    map_scales: FloatArray
+
+    def remembered_of(self, count: int) -> int:
+        """Return how many of `count` births are about the remembered cable."""
+        return round(self.share * count)
+
+
+def birth_density_of(
+    box: SearchBox,
+    memory: RememberedCable | None,
+    memory_time: float,
+    image_size: tuple[int, int],
+) -> BirthDensity:
+    """Return the density of births, without a map.
+
+    Parameters
+    ----------
+    box : SearchBox
+        Box of the births that are not about the remembered cable.
+    memory : RememberedCable or None
+        Cable that was tracked before.
+    memory_time : float
+        Time constant of the share of births about the remembered cable [s].
+    image_size : (int, int)
+        Width and height of the frames [px].
+    """
+    scales = memory.scales(image_size[0]) if memory is not None else np.ones(POSE_SIZE)
+    return BirthDensity(
+        lower=box.lower,
+        upper=box.upper,
+        box_density=1.0 / math.prod((box.upper - box.lower)[:POSE_SIZE].tolist()),
+        pose=memory.pose if memory is not None else np.zeros(POSE_SIZE),
+        scales=scales,
+        share=share_about_last_place(memory.seconds, memory_time) if memory is not None else 0.0,
+        side=memory.side if memory is not None else 0.0,
+        inset=memory.inset if memory is not None else 0.0,
+        peak=BIRTH_PEAK / math.prod(scales.tolist()),
+        width=float(image_size[0]),
+        height=float(image_size[1]),
+        map_strips=np.empty((0, STATE_SIZE)),
+        map_scales=MAP_SCALES * pose_units(image_size[0]),
+    )
+
+
+def draw_births(births: BirthDensity, count: int, rng: np.random.Generator) -> FloatArray:
+    """Draw cables with their angle in (-pi/2, pi/2], shape (count, 8), none by the map."""
+    noise = FrameNoise(
+        np.empty((0, STATE_SIZE)),
+        np.empty((0, 2)),
+        rng.random((count, STATE_SIZE)),
+        rng.standard_t(BIRTH_TAIL, (count, POSE_SIZE)),
+        np.empty((0, POSE_SIZE)),
+        np.empty(0),
+        np.empty((0, ALIKE)),
+    )
+    states = np.empty((count, STATE_SIZE))
+    place_births(states, 0, count, births.remembered_of(count), births, noise)
+    return wrap_states(states)
+
+
+@compiled_loop
+def place_births(
+    states: FloatArray, start: int, stop: int, remembered: int, births: BirthDensity,
+    noise: FrameNoise,
+) -> None:  # fmt: skip
+    """Draw births into the rows from `start` to `stop`, first those about the memory."""
+    for row in range(start, stop):
+        if row - start < remembered:
+            _place_near(states[row], noise.about_memory[row - start], births)
+        else:
+            for column in range(STATE_SIZE):
+                states[row, column] = between(
+                    births.lower[column], births.upper[column], noise.uniform[row, column]
+                )
+
+
+@compiled_loop
+def _place_near(state: FloatArray, noise: FloatArray, births: BirthDensity) -> None:
+    angle = births.pose[ANGLE] + noise[ANGLE] * births.scales[ANGLE]
+    state[DISTANCE] = _middle_at(angle, births) + noise[DISTANCE] * births.scales[DISTANCE]
+    state[ANGLE] = angle
+    state[WIDTH] = births.pose[WIDTH] + noise[WIDTH] * births.scales[WIDTH]
+    state[SKEW] = births.pose[SKEW] + noise[SKEW] * births.scales[SKEW]
+    for column in range(POSE_SIZE, STATE_SIZE):
+        state[column] = 0.0
+
+
+@compiled_inside
+def _middle_at(angle: float, births: BirthDensity) -> float:
+    """Return the d about which a remembered cable is looked for, for an angle."""
+    if births.side == 0.0:
+        return float(births.pose[DISTANCE])
+    reach = image_reach(angle, births.width, births.height)
+    return births.side * (reach - max(births.inset, 0.0))
+
+
+@compiled_inside
+def birth_density(state: FloatArray, drawn: float, births: BirthDensity) -> float:
+    """Return the density of births at the pose of a state (8,); `drawn`: without the map."""
+    if len(births.map_strips) == 0:
+        return drawn
+    return (1.0 - MAP_SHARE) * drawn + MAP_SHARE * _density_by_map(state, births)
+
+
+@compiled_inside
+def drawn_birth_density(state: FloatArray, births: BirthDensity) -> float:
+    """Return the density that births are drawn from at the pose of a state (8,): without the map.
+
+    About its strips particles are drawn in rounds, see `candidates`.
+    """
+    wrapped, sign = relative_direction(state[ANGLE], 0.0)
+    lower, upper = births.lower, births.upper
+    inside = (
+        lower[DISTANCE] <= sign * state[DISTANCE] <= upper[DISTANCE]
+        and lower[ANGLE] <= wrapped <= upper[ANGLE]
+        and lower[WIDTH] <= state[WIDTH] <= upper[WIDTH]
+        and lower[SKEW] <= sign * state[SKEW] <= upper[SKEW]
+    )
+    anywhere = births.box_density if inside else 0.0
+    if births.share == 0.0:
+        return anywhere
+    return (1.0 - births.share) * anywhere + births.share * _density_near(state, births)
+
+
+@compiled_inside
+def _density_near(state: FloatArray, births: BirthDensity) -> float:
+    """Return the density about the memory, over all half turns that the angle may have made."""
+    wrapped, turned = relative_direction(state[ANGLE], births.pose[ANGLE])
+    # A half turn changes the signs of d and beta, and nothing else.
+    middle = _middle_at(wrapped + births.pose[ANGLE], births)
+    scales = births.scales
+    width = (state[WIDTH] - births.pose[WIDTH]) / scales[WIDTH]
+    as_it_is = _beside(turned * state[DISTANCE], turned * state[SKEW], middle, births)
+    turned_round = _beside(-turned * state[DISTANCE], -turned * state[SKEW], middle, births)
+    near = 0.0
+    for turn in range(-MOST_TURNS, MOST_TURNS + 1):
+        beside = as_it_is if turn % 2 == 0 else turned_round
+        near += beside * _birth_tail((wrapped + turn * math.pi) / scales[ANGLE])
+    return near * _birth_tail(width) * births.peak
+
+
+@compiled_inside
+def _density_by_map(state: FloatArray, births: BirthDensity) -> float:
+    """Return the mean of the densities about the strips of the map, of which there is one."""
+    scales, near = births.map_scales, 0.0
+    for strip in births.map_strips:
+        wrapped, sign = relative_direction(state[ANGLE], strip[ANGLE])
+        near += (
+            _birth_tail((sign * state[DISTANCE] - strip[DISTANCE]) / scales[DISTANCE])
+            * _birth_tail(wrapped / scales[ANGLE])
+            * _birth_tail((state[WIDTH] - strip[WIDTH]) / scales[WIDTH])
+            * _birth_tail((sign * state[SKEW] - strip[SKEW]) / scales[SKEW])
+        )
+    volume = scales[DISTANCE] * scales[ANGLE] * scales[WIDTH] * scales[SKEW]
+    return float(near * BIRTH_PEAK / (len(births.map_strips) * volume))
+
+
+@compiled_inside
+def _beside(distance: float, skew: float, middle: float, births: BirthDensity) -> float:
+    a = (distance - middle) / births.scales[DISTANCE]
+    d = (skew - births.pose[SKEW]) / births.scales[SKEW]
+    return _birth_tail(a) * _birth_tail(d)
+
+
+@compiled_inside
+def _birth_tail(deviation: float) -> float:
+    return relative_density(deviation * deviation, BIRTH_TAIL, 1)

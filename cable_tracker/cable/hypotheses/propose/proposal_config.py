@@ -1,0 +1,106 @@
+"""How the particles of a frame are drawn: what is the same in every frame."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.propose.rounds import annealing_power, widening_in
+from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
+from cable_tracker.cable.hypotheses.weigh.clusters import RADII
+from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
+from cable_tracker.cable.hypotheses.weigh.shadows import ShadowRules
+from cable_tracker.cable.model.limits import StateLimits, possible_limits
+from cable_tracker.cable.model.state import pose_units
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.parameter_table import pixel_scale
+
+DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
+"""Kernel scales of the proposal about a detection: d, alpha, w, beta [px at the reference width,
+rad]."""
+
+SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
+"""Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
+
+
+class ProposalConfig(NamedTuple):
+    """What is the same in every frame with a known cable, and in every one without.
+
+    Attributes
+    ----------
+    image_size : (float, float)
+        Width and height of the frames [px].
+    limits : StateLimits
+        Limits of d, alpha, w, beta; poses beyond are impossible.
+    degrees_of_freedom : float
+        Degrees of freedom of the Student-t of the movement and of all proposals; infinite for a
+        Gaussian.
+    cluster_radii, detection_sigmas, smallest_sigmas : FloatArray
+        `RADII`, `DETECTION_SIGMAS`, `SMALLEST_SIGMAS` for frames of this size, shape (4,) [px,
+        rad].
+    powers, widenings : FloatArray
+        Power of the likelihood, and factor on the covariance, in each round, shape (R,).
+    evidence_limits : EvidenceLimits
+        Limits of the correction of the groups' weights.
+    same_hypothesis_radii : FloatArray
+        `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
+    shadows : ShadowRules
+        Limits of what counts as a shadow.
+    is_known : bool
+        Whether a cable is known: then borders count whole, and appearance does not.
+    """
+
+    image_size: tuple[float, float]
+    limits: StateLimits
+    degrees_of_freedom: float
+    cluster_radii: FloatArray
+    detection_sigmas: FloatArray
+    smallest_sigmas: FloatArray
+    powers: FloatArray
+    widenings: FloatArray
+    evidence_limits: EvidenceLimits
+    same_hypothesis_radii: FloatArray
+    shadows: ShadowRules
+    is_known: bool
+
+
+def proposal_config(
+    parameters: TrackerParameters, degrees_of_freedom: float, image_size: tuple[int, int]
+) -> ProposalConfig:
+    """Return what the parameters make of it for frames of a size [px]."""
+    width, height = image_size
+    units, rounds = pose_units(width), range(parameters.refinement_rounds)
+    return ProposalConfig(
+        image_size=(float(width), float(height)),
+        limits=possible_limits(parameters, width),
+        degrees_of_freedom=degrees_of_freedom,
+        cluster_radii=RADII * units,
+        detection_sigmas=DETECTION_SIGMAS * units,
+        smallest_sigmas=SMALLEST_SIGMAS * units,
+        powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
+        widenings=np.array([widening_in(number) for number in rounds]),
+        evidence_limits=EvidenceLimits(
+            parameters.evidence_limit,
+            parameters.evidence_repeated,
+            parameters.thin_width * pixel_scale(width),
+        ),
+        same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
+        shadows=ShadowRules(
+            parameters.shadow_evidence,
+            parameters.evidence_limit,
+            SAME_HYPOTHESIS_RADII * units,
+            pixel_scale(width),
+        ),
+        is_known=False,
+    )
+
+
+def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
+    """Return a configuration in which other strips count less: where the cable is, is known.
+
+    It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
+    """
+    limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
+    return config._replace(evidence_limits=limits, is_known=True)

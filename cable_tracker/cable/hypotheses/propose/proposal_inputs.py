@@ -1,0 +1,50 @@
+"""What the proposals of a frame are made from: all that changes from frame to frame."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
+from cable_tracker.cable.measure.border_points import ScanInputs
+from cable_tracker.cable.measure.cable_map import CableMap
+from cable_tracker.cable.measure.likelihood_ratio import RatioModel
+from cable_tracker.cable.measure.polarity_prior import PolarityPrior
+
+
+class ProposalInputs(NamedTuple):
+    """Inputs of the proposals of a frame.
+
+    Attributes
+    ----------
+    predicted : PredictedDensity
+        The density f before the frame is looked at.
+    noise : FrameNoise
+        Random numbers of the frame.
+    scan, model : ScanInputs, RatioModel
+        The scanned frame, and the tables of its log-likelihood ratios.
+    cable_map : CableMap
+        The map of the frame; `NO_MAP` beside a clear known cable, or if none is wanted.
+    polarity : PolarityPrior
+        Probability that a cable is brighter than the bottom.
+    reference_angle : float
+        Angle within pi/2 of which the normals of all particles are written [rad].
+    ancestors : IndexArray
+        Index of the kernel of f that each survivor is drawn from, shape (S,).
+    detected : FloatArray
+        d, alpha, w, beta of cables that a detector sees [px, rad], shape (K, 4).
+    anchors : FloatArray
+        Expected state of the leading cluster, shape (0 or 1, 8).
+    """
+
+    predicted: PredictedDensity
+    noise: FrameNoise
+    scan: ScanInputs
+    model: RatioModel
+    cable_map: CableMap
+    polarity: PolarityPrior
+    reference_angle: float
+    ancestors: IndexArray
+    detected: FloatArray
+    anchors: FloatArray

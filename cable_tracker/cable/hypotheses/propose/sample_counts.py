@@ -1,0 +1,75 @@
+"""How many of the particles of a frame are drawn from what."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cable_tracker.arrays import IndexArray
+from cable_tracker.cable.hypotheses.predict.births import BirthDensity
+from cable_tracker.cable.hypotheses.predict.predicted_density import LEAST_PROBABILITY
+from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
+from cable_tracker.cable.parameters.parameters import (
+    BORDER_SWITCH_SHARE,
+    LEAST_SURVIVOR_SHARE,
+    TrackerParameters,
+)
+from cable_tracker.particle_filter.existence import PredictedExistence
+
+LOST_DETECTOR_SHARE = 0.3
+"""Share of the particles about detections while it is more likely than not that there is none."""
+
+LARGEST_BIRTH_SHARE = 0.8
+"""Share of the particles of the prior that are born at most."""
+
+
+class SampleCounts(NamedTuple):
+    """Numbers of particles of a frame, by the proposal that they are drawn from.
+
+    Attributes
+    ----------
+    survivors, births, switches, detections : int
+        Drawn about ancestors, from the birth density, from the border-switch density, and about
+        what the detector sees.
+    births_near_memory : int
+        Those of the births that are drawn about the remembered cable.
+    refined : IndexArray
+        Drawn about the best particles in each round, shape (R,).
+    """
+
+    survivors: int
+    births: int
+    births_near_memory: int
+    switches: int
+    detections: int
+    refined: IndexArray
+
+
+def sample_counts(
+    parameters: TrackerParameters,
+    existence: PredictedExistence,
+    birth_density: BirthDensity,
+    detections: int,
+    refined: IndexArray,
+) -> SampleCounts:
+    """Share out the particles of a frame with some detections; `refined` of each round."""
+    count = parameters.particle_count
+    switches = int(count * BORDER_SWITCH_SHARE)
+    first = count - int(refined.sum()) - switches
+    share = parameters.detector_share if detections else 0.0
+    existing = existence.total
+    if share > 0.0 and existing < LIKELY_PRESENCE:
+        share = max(share, LOST_DETECTOR_SHARE)
+    # The raised share, too, leaves something for survivors and births.
+    least = max(int(count * LEAST_SURVIVOR_SHARE), 1)
+    detected = min(int(count * share), max(first - least, 0))
+    rest = first - detected
+    born = existence.born / max(existing, LEAST_PROBABILITY)
+    births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
+    return SampleCounts(
+        survivors=rest - births,
+        births=births,
+        births_near_memory=birth_density.remembered_of(births),
+        switches=switches,
+        detections=detected,
+        refined=refined,
+    )

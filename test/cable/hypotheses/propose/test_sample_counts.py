@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.predict.births import birth_density_of
+from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
+from cable_tracker.cable.hypotheses.propose.sample_counts import LOST_DETECTOR_SHARE, sample_counts
+from cable_tracker.cable.model.initial_state import search_box
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.existence import PredictedExistence
+
+NO_ROUNDS = np.zeros(0, np.int64)
+
+
+def counts_of(count, survived, born, detections, refined=NO_ROUNDS):
+    parameters = TrackerParameters(particle_count=count)
+    births = birth_density_of(search_box(parameters, 320), None, 1.0, (320, 240))
+    existence = PredictedExistence(survived, born)
+    return sample_counts(parameters, existence, births, detections, refined)
+
+
+@given(
+    st.integers(10, 5000), st.floats(0.0, 0.5), st.floats(0.0, 0.5), st.integers(0, 8),
+    st.floats(0.0, 0.6),
+)  # fmt: skip
+def test_every_particle_is_drawn_from_something(count, survived, born, detections, refined):
+    rounds = np.array([int(0.4 * refined * count), int(0.6 * refined * count)], np.int64)
+    counts = counts_of(count, survived, born, detections, rounds)
+    parts = (counts.survivors, counts.births, counts.switches, counts.detections)
+    assert sum(parts) + rounds.sum() == count
+    assert min(parts) >= 0
+    assert counts.births_near_memory <= counts.births
+
+
+@pytest.mark.parametrize("existing", [0.01, 0.99], ids=["searching", "tracked"])
+@pytest.mark.parametrize(
+    "shares",
+    [(0.1, 0.0, 0.8), (0.04, 0.0, 0.86), (0.9, 0.0, 0.0), (0.0, 0.0, 0.9), (0.1, 0.5, 0.7)],
+)
+def test_whatever_shares_are_accepted_leave_particles_to_follow_a_cable_or_search_one(
+    shares, existing
+):
+    names = ("detector_share", "search_share", "refinement_share")
+    parameters = TrackerParameters(particle_count=500, **dict(zip(names, shares, strict=True)))
+    births = birth_density_of(search_box(parameters, 320), None, 1.0, (320, 240))
+    existence = PredictedExistence(existing, 0.0)
+    counts = sample_counts(parameters, existence, births, 3, refined_counts(parameters))
+    assert counts.survivors + counts.births >= 20
+    if existing > 0.5:
+        assert counts.survivors >= 20
+
+
+def test_detections_get_more_particles_while_there_is_more_likely_no_cable():
+    lost, held = counts_of(500, 0.1, 0.1, 3), counts_of(500, 0.9, 0.05, 3)
+    assert lost.detections >= int(500 * LOST_DETECTOR_SHARE) > held.detections
+    assert counts_of(500, 0.1, 0.1, 0).detections == 0

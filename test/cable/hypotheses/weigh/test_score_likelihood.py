@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
+    ENOUGH_SHOWN,
+    KNOWN_MODEL,
+    LEAST_SHOWN,
+    MODEL,
+    FrameScores,
+    ScoreModel,
+    frame_log_likelihood_ratio,
+    least_log_ratio,
+)
+
+FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0, appearance=0.0)
+
+
+def ratio_of(scores: FrameScores, model: ScoreModel = MODEL) -> float:
+    return frame_log_likelihood_ratio(scores, model)
+
+
+@given(
+    st.builds(
+        FrameScores,
+        margin=st.floats(-1e3, 1e3),
+        score=st.floats(-1e3, 1e3),
+        clearness=st.floats(-1e3, 1e3),
+        shown=st.floats(0.0, 1.0),
+        appearance=st.floats(-1e3, 1e3),
+    ),
+    st.sampled_from(FrameScores._fields),
+    st.floats(0.0, 1e3),
+)
+def test_to_stand_out_more_never_speaks_less_for_a_cable(scores, name, more):
+    ratio = ratio_of(scores)
+    assert ratio <= ratio_of(scores._replace(**{name: getattr(scores, name) + more})) + 1e-9
+    assert least_log_ratio(MODEL) <= ratio <= MODEL.largest_log_ratio
+
+
+def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
+    assert ratio_of(FAINT._replace(score=5.0)) < 0.0
+    assert ratio_of(FAINT._replace(score=10.0)) > 0.0
+
+
+def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
+    assert ratio_of(FAINT._replace(margin=MODEL.ordinary_margin - 4.0, score=16.0)) < 0.0
+
+
+def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
+    coarse = FAINT._replace(score=6.0)
+    assert ratio_of(coarse._replace(margin=MODEL.clear_margin + 8.0)) > 1.0
+    assert ratio_of(coarse._replace(margin=MODEL.clear_margin)) < 0.0
+
+
+def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not():
+    low = FrameScores(
+        margin=MODEL.ordinary_margin - 1.0,
+        score=6.0,
+        clearness=MODEL.ordinary_clearness + 0.4,
+        shown=0.0,
+        appearance=0.0,
+    )
+    assert ratio_of(low._replace(shown=ENOUGH_SHOWN)) > 3.0
+    assert ratio_of(low._replace(shown=LEAST_SHOWN)) < 0.0
+    assert ratio_of(low._replace(shown=ENOUGH_SHOWN, clearness=MODEL.ordinary_clearness)) < 0.0
+
+
+def test_what_looks_like_a_cable_is_one_though_its_borders_are_faint():
+    faint = FAINT._replace(margin=3.0, score=4.0)
+    assert ratio_of(faint) < 0.0 < ratio_of(faint._replace(appearance=3.0))
+    assert ratio_of(FAINT._replace(appearance=-3.0)) < 0.0
+
+
+def test_a_known_cable_need_not_be_the_best_of_the_frame():
+    ordinary = FrameScores(margin=4.0, score=6.0, clearness=0.2, shown=1.0, appearance=0.0)
+    assert ratio_of(ordinary) < 0.0
+    assert ratio_of(ordinary, KNOWN_MODEL) > 0.0
+
+
+def test_a_known_cable_that_is_gone_is_given_up_sooner_than_one_among_many():
+    bottom = FrameScores(margin=-2.0, score=1.0, clearness=-0.1, shown=1.0, appearance=-3.0)
+    assert ratio_of(bottom, KNOWN_MODEL) < ratio_of(bottom) < 0.0
+
+
+def test_looks_say_nothing_against_borders_that_no_bottom_has():
+    odd = FAINT._replace(appearance=-6.0)
+    clearest = odd._replace(clearness=MODEL.ordinary_clearness + MODEL.clearness_range)
+    assert ratio_of(odd._replace(clearness=MODEL.ordinary_clearness)) < 0.0
+    assert ratio_of(clearest) == ratio_of(clearest._replace(appearance=0.0)) > 3.0
+    assert ratio_of(clearest._replace(shown=0.0)) < 0.0
