@@ -33,7 +33,8 @@ setup(
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
         PACKAGE: ["py.typed"],
-        f"{PACKAGE}.cable.measure": ["*.json", "*.onnx"],
+        f"{PACKAGE}.cable.measure.borders": ["*.json"],
+        f"{PACKAGE}.cable.measure.map": ["*.onnx"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
         f"{PACKAGE}.survey.outputs": ["*.j2", "*.js"],
         f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],

@@ -1,4 +1,4 @@
-"""Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
+"""Train the network that says where in a picture a cable may be (`cable/measure/map/`).
 
     python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 12000] [--seed 0]
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
@@ -32,15 +32,15 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray, eight_bits
-from cable_tracker.cable.measure.cable_map import cable_map_of, strip_shares
-from cable_tracker.cable.measure.dead_margins import without_dead_margins
-from cable_tracker.cable.measure.map_network import (
+from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.map_network import (
     CELL,
     LIGHT_CELLS,
     STRIDE,
     normalised,
     padded,
 )
+from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame

@@ -56,8 +56,8 @@ def kept_maps() -> Iterator[None]:
     import numpy as np  # noqa: PLC0415
 
     from cable_tracker.arrays import Image  # noqa: PLC0415
-    from cable_tracker.cable.measure import working_image  # noqa: PLC0415
-    from cable_tracker.cable.measure.cable_map import CableMap  # noqa: PLC0415
+    from cable_tracker.cable.measure.map.cable_map import CableMap  # noqa: PLC0415
+    from cable_tracker.cable.measure.picture import working_image  # noqa: PLC0415
 
     make_cable_map = working_image.make_cable_map
 

@@ -62,7 +62,8 @@ def test_every_file_of_the_package_is_built_into_it(tmp_path):
     wanted = {path.relative_to(ROOT) for path in package.rglob("*") if path.is_file()}
     built = {path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()}
     assert {path for path in wanted if "__pycache__" not in path.parts} == built
-    assert Path("cable_tracker/cable/measure/response_table.json") in built
+    assert Path("cable_tracker/cable/measure/borders/response_table.json") in built
+    assert Path("cable_tracker/cable/measure/map/cable_map.onnx") in built
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba.core import event
 
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.cable.proposer_interface import NoProposer

@@ -14,8 +14,8 @@ from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import Yardstick
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement

@@ -20,7 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
+from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import (
     GivenState,

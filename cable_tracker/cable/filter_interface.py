@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.parameters.parameters import TrackerParameters

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.state import POSE_SIZE
 
 

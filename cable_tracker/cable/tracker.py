@@ -11,9 +11,9 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.measure.working_image import (
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.picture.working_image import (
     NO_HISTORY,
     WorkingImage,
     check_frame,

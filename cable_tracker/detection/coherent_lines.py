@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.working_image import check_frame, make_working_image
+from cable_tracker.cable.measure.picture.working_image import check_frame, make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.working_image import check_frame
+from cable_tracker.cable.measure.picture.working_image import check_frame
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.detection.detector import CableDetector, Detection

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.working_image import MINIMUM_SIDE
+from cable_tracker.cable.measure.picture.working_image import MINIMUM_SIDE
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.metric.homography import Overflight

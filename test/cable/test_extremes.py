@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initial_state import GivenState

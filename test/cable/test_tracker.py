@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.bend import Bend, straightened
-from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.picture.bend import Bend, straightened
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.measure.response_table import is_table, load_table
+from cable_tracker.cable.measure.borders.response_table import is_table, load_table
 from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag

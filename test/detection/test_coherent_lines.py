@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.detection.coherent_lines import (
     CELL,
     LEAST_CELLS,

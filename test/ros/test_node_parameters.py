@@ -13,7 +13,7 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 
-from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError

@@ -19,8 +19,8 @@ from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.weigh.shared_borders import is_within_shared_border_limits
-from cable_tracker.cable.measure.likelihood_ratio import measured_cables
-from cable_tracker.cable.measure.polarity_prior import marginal_log_ratios
+from cable_tracker.cable.measure.borders.likelihood_ratio import measured_cables
+from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
     image_reach,

@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.weigh.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
-from cable_tracker.cable.measure.border_points import MINIMUM_LENGTH
+from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState

@@ -51,14 +51,14 @@ from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
     shown_share,
 )
 from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor, trusted_appearance
-from cable_tracker.cable.measure.appearance import appearances_of
-from cable_tracker.cable.measure.cable_map import is_worked_out
-from cable_tracker.cable.measure.likelihood_ratio import (
+from cable_tracker.cable.measure.borders.appearance import appearances_of
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
     BorderClearness,
     border_clearness,
     measured_cables,
 )
-from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK, bright_share
+from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, bright_share
+from cable_tracker.cable.measure.map.cable_map import is_worked_out
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part

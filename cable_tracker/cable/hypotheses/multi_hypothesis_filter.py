@@ -57,11 +57,11 @@ from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
-from cable_tracker.cable.measure.border_points import scan_inputs
-from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.borders.border_points import scan_inputs
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement

@@ -18,8 +18,8 @@ from cable_tracker.cable.hypotheses.predict.predicted_density import (
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
-from cable_tracker.cable.measure.cable_map import CableMap
-from cable_tracker.cable.measure.map_strips import strips_of_map
+from cable_tracker.cable.measure.map.cable_map import CableMap
+from cable_tracker.cable.measure.map.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import image_reach, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits

@@ -14,9 +14,9 @@ from cable_tracker.cable.filter_interface import (
     ParticleBelief,
     resampled_states,
 )
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.response_table import ResponseTable
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.response_table import ResponseTable
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.initial_state import random_states
 from cable_tracker.cable.model.motion_aid import MotionAid

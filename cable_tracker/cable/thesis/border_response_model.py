@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.border_points import (
+from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     MINIMUM_LENGTH,
     ScanInputs,
@@ -20,7 +20,7 @@ from cable_tracker.cable.measure.border_points import (
     room_for_crossings,
     scan_inputs,
 )
-from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.scan_filters import REACH
+from cable_tracker.cable.measure.gradients.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign

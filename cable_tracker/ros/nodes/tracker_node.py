@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import (

@@ -7,11 +7,11 @@ import pytest
 
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
-from cable_tracker.cable.measure.border_points import scan_inputs
-from cable_tracker.cable.measure.cable_map import NO_MAP
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.borders.border_points import scan_inputs
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
+from cable_tracker.cable.measure.map.cable_map import NO_MAP
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 NOTHING = np.empty(0)

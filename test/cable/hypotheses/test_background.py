@@ -5,8 +5,8 @@ import pytest
 
 from cable_tracker.cable.hypotheses.background import SMALLEST_DEVIATION, Background, background_of
 from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 MODEL = BorderLikelihoodRatio(TrackerParameters())

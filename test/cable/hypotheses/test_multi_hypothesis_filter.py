@@ -16,9 +16,9 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
 )
 from cable_tracker.cable.hypotheses.propose import sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset

@@ -16,7 +16,7 @@ from cable_tracker.cable.hypotheses.prediction import (
     with_births_by_map,
 )
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.measure.cable_map import NO_MAP, cable_map_of
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters

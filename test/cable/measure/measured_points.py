@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.cable.measure.response_bins import PointMeasures
+from cable_tracker.cable.measure.borders.response_bins import PointMeasures
 
 
 def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from measured_points import points
 
+from cable_tracker.cable.measure.borders.response_bins import CLASSES
+from cable_tracker.cable.measure.borders.response_table import RATIO_LIMIT
 from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
-from cable_tracker.cable.measure.response_bins import CLASSES
-from cable_tracker.cable.measure.response_table import RATIO_LIMIT
 from cable_tracker.errors import ParameterError
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import (

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.working_image import check_frame
+from cable_tracker.cable.measure.picture.working_image import check_frame
 from cable_tracker.errors import FrameError
 from cable_tracker.ros.rigs.soak_faults import (
     CHANGES,

@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.weigh.clusters import find_groups, heaviest_members
-from cable_tracker.cable.measure.appearance import appearances_of
+from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.compilation import compiled_part
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
-from cable_tracker.cable.measure.border_points import ScanInputs
-from cable_tracker.cable.measure.cable_map import CableMap
-from cable_tracker.cable.measure.likelihood_ratio import RatioModel
-from cable_tracker.cable.measure.polarity_prior import PolarityPrior
+from cable_tracker.cable.measure.borders.border_points import ScanInputs
+from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
+from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
+from cable_tracker.cable.measure.map.cable_map import CableMap
 
 
 class ProposalInputs(NamedTuple):

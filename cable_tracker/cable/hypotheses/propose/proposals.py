@@ -45,7 +45,7 @@ from cable_tracker.cable.hypotheses.propose.sample import (
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.weigh.shadows import fill_shadow_losses, find_shadows
-from cable_tracker.cable.measure.likelihood_ratio import fill_measures
+from cable_tracker.cable.measure.borders.likelihood_ratio import fill_measures
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_part

@@ -15,14 +15,14 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues, empty_densities
 from cable_tracker.cable.hypotheses.weigh.shadows import Shadows, empty_shadows
-from cable_tracker.cable.measure.cable_map import CableMap, is_worked_out, map_match
-from cable_tracker.cable.measure.likelihood_ratio import CableMeasures, allocate_measures
-from cable_tracker.cable.measure.polarity_prior import (
+from cable_tracker.cable.measure.borders.likelihood_ratio import CableMeasures, allocate_measures
+from cable_tracker.cable.measure.borders.polarity_prior import (
     BRIGHT,
     DARK,
     PolarityPrior,
     marginal_log_ratio,
 )
+from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE

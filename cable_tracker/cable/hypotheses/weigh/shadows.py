@@ -27,8 +27,8 @@ from cable_tracker.cable.hypotheses.weigh.shared_borders import (
     parabolic_window,
     shared_border_score,
 )
-from cable_tracker.cable.measure.likelihood_ratio import CableMeasures
-from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
+from cable_tracker.cable.measure.borders.likelihood_ratio import CableMeasures
+from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.model.geometry import border_offset, border_side, relative_direction
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part

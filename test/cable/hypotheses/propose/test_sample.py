@@ -12,7 +12,7 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     importance_log_weights,
     lost_to_shadows,
 )
-from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK, polarity_prior
+from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, polarity_prior
 from cable_tracker.cable.model.limits import StateLimits
 
 

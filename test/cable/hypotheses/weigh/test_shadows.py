@@ -13,9 +13,9 @@ from cable_tracker.cable.hypotheses.weigh.shadows import (
     fill_shadow_losses,
     find_shadows,
 )
-from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.polarity_prior import BRIGHT, DARK
-from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

@@ -1,0 +1,1 @@
+"""What the borders of a strip, and its skin, say of a cable: the learnt observation model."""

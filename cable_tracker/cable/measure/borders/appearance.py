@@ -1,0 +1,295 @@
+"""How much a strip looks like a cable, whatever the strength of its borders.
+
+The likelihood ratio adds up how strong the borders are, and the bottom has stronger edges than a
+faint or overgrown cable: a furrow, a rope, the rim of a shadow. What a person goes by is another
+thing, and four numbers say most of it:
+
+* *Dominance.* Averaged along the strip, its borders are the strongest edges about: beyond them the
+  bottom averages out, and between them there is nothing but skin. A strip with one border on a
+  cable and the other elsewhere has the cable's other border inside or beside it.
+* *Smoothness.* The texture of the inside over that of the bottom beside it, see `texture`, of both
+  sides together: a side that is as rough takes away what the other one gives.
+* *Continuity.* A border is there all along. A beam, a box or a stone has a clear border, and ends.
+* *Length in view.* Of what has one border in a corner of the picture next to nothing is known.
+
+With a map of the frame (`cable_map`), how well the strip matches it says more than all of these.
+
+The weights were fitted on simulated worlds to tune on (`tune_*`, seeds 0 to 39): a conditional
+logit model of which of the strips of a frame is the cable, or none. With these, neither the
+likelihood ratio of a strip nor the share of points at which its border is the strongest edge adds
+anything. The weight of continuity was chosen on pictures of real ground, on which a float lies that
+ends in the picture.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.borders.border_points import (
+    BLOCK,
+    BorderLine,
+    Crossings,
+    ScanInputs,
+    border_on_scan,
+    contrast_depths,
+    find_crossings,
+    pixel_at,
+    room_for_crossings,
+    width_across,
+)
+from cable_tracker.cable.measure.borders.likelihood_ratio import (
+    RatioModel,
+    measured_cables,
+)
+from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
+from cable_tracker.cable.measure.borders.texture import add_texture, smoothness, texture_windows
+from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
+from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
+from cable_tracker.cable.model.geometry import border_side
+from cable_tracker.compilation import compiled_fast_loop, compiled_loop, compiled_part
+
+REACH = 22
+"""Up to where beside a border responses are averaged [px at the reference width]."""
+
+PROFILE = 2 * REACH + 1
+"""Number of the mean responses of a border, one px at the reference width apart."""
+
+BORDER_REACH, BESIDE = 2, 5
+"""Up to where a response belongs to the border, and from where on to something beside it [px at the
+reference width]."""
+
+SMALLEST_SHARE = 0.3
+"""Minimum share of the crossings of a border beside which a response is known; with fewer its mean
+is not looked at."""
+
+FAINTEST = 0.3
+"""Added to mean responses before they are divided [robust scales]: noise does not dominate."""
+
+NARROWEST, NARROW_DOMINANCE = 8.0, 0.7
+"""Half the width up to which nothing can be told of the inside [px at the reference width], and the
+dominance over it that such a strip is taken to have."""
+
+DOMINANCE_OUTSIDE, DOMINANCE_INSIDE, SMOOTHNESS = 1.0, 1.6, 1.8
+"""Weights of both borders' dominance over what lies outside and inside, and of both sides'
+smoothness [nats per unit of a logarithm]."""
+
+IN_VIEW, ENOUGH_IN_VIEW = 11.0, 0.8
+"""Weight of the length in view of the shorter border, as a share of a border through the picture,
+and the share beyond which more is no better."""
+
+PARTS = 4
+"""Number of parts of a border of which the weakest one is held against all."""
+
+ORDINARY_CONTINUITY, CONTINUITY = -2.0, 5.0
+"""Sum over both borders of the log of the weakest part's response over the mean, below which it
+speaks against a cable, and its weight. Of cables under sand and growth one in ten is below it, of
+beams on the real ground all."""
+
+UNDECIDED = -12.3
+"""Added to the sum of the weighted numbers, so that 0 is a strip that may be a cable or not."""
+
+MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
+"""With a map: the weights of both numbers of `MapMatch` and of what the above make [nats per nat].
+Chosen by what is found and claimed on the worlds to tune on and on two simulators that were written
+apart from this project: of a world that the network does not know it sees less."""
+
+
+@compiled_part
+def appearances_of(
+    states: FloatArray, scan: ScanInputs, model: RatioModel, cable_map: CableMap
+) -> FloatArray:
+    """Return the appearance of N strips, shape (N, 8): log-odds, of shape (N,) [nats].
+
+    A strip is looked at as the bright or the dark cable that it is likelier to be.
+    `cable_map`: the map of the frame, or `NO_MAP`.
+    """
+    count = len(states)
+    found = np.empty(count)
+    measured = measured_cables(states, count, scan, model, scan.points_across)
+    crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
+    along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
+    for row in range(count):
+        log_ratios = measured.log_ratios[row]
+        sign = 1.0 if log_ratios[BRIGHT] >= log_ratios[DARK] else -1.0
+        in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
+        looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
+        for border in range(2):
+            more, continuous = border_appearance(
+                states[row], border_side(border), sign, scan, crossings, profile, along
+            )
+            looks, continuity = looks + more, continuity + continuous
+        found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
+        if is_worked_out(cable_map):
+            match = map_match(states[row], cable_map)
+            mapped = MAP_OVERLAP * match.overlap + MAP_INSIDE * match.inside
+            found[row] = mapped + MAP_REST * found[row]
+    return found
+
+
+@compiled_part
+def border_appearance(
+    state: FloatArray,
+    side: float,
+    sign: float,
+    scan: ScanInputs,
+    crossings: Crossings,
+    profile: FloatArray,
+    along: FloatArray,
+) -> tuple[float, float]:
+    """Return what dominance and smoothness of one border add to the appearance [nats].
+
+    And its continuity, see `_continuity`.
+
+    Parameters
+    ----------
+    state : FloatArray
+        The strip, shape (8,).
+    side, sign : float
+        -1 for the left border, 1 for the right one; 1 for a bright cable, -1 for a dark one.
+    scan : ScanInputs
+        The frame.
+    crossings, profile, along : Crossings, FloatArray, FloatArray
+        Room for crossings, for sums and numbers of responses, shape (2, `PROFILE`), and for the
+        responses of the border on each line.
+    """
+    width = width_across(state, scan.reduction)
+    depths = contrast_depths(width, scan.scale)
+    steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
+    lines = scan.rows if steep else scan.columns
+    stretch, texture = -side / component, np.zeros((2, 2))
+    windows = texture_windows(stretch, width, scan.scale, 1.0)
+    profile[:] = 0.0
+    begin, crossed = 0, 0
+    for start in range(0, len(lines.places), BLOCK):
+        first, found = find_crossings(lines, start, line, crossings)
+        begin = first if crossed == 0 else begin
+        crossed += found
+        _fill_border_responses(
+            lines, first, found, line, stretch * scan.scale, sign, crossings, along
+        )
+        _add_responses(lines, first, found, line, stretch * scan.scale, crossings, profile)
+        if windows.looked_at:
+            add_texture(lines, first, found, windows, crossings, texture)
+    dominances = _dominances(profile, SMALLEST_SHARE * crossed, sign, 0.5 * width / scan.scale)
+    looks = (
+        DOMINANCE_OUTSIDE * dominances[0]
+        + DOMINANCE_INSIDE * dominances[1]
+        + SMOOTHNESS * smoothness(texture)
+    )
+    return looks, _continuity(along[begin : begin + crossed])
+
+
+@compiled_fast_loop
+def _add_responses(
+    lines: ScanLines,
+    first: int,
+    count: int,
+    border: BorderLine,
+    stretch: float,
+    crossings: Crossings,
+    profile: FloatArray,
+) -> None:
+    """Add responses beside crossings with the lines from `first` on.
+
+    To `profile` (2, `PROFILE`): their sums and numbers, from the outside to the inside. `stretch`
+    is the distance along the line per px at the reference width inwards across the border [working
+    px].
+    """
+    last = float(lines.smooth.shape[1] - 1)
+    sums, numbers = profile[0], profile[1]
+    for index in range(count):
+        gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
+        # Where the line begins and ends, in steps from the crossing.
+        ends = (-middle / stretch, (last + 1.0 - middle) / stretch)
+        begin = max(math.ceil(min(ends)) + REACH, 0)
+        end = min(math.floor(max(ends)) + REACH + 1, PROFILE)
+        for step in range(begin, end):
+            pixel = np.uint64(pixel_at(middle + (step - REACH) * stretch, last))
+            along, across = gradients[pixel, ALONG], gradients[pixel, ACROSS]
+            sums[step] += border.along * along + border.across * across
+            numbers[step] += 1.0
+
+
+@compiled_loop
+def _fill_border_responses(
+    lines: ScanLines,
+    first: int,
+    count: int,
+    border: BorderLine,
+    stretch: float,
+    sign: float,
+    crossings: Crossings,
+    along: FloatArray,
+) -> None:
+    """Fill in the response of the border on the lines from `first` on, at least 0.
+
+    It is the largest one within a pixel. `stretch` as in `_add_responses`, `sign` as in
+    `border_appearance`.
+    """
+    last = float(lines.smooth.shape[1] - 1)
+    for index in range(count):
+        gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
+        largest = 0.0
+        for depth in range(-1, 2):
+            gradient = gradients[np.uint64(pixel_at(middle + depth * stretch, last))]
+            response = border.along * gradient[ALONG] + border.across * gradient[ACROSS]
+            largest = max(largest, sign * response)
+        along[first + index] = largest
+
+
+@compiled_loop
+def _continuity(along: FloatArray) -> float:
+    """Return the log of the mean response of the weakest part of a border over that of all, <= 0.
+
+    `along`: the responses on the lines that it crosses, shape (L,).
+    """
+    count = len(along)
+    if count < PARTS:
+        return 0.0
+    weakest, total = math.inf, 0.0
+    for part in range(PARTS):
+        begin, end = part * count // PARTS, (part + 1) * count // PARTS
+        mean = 0.0
+        for index in range(begin, end):
+            mean += along[index] / (end - begin)
+        weakest, total = min(weakest, mean), total + mean / PARTS
+    return math.log((weakest + FAINTEST) / (total + FAINTEST))
+
+
+@compiled_loop
+def _dominances(
+    profile: FloatArray, fewest: float, sign: float, half_width: float
+) -> tuple[float, float]:
+    """Return the logarithms of a border's mean response over the largest outside and inside.
+
+    Parameters
+    ----------
+    profile : FloatArray
+        Sums and numbers of responses, shape (2, `PROFILE`).
+    fewest : float
+        Means of fewer responses are not looked at.
+    sign : float
+        1 for a bright cable, -1 for a dark one.
+    half_width : float
+        Half the width of the strip [px at the reference width].
+    """
+    border, outside, inside = 0.0, 0.0, 0.0
+    deepest = min(half_width, float(REACH))
+    for step in range(PROFILE):
+        number, depth = profile[1, step], step - REACH
+        if number == 0.0 or number < fewest:
+            continue
+        response = profile[0, step] / number
+        if abs(depth) <= BORDER_REACH:
+            border = max(border, sign * response)
+        elif depth <= -BESIDE:
+            outside = max(outside, abs(response))
+        elif BESIDE <= depth <= deepest:
+            inside = max(inside, abs(response))
+    over_outside = math.log((border + FAINTEST) / (outside + FAINTEST))
+    if half_width < NARROWEST:
+        return over_outside, NARROW_DOMINANCE
+    return over_outside, math.log((border + FAINTEST) / (inside + FAINTEST))

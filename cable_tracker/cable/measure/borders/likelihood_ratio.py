@@ -1,0 +1,453 @@
+"""The learnt observation model: how much likelier a frame is with a cable than without.
+
+Where each border crosses the scan lines, the response across it and its slope are looked up in a
+table of log-likelihood ratios, border against background. A border that is overgrown at a point
+costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
+
+That a cable is smoother than the bottom beside it counts, too, see `texture`.
+
+How strong the borders of a cable are is a hidden variable of four classes, summed over: the two
+borders of a cable are about as strong as each other, and nothing is said of how strong that is.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import Float32Array, FloatArray
+from cable_tracker.cable.measure.borders.border_points import (
+    BLOCK,
+    BorderLine,
+    Crossings,
+    ScanInputs,
+    border_on_scan,
+    contrast_depths,
+    find_crossings,
+    measure_contrasts,
+    measure_responses,
+    padded_count,
+    room_for_crossings,
+    scan_inputs,
+    width_across,
+)
+from cable_tracker.cable.measure.borders.polarity_prior import (
+    BRIGHT,
+    PolarityPrior,
+    marginal_log_ratios,
+    polarity_prior,
+)
+from cable_tracker.cable.measure.borders.response_bins import (
+    CLASSES,
+    point_cell,
+)
+from cable_tracker.cable.measure.borders.response_table import ResponseTable, load_table
+from cable_tracker.cable.measure.borders.texture import (
+    TextureWindows,
+    add_texture,
+    may_speak,
+    smoothness,
+    texture_log_ratio,
+    texture_windows,
+)
+from cable_tracker.cable.measure.gradients.scan_lines import ScanLines
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import border_side
+from cable_tracker.cable.model.state import POSE_SIZE
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+
+TEMPERED_SPACING = 5.0
+"""Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
+
+EITHER = polarity_prior(0.5)
+"""Bright and dark cables are as likely."""
+
+STRENGTH_STEP = 6.0
+"""What it costs that the strengths of the two borders of a cable are one class apart [nats]."""
+
+_APART = np.abs(np.subtract.outer(np.arange(CLASSES), np.arange(CLASSES)))
+JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APART).sum()
+"""Prior probability of the classes of the left and the right border, shape (4, 4)."""
+
+
+ONE_POINT = 1.0
+"""Expected length of borders whose parts beyond the edge are neither paid for nor counted."""
+
+
+class CableMeasures(NamedTuple):
+    """What a frame shows of N cables, by columns `BRIGHT` and `DARK` where polarity matters.
+
+    Attributes
+    ----------
+    log_ratios : FloatArray
+        Tempered log-likelihood ratio, cable against no cable, shape (N, 2) [nats].
+    weaker_border_mean : FloatArray
+        Mean log-likelihood ratio per point of the weaker border, summed over the classes of its
+        strength, not tempered, with what the texture says, shape (N, 2) [nats].
+    visible_lengths : FloatArray
+        Length inside the image of the shorter border [distances of the scan lines], shape (N,).
+    bright_border_log_ratios : FloatArray
+        Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
+        alone, summed over the classes of its strength, shape (N, 2): cable, border [nats].
+    border_means : FloatArray
+        Mean log-likelihood ratio per point of the left and of the right border, each alone, not
+        tempered, without texture, shape (N, 2, 2): cable, polarity, border [nats].
+    outsides : FloatArray
+        Mean grey level outside the left and the right border [scales of the contrast], shape
+        (N, 2); 0 for a border that is not in view.
+    """
+
+    log_ratios: FloatArray
+    weaker_border_mean: FloatArray
+    visible_lengths: FloatArray
+    bright_border_log_ratios: FloatArray
+    border_means: FloatArray
+    outsides: FloatArray
+
+
+@compiled_part
+def allocate_measures(count: int) -> CableMeasures:
+    """Return uninitialised arrays for N cables."""
+    return CableMeasures(
+        np.empty((count, 2)),
+        np.empty((count, 2)),
+        np.empty(count),
+        np.empty((count, 2)),
+        np.empty((count, 2, 2)),
+        np.empty((count, 2)),
+    )
+
+
+class RatioModel(NamedTuple):
+    """What turns measures into log-likelihood ratios, for frames of one size.
+
+    Attributes
+    ----------
+    ratios : Float32Array
+        Ratios of a point for bright and for dark cables, see `ResponseTable.ratios`.
+    tempering : float
+        Power of one point's ratio.
+    missing : FloatArray
+        Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
+    texture_limit : float
+        Most that texture says [nats].
+    """
+
+    ratios: Float32Array
+    tempering: float
+    missing: FloatArray
+    texture_limit: float
+
+
+class BorderLikelihoodRatio:
+    """Likelihood of a frame given a cable over that given none.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        `tempering`, `missing_cost`, `texture_limit` and `response_table`.
+    table : ResponseTable or None
+        Ratios of single points; None: those of the file that the parameters name.
+
+    Raises
+    ------
+    ParameterError
+        The file cannot be read.
+    """
+
+    def __init__(self, parameters: TrackerParameters, table: ResponseTable | None = None) -> None:
+        chosen = table if table is not None else load_table(parameters.response_table)
+        self._tempering = parameters.tempering
+        self._model = RatioModel(
+            chosen.ratios, 0.0,
+            parameters.missing_cost * chosen.absent, parameters.texture_limit,
+        )  # fmt: skip
+
+    def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
+        """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
+        return _marginal_log_ratios(self.measure(states, image).log_ratios, EITHER)
+
+    def measure(self, states: FloatArray, image: WorkingImage) -> CableMeasures:
+        """Measure cables, shape (N, 4) or more columns.
+
+        Raises
+        ------
+        ValueError
+            There are fewer columns: compiled code would read beyond them.
+        """
+        if states.ndim != 2 or states.shape[1] < POSE_SIZE:
+            raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
+        rows = np.array(states, np.float64, order="C")
+        return _measure_all(rows, scan_inputs(image), self.model_for(image))
+
+    def evidence(self, state: FloatArray, image: WorkingImage) -> float:
+        """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""
+        return float(self.measure(state[None, :], image).weaker_border_mean.max())
+
+    def model_for(self, image: WorkingImage) -> RatioModel:
+        """Return the model for a frame."""
+        power = power_of_a_point(self._tempering, image.line_spacing, image.scale)
+        return self._model._replace(tempering=power)
+
+
+def power_of_a_point(tempering: float, line_spacing: float, scale: float) -> float:
+    """Return the power of the ratio of one point, at most 1: that of independent points.
+
+    Parameters
+    ----------
+    tempering : float
+        The parameter, for points `TEMPERED_SPACING` apart.
+    line_spacing : float
+        Distance of the scan lines [working px].
+    scale : float
+        Working pixels per pixel of an image of the reference width.
+    """
+    return min(tempering * line_spacing / scale / TEMPERED_SPACING, 1.0)
+
+
+@compiled
+def _measure_all(states: FloatArray, scan: ScanInputs, model: RatioModel) -> CableMeasures:
+    return measured_cables(states, len(states), scan, model, scan.points_across)
+
+
+@compiled
+def _marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
+    return marginal_log_ratios(log_ratios, polarity)
+
+
+@compiled_part
+def measured_cables(
+    states: FloatArray, count: int, scan: ScanInputs, model: RatioModel, expected: float
+) -> CableMeasures:
+    """Measure the first of some states; `expected` is that of `fill_measures`."""
+    measured = allocate_measures(count)
+    fill_measures(states, 0, count, scan, model, expected, measured)
+    return measured
+
+
+@compiled_part
+def fill_measures(
+    states: FloatArray,
+    start: int,
+    stop: int,
+    scan: ScanInputs,
+    model: RatioModel,
+    expected: float,
+    measured: CableMeasures,
+) -> None:
+    """Fill in the measures of the states from `start` to `stop`.
+
+    A border with less than the `expected` length in view pays for what it lacks, see
+    `ScanInputs.points_across`, and means per point are taken over at least that length.
+    """
+    visible = measured.visible_lengths
+    # Arrays of its own: in others', every addition would go through memory.
+    sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
+    crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
+    for cable in range(start, stop):
+        state = states[cable]
+        width = width_across(state, scan.reduction)
+        depths = contrast_depths(width, scan.scale)
+        visible[cable], longest = np.inf, expected
+        for border in range(2):
+            side = border_side(border)
+            steep, along, line = border_on_scan(state, side, scan, -side, depths, True)
+            lines = scan.rows if steep else scan.columns
+            limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
+            windows = texture_windows(-side / along, width, scan.scale, limit)
+            length, measured.outsides[cable, border] = _sum_border(
+                lines, line, windows, model, crossings, sums[border], texture
+            )
+            smoother[border] = smoothness(texture)
+            _add_missing_points(max(expected - length, 0.0), model, sums[border])
+            visible[cable] = min(visible[cable], length)
+            longest = max(longest, length)
+        smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
+        _combine_borders(sums, smoothest, model.tempering, longest, shares, measured, cable)
+
+
+@compiled_inside
+def _add_missing_points(lacking: float, model: RatioModel, sums: Float32Array) -> None:
+    """Add the ratios of the length that a border lacks in view to its sums (8,).
+
+    A border that runs through the picture has at least as many points as the shorter side takes.
+    Points beyond the edge cannot be seen, but a cable without is not believed for free.
+    """
+    for strength in range(CLASSES):
+        cost = np.float32(lacking * model.missing[strength])
+        sums[strength] += cost
+        sums[CLASSES + strength] += cost
+
+
+@compiled_inside
+def _combine_borders(
+    sums: Float32Array,
+    smoothest: float,
+    tempering: float,
+    longest: float,
+    shares: FloatArray,
+    measured: CableMeasures,
+    cable: int,
+) -> None:
+    """Fill in the log-likelihood ratios of a cable from those along its borders.
+
+    Parameters
+    ----------
+    sums, tempering, shares : Float32Array, float, FloatArray
+        See `_log_ratio_over_strengths`.
+    smoothest : float
+        Log-likelihood ratio of the texture [nats].
+    longest : float
+        Length over which means per point are taken: that in view of the longer border, at least
+        that of a border through the picture [distances of the scan lines].
+    measured, cable : CableMeasures, int
+        Row of the arrays that is filled in.
+    """
+    for polarity in range(2):
+        ratio, left, right = _log_ratio_over_strengths(sums, polarity * CLASSES, tempering, shares)
+        measured.log_ratios[cable, polarity] = ratio + smoothest
+        points = tempering * longest
+        measured.weaker_border_mean[cable, polarity] = (min(left, right) + smoothest) / points
+        measured.border_means[cable, polarity, 0] = left / points
+        measured.border_means[cable, polarity, 1] = right / points
+        if polarity == BRIGHT:
+            measured.bright_border_log_ratios[cable, 0] = left
+            measured.bright_border_log_ratios[cable, 1] = right
+
+
+class BorderClearness(NamedTuple):
+    """How clearly the frame shows each of N cables where they are in view.
+
+    Attributes
+    ----------
+    clearness : FloatArray
+        Log-likelihood ratio of the weaker border per point in view of the longer one, shape (N,)
+        [nats].
+    shown : FloatArray
+        Length in view of the shorter border, as a share of the picture's shorter side, at most 1,
+        shape (N,).
+    """
+
+    clearness: FloatArray
+    shown: FloatArray
+
+
+@compiled_part
+def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) -> BorderClearness:
+    """Measure how clear the borders of cables are, shape (N, 8).
+
+    What both lack of length costs nothing; what the shorter one lacks of the longer does.
+    """
+    count = len(states)
+    clear = BorderClearness(np.zeros(count), np.zeros(count))
+    measured = measured_cables(states, count, scan, model, ONE_POINT)
+    for row in range(count):
+        shown = min(measured.visible_lengths[row] / scan.points_across, 1.0)
+        clear.shown[row], clear.clearness[row] = shown, -math.inf
+        for polarity in range(2):
+            left, right = measured.border_means[row, polarity]
+            weaker = min(left, right)
+            # Texture is one number for all of the strip: over few points it would count for much.
+            texture = measured.weaker_border_mean[row, polarity] - weaker
+            clear.clearness[row] = max(clear.clearness[row], weaker + shown * texture)
+    return clear
+
+
+@compiled_inside
+def _log_ratio_over_strengths(
+    sums: Float32Array, first: int, tempering: float, shares: FloatArray
+) -> tuple[float, float, float]:
+    """Return the log-likelihood ratio of a cable, and those of its two borders, each alone.
+
+    `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
+    tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
+    classes.
+    """
+    left_peak, left = _log_ratio_of_border(sums[0], first, tempering, shares[0])
+    right_peak, right = _log_ratio_of_border(sums[1], first, tempering, shares[1])
+    joint = 0.0
+    for i in range(CLASSES):
+        for j in range(CLASSES):
+            joint += JOINT_STRENGTHS[i, j] * shares[0, i] * shares[1, j]
+    return left_peak + right_peak + math.log(joint), left, right
+
+
+@compiled_inside
+def _log_ratio_of_border(
+    sums: Float32Array, first: int, tempering: float, shares: FloatArray
+) -> tuple[float, float]:
+    """Return the tempered ratio of a border's likeliest strength, and that over all of them [nats].
+
+    `sums` (8,) and `first` are those of `_log_ratio_over_strengths`; `shares` (4,) are filled with
+    the likelihoods of the strengths over that of the likeliest.
+    """
+    peak = sums[first]
+    for strength in range(1, CLASSES):
+        peak = max(peak, sums[first + strength])
+    mass = 0.0
+    for strength in range(CLASSES):
+        shares[strength] = math.exp(tempering * (sums[first + strength] - peak))
+        mass += shares[strength]
+    return tempering * peak, tempering * peak + math.log(mass / CLASSES)
+
+
+@compiled_inside
+def _sum_border(
+    lines: ScanLines,
+    border: BorderLine,
+    windows: TextureWindows,
+    model: RatioModel,
+    crossings: Crossings,
+    sums: Float32Array,
+    texture: FloatArray,
+) -> tuple[float, float]:
+    """Fill in the summed ratios (8,) and the texture (2, 2) of a border.
+
+    Its length in view, and the mean grey level outside it, are returned.
+    """
+    for index in range(2 * CLASSES):
+        sums[index] = np.float32(0.0)
+    for side in range(2):
+        texture[side, 0], texture[side, 1] = 0.0, 0.0
+    count, outside = 0, 0.0
+    for start in range(0, len(lines.places), BLOCK):
+        first, found = find_crossings(lines, start, border, crossings)
+        measure_responses(lines, first, found, border, crossings)
+        measure_contrasts(lines, first, found, border, crossings)
+        for index in range(found):
+            outside += crossings.levels[0, index]
+        _add_ratios(found, model, crossings, sums)
+        if windows.looked_at:
+            add_texture(lines, first, found, windows, crossings, texture)
+        count += found
+    for index in range(2 * CLASSES):
+        sums[index] *= np.float32(border.length)
+    return count * border.length, outside / max(count, 1)
+
+
+@compiled_inside
+def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Float32Array) -> None:
+    """Add the ratios of measured crossings to the sums (8,) of their border."""
+    cells = crossings.pixels[0]
+    for index in range(padded_count(count)):
+        cells[index] = point_cell(
+            crossings.responses[index], crossings.slopes[index], crossings.contrasts[index]
+        )
+    # As variables, they stay in registers; an array might be the table.
+    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
+    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
+    for index in range(count):
+        ratios = model.ratios[np.uint64(cells[index])]
+        a += ratios[0]
+        b += ratios[1]
+        c += ratios[2]
+        d += ratios[3]
+        e += ratios[4]
+        f += ratios[5]
+        g += ratios[6]
+        h += ratios[7]
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
+    sums[4], sums[5], sums[6], sums[7] = e, f, g, h

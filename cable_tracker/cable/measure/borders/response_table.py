@@ -1,0 +1,206 @@
+"""How likely it is that a point lies on the border of a cable: two learnt tables.
+
+The first is of the response across the border and of its slope: is there an edge, and is it here?
+The second is of the contrast between what lies inside the border and outside, a few pixels away
+from it, given the response: is it the edge of something, or a mere line? Both are of likelihood
+ratios, points on borders against points elsewhere.
+
+How strong a border is, is not known beforehand: there is a pair of tables for each of some classes
+of strength, all against the same background, and a faint border is none the worse for not being a
+strong one.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cable_tracker.arrays import Float32Array, FloatArray
+from cable_tracker.cable.measure.borders.response_bins import (
+    CLASSES,
+    COARSE,
+    CONTRAST_BINS,
+    CONTRAST_LIMIT,
+    CONTRAST_SHAPE,
+    EDGE_SHAPE,
+    RESPONSE_LIMIT,
+    SLOPE_LIMIT,
+    PointMeasures,
+    point_cell,
+)
+from cable_tracker.errors import ParameterError
+
+RATIO_LIMIT = 6.0
+"""No entry of a table is beyond this, of either sign."""
+
+LARGEST_RATIO = np.float32(2.4)
+"""No single point may say more than this for a border, both tables together."""
+
+SHIPPED = "response_table.json"
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseTable:
+    """Log-likelihood ratios, border against background, of what is measured at one point.
+
+    Attributes
+    ----------
+    edges : Float32Array
+        float32, shape (4, 96, 15): class of strength; response from -12 to 12 robust scales; slope
+        from 0 to 0.75 per px.
+    contrasts : Float32Array
+        float32, shape (4, 24, 25): class; response from -12 to 12, contrast from -12 to 12 of its
+        scales; the ratio of the contrast, given the response.
+    source : str
+        Description of the recordings that they were learnt from.
+    """
+
+    edges: Float32Array
+    contrasts: Float32Array
+    source: str
+
+    @property
+    def absent(self) -> FloatArray:
+        """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
+        # Looked up as a scalar in Python: `look_up` would compile `_cells_of` in every tracker.
+        nothing = np.float32(0.0)
+        ratios = self.ratios[point_cell(nothing, nothing, nothing)]
+        means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
+        return means
+
+    @property
+    def limited_contrasts(self) -> Float32Array:
+        """The table of contrasts so that no point says more than `LARGEST_RATIO` with any slope.
+
+        The excess is taken off the contrasts, so equally for all slopes: the slope still tells how
+        exactly a strong edge lies here.
+        """
+        most = self.edges.max(axis=2).reshape(CLASSES, -1, COARSE).max(axis=2)
+        limited: Float32Array = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])
+        return limited
+
+    @cached_property
+    def ratios(self) -> Float32Array:
+        """The ratios of a point by its measures, both tables together, float32, shape (36000, 8).
+
+        The rows are those of `point_cell`, the columns those of `look_up`. It is as quick to read
+        as either table alone.
+        """
+        contrasts = self.limited_contrasts.repeat(COARSE, axis=1)
+        bright = np.minimum(self.edges[..., None] + contrasts[:, :, None], LARGEST_RATIO)
+        both = np.concatenate((bright, bright[:, ::-1, :, ::-1]))
+        return np.ascontiguousarray(both.reshape(len(both), -1).T)
+
+    def look_up(self, points: PointMeasures) -> Float32Array:
+        """Return the ratios of P points on borders of a bright and of a dark cable.
+
+        float32, shape (P, 8): four classes of strength of bright ones, then of dark ones.
+        """
+        edges, contrasts = points.cells()
+        ratios: Float32Array = self.ratios[edges * CONTRAST_BINS + contrasts % CONTRAST_BINS]
+        return ratios
+
+    def save(self, path: Path) -> None:
+        """Write the tables as JSON.
+
+        Raises
+        ------
+        OSError
+            It cannot be written.
+        """
+        content = [
+            f'"source": {json.dumps(self.source)}',
+            *(f'"{name}": {value}' for name, value in _LIMITS.items()),
+            *(f'"{name}": [\n{_lines(getattr(self, name))}\n]' for name in _SHAPES),
+        ]
+        path.write_text("{" + ",\n ".join(content) + "}\n", encoding="utf-8")
+
+
+_LIMITS = {
+    "response_limit": RESPONSE_LIMIT,
+    "slope_limit": SLOPE_LIMIT,
+    "contrast_limit": CONTRAST_LIMIT,
+}
+_SHAPES = {"edges": (CLASSES, *EDGE_SHAPE), "contrasts": (CLASSES, *CONTRAST_SHAPE)}
+
+
+def _lines(tables: Float32Array) -> str:
+    return ",\n".join(
+        " ["
+        + ",\n  ".join(json.dumps([round(float(value), 3) for value in row]) for row in table)
+        + "]"
+        for table in tables
+    )
+
+
+def load_table(path: str) -> ResponseTable:
+    """Read the tables from a file; those of the package for an empty path.
+
+    Raises
+    ------
+    ParameterError
+        The file is missing or is none that `cable-tracker learn` writes.
+    """
+    if not path:
+        return _shipped_table()
+    try:
+        text = Path(path).expanduser().read_text(encoding="utf-8")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise ParameterError(f"response_table: {path} cannot be read ({error})") from error
+    return parse_table(text, path)
+
+
+@cache
+def _shipped_table() -> ResponseTable:
+    text = (
+        files("cable_tracker.cable.measure.borders").joinpath(SHIPPED).read_text(encoding="utf-8")
+    )
+    return parse_table(text, SHIPPED)
+
+
+def parse_table(text: str, name: str) -> ResponseTable:
+    """Read the tables from JSON; `name` stands in messages.
+
+    Raises
+    ------
+    ParameterError
+        The text is none that `ResponseTable.save` writes.
+    """
+    try:
+        content = json.loads(text)
+        source = str(content["source"])
+        limits = {key: float(content[key]) for key in _LIMITS}
+        with np.errstate(over="ignore"):  # What is beyond float32 is refused as infinite.
+            tables = {key: np.asarray(content[key], dtype=np.float32) for key in _SHAPES}
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
+        raise ParameterError(
+            f"response_table: {name} is no table that `cable-tracker learn` writes ({error})"
+        ) from error
+    _check_tables(tables, limits, name)
+    return ResponseTable(tables["edges"], tables["contrasts"], source)
+
+
+def is_table(path: Path) -> bool:
+    """Tell whether a file holds tables of this kind, of any version."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(content, dict) and "source" in content and "response_limit" in content
+
+
+def _check_tables(tables: dict[str, Any], limits: dict[str, float], name: str) -> None:
+    shapes = {key: table.shape for key, table in tables.items()}
+    if shapes != _SHAPES or limits != _LIMITS:
+        raise ParameterError(f"response_table: {name} is of another version; learn it anew")
+    for table in tables.values():
+        if not (np.isfinite(table).all() and np.abs(table).max() <= RATIO_LIMIT + 1e-3):
+            raise ParameterError(
+                f"response_table: {name} has ratios that are not finite or beyond {RATIO_LIMIT:g}"
+            )

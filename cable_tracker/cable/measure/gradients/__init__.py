@@ -1,0 +1,1 @@
+"""Gradients and texture of a frame along its scan lines."""

@@ -1,0 +1,1 @@
+"""The map of a picture, which a network makes: where a cable may be."""

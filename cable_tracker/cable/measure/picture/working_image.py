@@ -1,0 +1,292 @@
+"""The picture in which borders are measured: grey, of a moderate width."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScannedFrame, scan_frame
+from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
+from cable_tracker.cable.measure.map.map_network import make_cable_map
+from cable_tracker.cable.measure.picture.bend import (
+    STRAIGHT,
+    Bend,
+    bend_after,
+    bend_of_map,
+    straightened,
+)
+from cable_tracker.cable.measure.picture.burned_in_lines import (
+    StandingLines,
+    has_room_for_lines,
+    standing_lines,
+    without_standing_lines,
+)
+from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
+from cable_tracker.cable.measure.picture.illumination import evenly_lit
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.errors import FrameError
+from cable_tracker.tracking.parameter_table import pixel_scale
+
+DEFAULTS = TrackerParameters()
+
+MINIMUM_SIDE = 16
+"""Smallest height and width of a frame that a cable can be measured in [px]."""
+
+SMALLEST_SIGMA = 0.5
+"""Sigma that filters keep in narrow pictures [px]; below it, they fall between the pixels."""
+
+REGION_SIGMA = 3.0
+"""Sigma of the Gaussian that takes away the fine texture [px at the reference width]."""
+
+CONTRAST_LAG = 12
+"""Distance of the places whose difference is the contrast [px at the reference width]."""
+
+THINNED_FROM, ROWS_PER_THINNED = 6, 3
+"""Reduction from which on only every third row is averaged, and that three: to read all of a large
+frame takes longer than the rest, and the mean is still over a dozen pixels."""
+
+LARGEST_LEVEL = 1e12
+"""Largest grey level, of either sign: squares of sums of larger ones leave the range of float32."""
+
+MAXIMUM_SIDE = 32_766
+"""Largest height and width of a frame that OpenCV looks up pixels in [px]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PictureHistory:
+    """What the frames before say of how the next one is made ready.
+
+    Attributes
+    ----------
+    bend : Bend
+        What is taken out of it before anything but the map is worked out.
+    standing_lines : StandingLines or None
+        For how long its pixels have been on thin lines; None: it is the first, or nothing is taken
+        out.
+    """
+
+    bend: Bend = STRAIGHT
+    standing_lines: StandingLines | None = None
+
+
+NO_HISTORY = PictureHistory()
+"""That of the first frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingImage:
+    """A frame made ready for measuring. What is not asked for is not worked out.
+
+    Attributes
+    ----------
+    frame : Image
+        Grey levels, uint8 or float32, shape (H, W), not copied: valid as long as the frame.
+    size : (int, int)
+        Width and height of the picture, at most those of the frame [px].
+    filter_sigma : float
+        Sigma of the Gaussian for the gradients [px at the reference width].
+    sample_spacing : float
+        Distance between scan lines [px at the reference width].
+    light_correction : float
+        Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
+    gradients_alone : bool
+        Whether nothing else is measured, as by the observation of the thesis.
+    history : PictureHistory
+        What the frames before say of how it is made ready.
+    dt : float
+        Time since the frame before [s].
+    burned_in_time : float
+        Thin lines that have stood still for this time are taken out [s]; 0: nothing is.
+    """
+
+    frame: Image
+    size: tuple[int, int]
+    filter_sigma: float
+    sample_spacing: float
+    light_correction: float = 0.0
+    gradients_alone: bool = False
+    history: PictureHistory = NO_HISTORY
+    dt: float = 0.0
+    burned_in_time: float = 0.0
+
+    @property
+    def frame_size(self) -> tuple[int, int]:
+        """Width and height of the frame that it was made from [px]."""
+        return self.frame.shape[1], self.frame.shape[0]
+
+    @cached_property
+    def pixels(self) -> Image:
+        """Grey levels, float32, shape (h, w); those of a reduced uint8 frame are whole numbers."""
+        return np.array(self._straight, dtype=np.float32, order="C")
+
+    @cached_property
+    def _straight(self) -> Image:
+        """The cleared frame without its bend, of the frame's dtype."""
+        return straightened(self._cleared, self.history.bend)
+
+    @cached_property
+    def _cleared(self) -> Image:
+        """The reduced frame without burned-in lines, of its dtype."""
+        if self._standing_lines is None:
+            return self._reduced
+        return without_standing_lines(self._reduced, self._standing_lines, self.burned_in_time)
+
+    @cached_property
+    def _standing_lines(self) -> StandingLines | None:
+        if self.burned_in_time == 0.0 or not has_room_for_lines(self._reduced):
+            return None
+        return standing_lines(self.history.standing_lines, self._reduced, self.dt)
+
+    @cached_property
+    def _reduced(self) -> Image:
+        """The reduced frame, of its dtype."""
+        if self.size == self.frame_size:
+            return self.frame
+        frame, height = self.frame, len(self.frame)
+        if height >= THINNED_FROM * self.size[1] and height % ROWS_PER_THINNED == 0:
+            # The middle one of every three rows: the centre of the picture stays where it is.
+            frame = frame[ROWS_PER_THINNED // 2 :: ROWS_PER_THINNED]
+        return np.asarray(cv2.resize(frame, self.size, interpolation=cv2.INTER_AREA))
+
+    @cached_property
+    def reduction(self) -> float:
+        """Working pixels per frame pixel, at most 1."""
+        return self.size[0] / self.frame_size[0]
+
+    @cached_property
+    def scale(self) -> float:
+        """Working pixels per pixel of an image of the reference width."""
+        return pixel_scale(self.size[0])
+
+    @cached_property
+    def line_spacing(self) -> int:
+        """Distance between scan lines in the picture [px]."""
+        return max(1, round(self.sample_spacing * self.scale))
+
+    @cached_property
+    def cable_map(self) -> CableMap:
+        """Where a cable may be, worked out when it is first asked for."""
+        bent = self._bent_map
+        if self.history.bend.amplitude == 0.0:
+            return bent
+        probabilities = straightened(bent.probabilities, self.history.bend)
+        return cable_map_of(probabilities, bent.left, bent.top, bent.cell)
+
+    @cached_property
+    def _bent_map(self) -> CableMap:
+        return make_cable_map(self._cleared.astype(np.float32), self.frame_size[0])
+
+    @property
+    def has_map(self) -> bool:
+        """Whether the map has been asked for, and so is known."""
+        return "_bent_map" in vars(self)
+
+    @property
+    def next_history(self) -> PictureHistory:
+        """The history for the next frame.
+
+        While there is a bend the map is asked for, or a cable that lies straight again would be
+        bent by what is no longer so; else the bend is found when a map is made for other reasons.
+        """
+        bend = self.history.bend
+        if self.has_map or bend != STRAIGHT:
+            bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
+        return PictureHistory(bend, self._standing_lines)
+
+    @cached_property
+    def scanned(self) -> ScannedFrame:
+        """The gradients along its scan lines, worked out when they are first asked for."""
+        kernels = scan_kernels(
+            max(self.filter_sigma * self.scale, SMALLEST_SIGMA),
+            REGION_SIGMA * self.scale,
+            max(1, round(CONTRAST_LAG * self.scale)),
+        )
+        if self.gradients_alone:
+            kernels = kernels._replace(region=kernels.region[:0])
+        picture = evenly_lit(self._straight, self.light_correction)
+        return scan_frame(picture, self.line_spacing, kernels)
+
+
+def check_frame(image: object) -> None:
+    """Refuse what is no grey picture.
+
+    Raises
+    ------
+    FrameError
+        It is no array, has not two dimensions, is too small or large, of an unknown dtype, not
+        finite, or has levels beyond `LARGEST_LEVEL`.
+    """
+    if not isinstance(image, np.ndarray):
+        raise FrameError(f"a picture is a NumPy array, not a {type(image).__name__}")
+    if image.ndim != 2:
+        raise FrameError(f"a grey picture has shape (height, width), not {image.shape}")
+    if min(image.shape) < MINIMUM_SIDE:
+        height, width = image.shape
+        raise FrameError(f"{width}x{height} px is too small; at least {MINIMUM_SIDE} px each way")
+    if max(image.shape) > MAXIMUM_SIDE:
+        height, width = image.shape
+        raise FrameError(f"{width}x{height} px is too large; at most {MAXIMUM_SIDE} px each way")
+    if image.dtype not in (np.uint8, np.float32):
+        raise FrameError(f"grey levels must be uint8 or float32, not {image.dtype}")
+    if image.dtype == np.float32 and not np.isfinite(image).all():
+        raise FrameError("the picture has pixels that are NaN or infinite")
+    if image.dtype == np.float32 and float(np.abs(image).max()) > LARGEST_LEVEL:
+        raise FrameError(f"grey levels must lie between -{LARGEST_LEVEL:g} and {LARGEST_LEVEL:g}")
+
+
+def make_working_image(
+    image: Image,
+    working_width: int,
+    filter_sigma: float = DEFAULTS.filter_sigma,
+    sample_spacing: float = DEFAULTS.sample_spacing,
+    light_correction: float = 0.0,
+    gradients_alone: bool = False,
+) -> WorkingImage:
+    """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
+
+    Parameters
+    ----------
+    image : Image
+        Grey levels, uint8 or float32, shape (H, W).
+    working_width : int
+        Wanted width [px].
+    filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
+        See `WorkingImage`.
+    """
+    image = without_dead_margins(image)
+    height, width = image.shape
+    size = (width, height)
+    if width > working_width:
+        size = (working_width, max(1, round(height * working_width / width)))
+    return WorkingImage(
+        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone
+    )
+
+
+def working_image_for(
+    image: Image,
+    parameters: TrackerParameters,
+    history: PictureHistory = NO_HISTORY,
+    dt: float = 0.0,
+) -> WorkingImage:
+    """Return the working image of a frame (H, W) that a tracker of these parameters makes.
+
+    `history` is that of the frames before, the last of them `dt` seconds ago.
+    """
+    working_image = make_working_image(
+        image,
+        parameters.working_width,
+        parameters.filter_sigma,
+        parameters.sample_spacing,
+        parameters.light_correction,
+        gradients_alone=parameters.observation == "responses",
+    )
+    if not parameters.uses_map:
+        # Without maps, nothing would tell that a bend has ended.
+        history = replace(history, bend=STRAIGHT)
+    return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)

@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.map.cable_map import (
+    CableMap,
+    cable_map_of,
+    map_match,
+    strip_shares,
+)
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import CableState
+
+ROWS, COLUMNS, CELL = 30, 40, 4.0
+
+
+def map_of(probabilities) -> CableMap:
+    probabilities = np.asarray(probabilities, np.float32)
+    rows, columns = probabilities.shape
+    return cable_map_of(
+        probabilities,
+        -0.5 * CELL * (columns - 1),
+        0.5 * CELL * (rows - 1),
+        CELL,
+    )
+
+
+EMPTY = map_of(np.zeros((ROWS, COLUMNS)))
+
+
+def counted_shares(state: CableState, fine: int = 9) -> np.ndarray:
+    """The share of each cell between the borders, of `fine` x `fine` points in each."""
+    borders = project_borders(state.to_array()[None])
+    (left, right), (begin, end) = borders.angles[0], borders.offsets[0]
+    steps = (np.arange(fine) + 0.5) / fine - 0.5
+    x = EMPTY.left + CELL * (np.arange(COLUMNS)[:, None] + steps).ravel()
+    y = EMPTY.top - CELL * (np.arange(ROWS)[:, None] + steps).ravel()
+    x, y = np.meshgrid(x, y)
+    after = x * np.cos(left) + y * np.sin(left) > begin
+    before = x * np.cos(right) + y * np.sin(right) < end
+    return (after & before).reshape(ROWS, fine, COLUMNS, fine).mean((1, 3))
+
+
+STATES = st.builds(
+    CableState,
+    st.floats(-50.0, 50.0),
+    st.floats(-1.5, 1.5),
+    st.floats(6.0, 60.0),
+    st.floats(-0.15, 0.15),
+)
+
+
+@given(STATES)
+def test_shares_are_those_that_points_count(state):
+    shares = strip_shares(state.to_array(), EMPTY)
+    assert shares == pytest.approx(counted_shares(state), abs=0.35)
+    assert shares.sum() == pytest.approx(counted_shares(state).sum(), rel=0.02, abs=4.0)
+
+
+@given(STATES)
+def test_the_strip_that_a_map_shows_matches_it_best(state):
+    shares = strip_shares(state.to_array(), EMPTY)
+    if shares.sum() < 20.0:
+        return
+    best = map_match(state.to_array(), map_of(shares))
+    for change in ((10.0, 0.0, 0.0), (-10.0, 0.0, 0.0), (0.0, 0.0, 12.0), (0.0, 0.5, 0.0)):
+        other = state.to_array()
+        other[:3] += change
+        assert map_match(other, map_of(shares)).overlap <= best.overlap
+
+
+def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
+    whole, half = CableState(0.0, 0.0, 40.0).to_array(), CableState(0.0, 0.0, 20.0).to_array()
+    cable_map = map_of(0.9 * strip_shares(whole, EMPTY))
+    assert map_match(half, cable_map).inside == pytest.approx(
+        map_match(whole, cable_map).inside, abs=0.1
+    )
+    assert map_match(half, cable_map).overlap < map_match(whole, cable_map).overlap - 0.5
+
+
+def test_a_blurred_map_hardly_tells_thin_strips_from_each_other():
+    thin, thinner = CableState(3.0, 0.2, 10.0).to_array(), CableState(3.0, 0.2, 5.0).to_array()
+    blurred = map_of(cv2.GaussianBlur(strip_shares(thinner, EMPTY), (0, 0), 1.0))
+    thin_match, thinner_match = map_match(thin, blurred), map_match(thinner, blurred)
+    assert thinner_match == pytest.approx(thin_match, abs=0.15)
+    wide = CableState(3.0, 0.2, 25.0).to_array()
+    assert map_match(wide, blurred).overlap < map_match(thinner, blurred).overlap - 0.3
+
+
+@pytest.mark.parametrize("width", [6.0, 7.0])
+@pytest.mark.parametrize("angle", [0.0, 0.6, 1.5])
+def test_a_thin_strip_matches_a_sharp_map_of_it_better_than_one_beside_it(width, angle):
+    thin = CableState(3.0, angle, width).to_array()
+    sharp = map_of(strip_shares(thin, EMPTY))
+    beside = CableState(3.0 + width, angle, width).to_array()
+    # Three quarters, which a strip of three cells about it does not reach.
+    assert map_match(thin, sharp).overlap > math.log(0.75 / 0.25)
+    assert map_match(beside, sharp).overlap < map_match(thin, sharp).overlap - 1.0
+
+
+def test_match_is_in_log_odds():
+    whole = CableState(0.0, 0.0, 40.0).to_array()
+    cable_map = map_of(0.5 * strip_shares(whole, EMPTY))
+    assert map_match(whole, cable_map).inside == pytest.approx(0.0, abs=1e-6)
+    # Twice a half of the strip over a half of it and the whole.
+    assert map_match(whole, cable_map).overlap == pytest.approx(
+        math.log((2 / 3 + 0.01) / (1 / 3 + 0.01)), abs=1e-6
+    )
+
+
+def test_a_strip_out_of_the_picture_matches_nothing():
+    match = map_match(
+        CableState(500.0, 0.0, 20.0).to_array(), map_of(np.full((ROWS, COLUMNS), 0.9))
+    )
+    assert match.inside == pytest.approx(math.log(0.01 / 1.01))
+    assert match.overlap < -4.0

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.measure.picture.dead_margins import (
+    BESIDE,
+    dead_lines,
+    without_dead_margins,
+)
+
+
+@pytest.fixture
+def live(rng) -> np.ndarray:
+    return np.clip(rng.normal(100.0, 20.0, (120, 160)), 30, 255).astype(np.uint8)
+
+
+def test_a_picture_without_margins_is_returned_itself(live):
+    assert without_dead_margins(live) is live
+
+
+@pytest.mark.parametrize("level", [0, 16])
+@pytest.mark.parametrize("thickness", [3, 12, 28])
+def test_bars_are_filled_with_the_nearest_live_line(live, level, thickness):
+    barred = live.copy()
+    barred[:thickness] = level
+    barred[:, -thickness:] = level
+    filled = without_dead_margins(barred)
+    inside = np.s_[thickness + BESIDE :, : -thickness - BESIDE]
+    np.testing.assert_array_equal(filled[inside], live[inside])
+    first = thickness + BESIDE
+    assert (filled[: first + 1, :-first] == live[first, :-first]).all()
+    assert dead_lines(filled) == 0
+    assert (barred[:thickness] == level).all()
+
+
+def test_what_is_written_on_a_bar_does_not_hide_it(live, rng):
+    barred = live.copy()
+    barred[:20] = 0
+    barred[6:14, 30:80] = 255 * (rng.random((8, 50)) < 0.5)
+    assert dead_lines(barred) == 20 + BESIDE
+
+
+def test_a_flat_bottom_beside_a_strip_is_no_margin():
+    picture = np.full((120, 160), 70, np.uint8)
+    picture[:, 30:60] = 180
+    assert without_dead_margins(picture) is picture
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (120, 160)])
+def test_a_picture_that_is_flat_all_over_has_no_margins(shape):
+    flat = np.full(shape, 7, np.uint8)
+    assert without_dead_margins(flat) is flat

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.cable.measure.picture.bend import STRAIGHT, Bend
+from cable_tracker.cable.measure.picture.working_image import (
+    PictureHistory,
+    check_frame,
+    make_working_image,
+    working_image_for,
+)
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.errors import FrameError
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        (np.zeros((240, 320, 3), np.uint8), r"not \(240, 320, 3\)"),
+        (np.zeros(320, np.uint8), r"not \(320,\)"),
+        (np.zeros((0, 0), np.uint8), "0x0 px is too small"),
+        (np.zeros((15, 320), np.uint8), "320x15 px is too small"),
+        (np.zeros((40000, 20), np.uint8), "20x40000 px is too large"),
+        (np.zeros((20, 20), np.float64), "float64"),
+        (np.zeros((20, 20), np.uint16), "uint16"),
+        ([[0, 1], [2, 3]], "a NumPy array, not a list"),
+        (np.full((20, 20), np.nan, np.float32), "NaN"),
+        (np.full((20, 20), np.inf, np.float32), "infinite"),
+        (np.full((20, 20), -3e38, np.float32), "between -1e\\+12 and 1e\\+12"),
+    ],
+)
+def test_what_is_no_grey_picture_is_refused_in_one_line(image, words):
+    with pytest.raises(FrameError, match=words) as caught:
+        check_frame(image)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_small_grey_pictures_are_accepted(dtype):
+    check_frame(np.zeros((16, 16), dtype))
+
+
+@pytest.mark.parametrize("size", [(64, 48), (320, 240)])
+def test_a_frame_that_is_narrow_enough_is_taken_as_it_is(size):
+    image = np.random.default_rng(0).integers(0, 256, size[::-1]).astype(np.uint8)
+    working = make_working_image(image, 320)
+    assert working.pixels.dtype == np.float32
+    np.testing.assert_array_equal(working.pixels, image)
+    assert (working.size, working.frame_size, working.reduction) == (size, size, 1.0)
+
+
+def test_a_wide_frame_is_averaged_over_areas():
+    image = np.random.default_rng(0).integers(0, 256, (480, 640)).astype(np.uint8)
+    working = make_working_image(image, 320)
+    assert (working.size, working.frame_size, working.reduction) == ((320, 240), (640, 480), 0.5)
+    blocks = image.reshape(240, 2, 320, 2).mean(axis=(1, 3))
+    assert np.abs(working.pixels - blocks).max() <= 0.5
+
+
+def test_a_reduced_frame_keeps_its_origin_in_the_middle(draw_strip):
+    state = CableState(60.0, 0.4, 80.0, 0.05)
+    working = make_working_image(draw_strip(state, (960, 720), blur=3.0), 320)
+    small = draw_strip(CableState(20.0, 0.4, 80.0 / 3, 0.05), (320, 240))
+    assert np.abs(working.pixels - small.astype(float)).mean() < 0.5
+
+
+@pytest.mark.parametrize("size", [(4000, 16), (16, 4000), (1000, 333)])
+def test_frames_of_unusual_shape_are_reduced_too(size):
+    working = make_working_image(np.zeros(size[::-1], np.float32), 320)
+    assert working.frame_size == size
+    assert working.size[0] == min(size[0], 320)
+
+
+@pytest.mark.parametrize("height", [1080, 1081])
+def test_a_large_frame_keeps_its_middle_and_nearly_its_levels(height, rng):
+    rows = np.linspace(20.0, 220.0, height)[:, None]
+    frame = np.clip(rows + rng.normal(0.0, 3.0, (height, 1920)), 0, 255).astype(np.uint8)
+    image = make_working_image(frame, 320)
+    expected = cv2.resize(
+        np.float32(rows * np.ones(1920)), image.size, interpolation=cv2.INTER_AREA
+    )
+    difference = image.pixels - expected
+    assert abs(difference.mean()) < 0.5 + 0.1
+    assert difference.std() < 1.5
+
+
+@pytest.mark.parametrize(
+    ("parameters", "is_straightened"),
+    [
+        (TrackerParameters(), True),
+        (TrackerParameters(looks="borders"), False),
+        (preset("thesis").replaced({"looks": "network"}), False),
+    ],
+    ids=["network", "borders", "bootstrap filter"],
+)
+def test_a_picture_is_straightened_only_where_a_map_tells_when_the_bend_has_ended(
+    parameters, is_straightened, draw_strip
+):
+    bent = PictureHistory(Bend(0.1))
+    image = working_image_for(draw_strip(CableState(0.0, 0.0, 20.0)), parameters, bent)
+    assert (not np.array_equal(image.pixels, image.frame)) == is_straightened
+    assert (image.next_history.bend == STRAIGHT) != is_straightened
