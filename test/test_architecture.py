@@ -77,10 +77,10 @@ MAY_IMPORT = {
 """Of the folders and of the modules beside them, lowest first."""
 ORDER_WITHIN = {
     "cable": [
-        "parameters", "model", "measure", "proposer_interface", "filter_interface", "hypotheses",
-        "thesis", "tracker",
+        "parameters", "model", "measure", "learning", "proposer_interface", "filter_interface",
+        "hypotheses", "thesis", "tracker",
     ],
-    "cable/measure": ["gradients", "map", "picture", "borders", "histograms", "learning"],
+    "cable/measure": ["gradients", "map", "picture", "borders"],
     "cable/hypotheses": [
         "frame_noise", "predict", "weigh", "propose", "background", "conclusion", "belief",
         "first_claim", "belief_summary", "belief_update", "prediction", "multi_hypothesis_filter",

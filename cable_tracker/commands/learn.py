@@ -11,8 +11,8 @@ import numpy as np
 import typer
 
 from cable_tracker.atomic_output import output_file
+from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.response_table import is_table
-from cable_tracker.cable.measure.learning import ResponseCounts
 from cable_tracker.commands.learning_sources import (
     LearningPlan,
     count_frames,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.cable.measure.learning import ResponseCounts
+from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.picture.working_image import check_frame, working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError

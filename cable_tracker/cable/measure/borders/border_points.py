@@ -14,14 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
-from cable_tracker.cable.measure.borders.response_bins import PointMeasures
+from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.cable.measure.gradients.gradient_shape import GradientShape, directional_gain
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import border_offset, border_side
+from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
-from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+from cable_tracker.compilation import compiled_inside, compiled_part
 
 BEHIND = 0.25
 """Depth behind the border at which the first inside level is read, as a share of the width; the
@@ -129,7 +128,8 @@ class Crossings(NamedTuple):
     shares : Float32Array
         Fractions of a pixel from the pixel to the left, float32, shape (BLOCK,).
     responses, slopes, contrasts : Float32Array
-        See `PointMeasures`, float32, shape (BLOCK,).
+        Response across the border and contrast, in their robust scales, positive where the inside
+        is brighter; slope over the response [1/px at the reference width]. float32, shape (BLOCK,).
     """
 
     positions: FloatArray
@@ -393,51 +393,3 @@ def weaker_common_contrast(behind: np.float32, middle: np.float32) -> np.float32
     # Without a branch, which could not be predicted: whichever of the two is zero adds nothing.
     nothing = np.float32(0.0)
     return max(min(behind, middle), nothing) + min(max(behind, middle), nothing)
-
-
-class BorderPoints(NamedTuple):
-    """Where the borders of N cables cross the scan lines of a frame, inside it: P points.
-
-    Attributes
-    ----------
-    measures : PointMeasures
-        Response, slope and contrast at the points, each of shape (P,).
-    borders : IndexArray
-        Index of each point's border: twice that of the cable, plus one for the right; shape (P,).
-    """
-
-    measures: PointMeasures
-    borders: IndexArray
-
-
-def measure_points(states: FloatArray, image: WorkingImage) -> BorderPoints:
-    """Measure the frame where the borders of cables, shape (N, 8), cross its scan lines."""
-    scan = scan_inputs(image)
-    most = 2 * len(states) * max(len(scan.rows.places), len(scan.columns.places))
-    measures, borders = np.empty((3, most), np.float32), np.empty(most, np.int64)
-    count = _record_points(np.array(states, np.float64, order="C"), scan, measures, borders)
-    return BorderPoints(PointMeasures(*measures[:, :count].copy()), borders[:count].copy())
-
-
-@compiled
-def _record_points(
-    states: FloatArray, scan: ScanInputs, measures: Float32Array, borders: IndexArray
-) -> int:
-    """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
-    count, crossings = 0, room_for_crossings()
-    for border in range(2 * len(states)):
-        state, side = states[border // 2], border_side(border % 2)
-        depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
-        steep, _, crossing = border_on_scan(state, side, scan, -side, depths, True)
-        lines = scan.rows if steep else scan.columns
-        for start in range(0, len(lines.places), BLOCK):
-            first, found = find_crossings(lines, start, crossing, crossings)
-            measure_responses(lines, first, found, crossing, crossings)
-            measure_contrasts(lines, first, found, crossing, crossings)
-            for index in range(found):
-                measures[0, count + index] = crossings.responses[index]
-                measures[1, count + index] = crossings.slopes[index]
-                measures[2, count + index] = crossings.contrasts[index]
-                borders[count + index] = border
-            count += found
-    return count

@@ -7,12 +7,9 @@ classes by their strength.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from cable_tracker.arrays import Float32Array, IndexArray
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import compiled_inside
 
 RESPONSE_LIMIT = 12.0
 """Responses beyond this many robust scales are taken for this one."""
@@ -40,49 +37,13 @@ CONTRAST_FACTOR = np.float32(CONTRAST_BINS / (2 * CONTRAST_LIMIT))
 """What numbers are shifted by, and bins per unit, in single precision as in the kernels."""
 
 STRENGTHS = (1.2, 1.8, 2.7, 4.0)
-"""Smallest strength of the borders of each class; see `border_strength`. Fainter ones, which cannot
-be told from the bottom, are not learnt from."""
+"""Smallest strength of the borders of each class; see `border_strength` of cable/learning. Fainter
+ones, which cannot be told from the bottom, are not learnt from."""
 
 CLASSES = len(STRENGTHS)
 
 EDGE_SHAPE = (RESPONSE_BINS, SLOPE_BINS)
 CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PointMeasures:
-    """What is measured at P points of borders, all float32, of one shape.
-
-    Attributes
-    ----------
-    responses : Float32Array
-        Response across the border [`ScannedFrame.gradient_scale`], positive where the inside is
-        brighter.
-    slopes : Float32Array
-        Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
-        ridge of an edge. Only its size counts.
-    contrasts : Float32Array
-        Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
-    """
-
-    responses: Float32Array
-    slopes: Float32Array
-    contrasts: Float32Array
-
-    def negative(self) -> PointMeasures:
-        """Return what would be measured in a negative of the picture."""
-        return PointMeasures(-self.responses, self.slopes, -self.contrasts)
-
-    def cells(self) -> tuple[IndexArray, IndexArray]:
-        """Return flat indices into the tables of edges and of contrasts, of the points' shape."""
-        shape = np.shape(self.responses)
-        edges, contrasts = _cells_of(
-            *(np.array(each, np.float32).ravel() for each in self._columns())
-        )
-        return edges.reshape(shape), contrasts.reshape(shape)
-
-    def _columns(self) -> tuple[Float32Array, Float32Array, Float32Array]:
-        return self.responses, self.slopes, self.contrasts
 
 
 @compiled_inside
@@ -111,26 +72,3 @@ def point_cell(response: np.float32, slope: np.float32, contrast: np.float32) ->
     """Return the row of the table of all three for a response, the size of a slope, a contrast."""
     cell = _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
     return np.uint32(edge_cell(response, slope) * CONTRAST_BINS + cell)
-
-
-@compiled
-def _cells_of(
-    responses: Float32Array, slopes: Float32Array, contrasts: Float32Array
-) -> tuple[IndexArray, IndexArray]:
-    """Return the rows (P,) of both tables; all are float32 of shape (P,)."""
-    edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
-    for point in range(len(responses)):
-        edges[point] = edge_cell(responses[point], abs(slopes[point]))
-        contrast_cells[point] = contrast_cell(responses[point], contrasts[point])
-    return edges, contrast_cells
-
-
-def border_strength(responses: Float32Array) -> float:
-    """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
-    highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
-    return float(highest.mean()) if len(highest) else 0.0
-
-
-def strength_class(strength: float) -> int:
-    """Return the class of a strength, -1 for one that is too faint for any."""
-    return int(np.searchsorted(STRENGTHS, strength, side="right")) - 1

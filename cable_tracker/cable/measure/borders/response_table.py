@@ -25,13 +25,11 @@ from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.cable.measure.borders.response_bins import (
     CLASSES,
     COARSE,
-    CONTRAST_BINS,
     CONTRAST_LIMIT,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
     RESPONSE_LIMIT,
     SLOPE_LIMIT,
-    PointMeasures,
     point_cell,
 )
 from cable_tracker.errors import ParameterError
@@ -68,7 +66,6 @@ class ResponseTable:
     @property
     def absent(self) -> FloatArray:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
-        # Looked up as a scalar in Python: `look_up` would compile `_cells_of` in every tracker.
         nothing = np.float32(0.0)
         ratios = self.ratios[point_cell(nothing, nothing, nothing)]
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
@@ -89,22 +86,13 @@ class ResponseTable:
     def ratios(self) -> Float32Array:
         """The ratios of a point by its measures, both tables together, float32, shape (36000, 8).
 
-        The rows are those of `point_cell`, the columns those of `look_up`. It is as quick to read
-        as either table alone.
+        The rows are those of `point_cell`, the columns the four classes of strength of bright
+        cables, then those of dark ones. It is as quick to read as either table alone.
         """
         contrasts = self.limited_contrasts.repeat(COARSE, axis=1)
         bright = np.minimum(self.edges[..., None] + contrasts[:, :, None], LARGEST_RATIO)
         both = np.concatenate((bright, bright[:, ::-1, :, ::-1]))
         return np.ascontiguousarray(both.reshape(len(both), -1).T)
-
-    def look_up(self, points: PointMeasures) -> Float32Array:
-        """Return the ratios of P points on borders of a bright and of a dark cable.
-
-        float32, shape (P, 8): four classes of strength of bright ones, then of dark ones.
-        """
-        edges, contrasts = points.cells()
-        ratios: Float32Array = self.ratios[edges * CONTRAST_BINS + contrasts % CONTRAST_BINS]
-        return ratios
 
     def save(self, path: Path) -> None:
         """Write the tables as JSON.

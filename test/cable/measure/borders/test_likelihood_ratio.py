@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measured_points import ratios_at
 
+from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.border_points import (
-    measure_points,
     scan_inputs,
     weaker_common_contrast,
 )
@@ -273,7 +274,7 @@ def literal_log_ratios(state, image, table, parameters) -> np.ndarray:
     tempering = parameters.tempering * image.line_spacing / image.scale / 5.0
     expected = min(image.size) / image.line_spacing
     points = measure_points(state[None], image)
-    ratios, sums = table.look_up(points.measures), np.zeros((2, 2, CLASSES))
+    ratios, sums = ratios_at(points.measures, table), np.zeros((2, 2, CLASSES))
     for border, side in enumerate((-1.0, 1.0)):
         normal = state[1] + side * state[3]
         length = 1.0 / max(abs(np.cos(normal)), abs(np.sin(normal)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from measured_points import points
+from measured_points import points, ratios_at
 
 from cable_tracker.cable.measure.borders.response_bins import (
     CLASSES,
@@ -56,21 +56,20 @@ def test_our_own_table_favours_sharp_edges_of_something_bright():
     table = load_table("")
     assert table is load_table("")
     strongest = CLASSES - 1
-    clear, nothing, beside, furrow = table.look_up(
-        points([8.0, 0.0, 8.0, 8.0], [0.0, 0.0, 0.7, 0.0], [8.0, 0.0, 8.0, -8.0])
-    )[:, strongest]
+    looked_at = points([8.0, 0.0, 8.0, 8.0], [0.0, 0.0, 0.7, 0.0], [8.0, 0.0, 8.0, -8.0])
+    clear, nothing, beside, furrow = ratios_at(looked_at, table)[:, strongest]
     assert clear > 0.5
     assert clear > beside
     assert clear > furrow
     assert nothing < 0.0
-    both = table.look_up(points(0.0)).reshape(2, CLASSES)
+    both = ratios_at(points(0.0), table).reshape(2, CLASSES)
     np.testing.assert_allclose(table.absent, both.mean(axis=0), rtol=1e-6)
     assert (table.absent < 0.0).all()
 
 
 def test_the_fainter_the_class_the_less_a_faint_edge_speaks_against_a_border():
     table = load_table("")
-    nothing, faint = table.look_up(points([0.0, 2.0], 0.0, [0.0, 2.0]))[:, :CLASSES]
+    nothing, faint = ratios_at(points([0.0, 2.0], 0.0, [0.0, 2.0]), table)[:, :CLASSES]
     assert faint[0] > 0.0
     assert nothing[0] > nothing[-1]
 
@@ -79,12 +78,12 @@ def test_the_fainter_the_class_the_less_a_faint_edge_speaks_against_a_border():
 def test_no_point_says_more_than_the_largest_ratio(seed):
     rng = np.random.default_rng(seed)
     measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
-    assert load_table("").look_up(measured).max() <= LARGEST_RATIO
+    assert ratios_at(measured, load_table("")).max() <= LARGEST_RATIO
 
 
 def test_cells_of_known_points(rng):
     table = any_table(rng)
-    found = table.look_up(points([-12.0, 11.99, 0.1], [0.0, 9.0, 0.06], [-99.0, 99.0, 0.1]))
+    found = ratios_at(points([-12.0, 11.99, 0.1], [0.0, 9.0, 0.06], [-99.0, 99.0, 0.1]), table)
     cells = [((0, 0), (0, 0)), ((95, 14), (23, 24)), ((48, 1), (12, 12))]
     for strength in range(CLASSES):
         bright = [
@@ -114,7 +113,7 @@ def test_a_dark_border_is_a_bright_one_in_the_negative(seed):
     responses = inside_bins(rng, RESPONSE_LIMIT, RESPONSE_BINS)
     contrasts = inside_bins(rng, CONTRAST_LIMIT, CONTRAST_BINS)
     measured = points(responses, rng.normal(0, 0.5, 50), contrasts)
-    picture, negative = table.look_up(measured), table.look_up(measured.negative())
+    picture, negative = ratios_at(measured, table), ratios_at(measured.negative(), table)
     np.testing.assert_array_equal(picture, np.roll(negative, CLASSES, axis=1))
 
 

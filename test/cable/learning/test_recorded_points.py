@@ -3,10 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     SMALLEST_RESPONSE,
-    measure_points,
     weaker_common_contrast,
 )
 from cable_tracker.cable.measure.picture.working_image import WorkingImage, make_working_image

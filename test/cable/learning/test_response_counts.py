@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from measured_points import points, ratios_at
 
+from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.borders.response_table import CLASSES, PointMeasures
-from cable_tracker.cable.measure.learning import ResponseCounts
+from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -35,9 +36,8 @@ def learnt(draw_strip, noise_picture):
 
 def ratios(table) -> np.ndarray:
     """On a bright cable: of a clear edge on its ridge, of nothing, of one with darkness behind."""
-    response, contrast = (np.array(x, np.float32) for x in ([11.0, 0.0, 11.0], [11.0, 0.0, -11.0]))
-    found = table.look_up(PointMeasures(response, np.zeros(3, np.float32), contrast))
-    return found[:, CLASSES - 1]
+    looked_at = points([11.0, 0.0, 11.0], 0.0, [11.0, 0.0, -11.0])
+    return ratios_at(looked_at, table)[:, CLASSES - 1]
 
 
 @pytest.mark.parametrize(("strip", "ground"), [(170.0, 90.0), (90.0, 170.0)])

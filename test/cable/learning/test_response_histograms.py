@@ -2,11 +2,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from measured_points import points
+from measured_points import points, ratios_at
 
+from cable_tracker.cable.learning.response_histograms import (
+    ResponseHistograms,
+    table_from_histograms,
+)
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.response_table import RATIO_LIMIT
-from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
 from cable_tracker.errors import ParameterError
 
 
@@ -25,7 +28,7 @@ def histograms(rng, response, count=4000) -> ResponseHistograms:
 
 def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
     table = table_from_histograms([histograms(rng, 5.0)] * CLASSES, histograms(rng, 0.0), "test")
-    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
+    border, background = ratios_at(points([5.0, 0.0], 0.0, [5.0, 0.0]), table)[:, 0]
     assert border > 2.0
     # Strays bound what speaks against a border, in either table.
     assert -4.7 < background < -2.0

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.measure.borders.border_points import measure_points
+from cable_tracker.cable.learning.border_strength import border_strength, strength_class
+from cable_tracker.cable.learning.point_measures import PointMeasures
+from cable_tracker.cable.learning.recorded_points import measure_points
+from cable_tracker.cable.learning.response_histograms import (
+    ResponseHistograms,
+    table_from_histograms,
+)
 from cable_tracker.cable.measure.borders.response_bins import (
     CLASSES,
-    PointMeasures,
-    border_strength,
-    strength_class,
 )
 from cable_tracker.cable.measure.borders.response_table import ResponseTable
-from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import image_reaches
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn

@@ -1,0 +1,1 @@
+"""The tables of the likelihood ratio, learnt from labelled frames."""
