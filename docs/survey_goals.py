@@ -18,8 +18,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.sequences.bag_storage import open_storage
-from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.sequences.bags.bag_storage import open_storage
+from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import (

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from cable_tracker import __version__
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -31,11 +31,11 @@ from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.errors import read_failure
 from cable_tracker.metric.recorded import VEHICLE_FILE, own_vehicle_file
 from cable_tracker.metric.recorded_messages import carried_messages
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.convert import ImageFormat, write_bag
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
+from cable_tracker.sequences.bags.instrument_source import InstrumentSource
+from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.instrument_source import InstrumentSource
-from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording
 
 

@@ -36,7 +36,7 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
-from cable_tracker.sequences.instruments import NO_TOPIC
+from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_files import read_parameter_file

@@ -14,8 +14,8 @@ from cable_tracker.commands.terminal import console, messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
+from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
 

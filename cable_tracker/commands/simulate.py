@@ -14,7 +14,7 @@ from cable_tracker.commands.options import ForceOption, Storage, refuse_without_
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, counted, progress_bar
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence

@@ -47,10 +47,10 @@ from cable_tracker.metric.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target
+from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame
-from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.sequences.instruments import InstrumentChoice
+from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording
 
 

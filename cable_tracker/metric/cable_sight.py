@@ -26,7 +26,7 @@ from cable_tracker.metric.sea_bed_texture import TextureMotion
 from cable_tracker.metric.settings import instrument_settings, number
 from cable_tracker.metric.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 
 CABLE_INSTRUMENTS = (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping
 
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
-from cable_tracker.sequences.instruments import Instrument
 
 LOOK_AHEAD = 250_000_000
 """Time after a frame up to which messages are known when it is tracked [ns]. Those of the fastest

@@ -25,12 +25,12 @@ from cable_tracker.metric.vehicle import (
     read_vehicle_file,
 )
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_limits import METADATA
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 
 
 @dataclass(frozen=True, slots=True)

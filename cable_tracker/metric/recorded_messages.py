@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from heapq import merge
 
 from cable_tracker.metric.altitude import MOST_ALTITUDE
-from cable_tracker.sequences.convert import CarriedMessage
-from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
-from cable_tracker.sequences.instruments import TOPICS, Instrument
+from cable_tracker.sequences.bags.convert import CarriedMessage
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 
 

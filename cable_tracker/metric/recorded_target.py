@@ -13,8 +13,8 @@ from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.target_sight import TargetSight
 from cable_tracker.metric.vehicle import VehicleDescription
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.parameter_table import ParameterValue

@@ -22,7 +22,7 @@ from cable_tracker.metric.target_metres import (
     turn_of_picture,
 )
 from cable_tracker.metric.unaided import SWITCHED_OFF
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from cable_tracker.sequences.bag_writer import MessageSink
+from cable_tracker.sequences.bags.bag_writer import MessageSink
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 
 class FrameMessages:

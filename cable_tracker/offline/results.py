@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
+from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
 

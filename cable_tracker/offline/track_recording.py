@@ -21,8 +21,8 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_writer import MessageSink
-from cable_tracker.sequences.convert import write_truth
+from cable_tracker.sequences.bags.bag_writer import MessageSink
+from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import EstimateRow

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cable_tracker.errors import ParameterError, RecordingError, read_failure
-from cable_tracker.sequences.bag import BagSource, read_bag_truth
-from cable_tracker.sequences.bag_limits import METADATA
-from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
+from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
+from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
 from cable_tracker.sequences.label_match import labels_by_frame

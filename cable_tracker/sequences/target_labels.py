@@ -17,14 +17,14 @@ import numpy as np
 
 from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1, open_bag
+from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.source import is_bag
-from cable_tracker.sequences.unpacking import deserialise
 from cable_tracker.target.model.estimate import Box
 
 BOXES_NAME = "boxes.txt"

@@ -10,8 +10,8 @@ import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.metric.recorded import VEHICLE_FILE
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.convert import write_frame
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.flight import vehicle_states_at

@@ -17,7 +17,7 @@ import numpy as np
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.metric.recorded import VEHICLE_FILE
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header

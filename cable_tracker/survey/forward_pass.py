@@ -25,11 +25,11 @@ from cable_tracker.metric.recorded import (
     recorded_vehicle,
 )
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.instrument_source import InstrumentMessage
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.sequences.source import open_source
 from cable_tracker.survey.crossing_search import CrossingSearch

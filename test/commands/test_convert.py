@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.sequences.bag_storage import open_bag
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.bag_storage import open_bag
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 
 CARRIED = {"/altitude", "/camera_info", "/fix", "/imu", "/odometry", "/tf_static"}
 

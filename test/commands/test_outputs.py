@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from cable_tracker import cli
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 pytestmark = pytest.mark.slow

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.offline.target_table import HEADER
-from cable_tracker.sequences.typestores import typestore
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 
 NAMED = InstrumentChoice({Instrument.ALTITUDE: "/dvl/altitude", Instrument.ODOMETRY: "none"})
 

@@ -24,8 +24,8 @@ from cable_tracker.offline.track_recording import (
     given_state_for,
     track_recording,
 )
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.estimates import read_estimates
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status_words import WARMING_UP
 

@@ -2,12 +2,12 @@
 
 import math
 
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.convert import write_frame
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.convert import write_frame
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.simulation.instrument_messages import (
     BASE,
     make_camera_info,

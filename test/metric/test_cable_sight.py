@@ -13,7 +13,7 @@ from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.unaided import SWITCHED_OFF
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25

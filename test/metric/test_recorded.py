@@ -6,8 +6,8 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings

@@ -8,7 +8,7 @@ from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.target_sight import TargetSight
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 

@@ -26,7 +26,7 @@ from cable_tracker.ros.process.environment import (
     RANGE_VARIABLE,
     local_environment,
 )
-from cable_tracker.sequences.convert import ImageFormat, write_bag
+from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate

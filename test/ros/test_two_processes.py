@@ -27,15 +27,15 @@ from cable_tracker.offline.track_recording import (
     track_recording,
 )
 from cable_tracker.ros.clients.track_recording import cable_nodes, track_recording_over_ros
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.convert import write_bag
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.typestores import typestore
 from cable_tracker.trackers import make_tracker
 
 PARAMETERS = TrackerParameters(seed=4, particle_count=200)

@@ -16,9 +16,9 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.rosbags_paths import BagFileWriter
 
 STORES = {2: get_typestore(Stores.ROS2_JAZZY), 1: get_typestore(Stores.ROS1_NOETIC)}
 STEP = 40_000_000

@@ -7,15 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.serialised_images import (
     read_serialised_compressed_image,
     read_serialised_image,
 )
-from cable_tracker.sequences.typestores import typestore
 
 IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 FACTORY = RosbagsMessages()

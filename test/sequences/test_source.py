@@ -8,8 +8,8 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import write_sequence

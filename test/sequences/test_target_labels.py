@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import open_source

@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.errors import OutputError
 from cable_tracker.metric.recorded import recorded_vehicle
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instrument_writer import ORIGIN, to_east_north
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from cable_tracker.sequences.bag_storage import open_storage
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.sequences.bags.bag_storage import open_storage
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.unpacking import deserialise
 
 Change = Callable[[str, Any, int], Iterator[tuple[str, Any, int]]]
 """Takes topic, message and time of receipt [ns]; gives what is written instead."""

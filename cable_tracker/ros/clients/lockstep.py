@@ -18,9 +18,9 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_writer import MessageSink
+from cable_tracker.sequences.bags.bag_writer import MessageSink
+from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE

@@ -19,7 +19,7 @@ from cable_tracker.ros.clients.lockstep import (
 )
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.convert import write_truth
+from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import read_sigma, read_state

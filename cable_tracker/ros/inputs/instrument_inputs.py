@@ -11,7 +11,7 @@ from cable_tracker.metric.settings import default_values, number
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.sequences.instruments import TOPICS, Instrument
+from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.tracking.parameter_table import ParameterSpec

@@ -20,7 +20,7 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.headers import stamp_of
 

@@ -22,14 +22,14 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
+from cable_tracker.sequences.bags.instruments import TOPICS, Instrument, InstrumentChoice
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.instrument_source import InstrumentMessage
-from cable_tracker.sequences.instruments import TOPICS, Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.factory import MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
-from cable_tracker.sequences.typestores import typestore
 
 BEGINNING = 5_000_000_000
 """Time before the first frame from which messages are sent, but for the calibration [ns]."""

@@ -23,8 +23,8 @@ from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, make_time, stamp_of

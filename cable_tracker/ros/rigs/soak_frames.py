@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences.convert import ImageFormat, in_format, write_bag
+from cable_tracker.sequences.bags.convert import ImageFormat, in_format, write_bag
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header

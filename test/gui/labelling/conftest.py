@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.source import open_source
 
 from ..conftest import Running

@@ -5,7 +5,7 @@ from rosbags.highlevel import AnyReader
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
-from cable_tracker.sequences.typestores import typestore
+from cable_tracker.sequences.bags.typestores import typestore
 
 
 def test_over_dds_instruments_count_as_they_do_without(tmp_path):

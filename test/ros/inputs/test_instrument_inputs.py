@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 
 SECOND = 1_000_000_000
 INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)

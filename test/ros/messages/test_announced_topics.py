@@ -8,9 +8,9 @@ from cable_tracker.metric.messages import METRES_KEYS
 from cable_tracker.metric.target_facts import BEARING_KEYS, PLACE_KEYS
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 PICTURES = [node_topics.PARTICLES, node_topics.MARKERS, node_topics.OVERLAY]
 TARGET_PICTURES = [node_topics.MARKERS, node_topics.TARGET_OVERLAY]

@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 
 ALTITUDE, FOCAL = 1.4, 280.0
 K = [FOCAL, 0.0, 159.5, 0.0, FOCAL, 119.5, 0.0, 0.0, 1.0]

@@ -28,17 +28,17 @@ from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node
 from cable_tracker.ros.process import last_messages
-from cable_tracker.sequences.bag_storage import open_storage
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.bags.bag_storage import open_storage
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.convert import write_bag
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_image, read_compressed_image, read_image
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.static_transforms import TF_TYPE
 from cable_tracker.tracking.status_words import WARMING_UP

@@ -21,7 +21,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters

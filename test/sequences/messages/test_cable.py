@@ -11,6 +11,7 @@ from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable import (
     centreline_covariance,
     make_centreline,
@@ -23,7 +24,6 @@ from cable_tracker.sequences.messages.cable import (
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, make_stamped_pose
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.tracking.status import TrackingStatus
 
 FACTORY = RosbagsMessages()

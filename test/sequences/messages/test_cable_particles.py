@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable_particles import (
     cloud_of,
     make_particles,
     read_particles,
 )
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")

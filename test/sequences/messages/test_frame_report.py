@@ -1,8 +1,8 @@
 from __future__ import annotations
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.frame_report import fact_number, make_report, report_facts
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 

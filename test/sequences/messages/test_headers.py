@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header, stamp_of, stamp_or_received
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 

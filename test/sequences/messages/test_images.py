@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import (
@@ -10,7 +11,6 @@ from cable_tracker.sequences.messages.images import (
     read_compressed_image,
     read_image,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")

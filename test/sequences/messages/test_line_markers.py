@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.line_markers import (
     AMBER,
@@ -11,7 +12,6 @@ from cable_tracker.sequences.messages.line_markers import (
     make_line_markers,
     sides_of_polygon,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.point_cloud import make_point_cloud, read_point_cloud
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
     UNKNOWN_VARIANCE,
@@ -17,7 +18,6 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
     yaw_of,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 

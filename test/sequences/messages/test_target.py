@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, yaw_of
 from cable_tracker.sequences.messages.target import (
@@ -17,7 +18,6 @@ from cable_tracker.sequences.messages.target import (
     read_start,
     target_report_values,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target_markers import make_target_markers
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.point_cloud import make_point_cloud
 from cable_tracker.sequences.messages.target_particles import (
@@ -10,7 +11,6 @@ from cable_tracker.sequences.messages.target_particles import (
     make_target_particles,
     read_target_particles,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 5, "camera")

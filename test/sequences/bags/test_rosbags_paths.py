@@ -8,9 +8,9 @@ from contextlib import closing, suppress
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_storage import open_storage, storage_files
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_storage import open_storage, storage_files
+from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.source import open_source
 
 NAMES = ["my #1", "what?", "p%41", "a?mode=rw#x", "über"]

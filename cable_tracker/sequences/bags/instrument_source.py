@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bag_storage import BagStorage, is_ros1
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
+from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice, find_instruments
+from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
-from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.unpacking import deserialise
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,17 +17,17 @@ from weakref import WeakSet, finalize
 from rosbags.rosbag1 import Reader as Reader1
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
-from cable_tracker.sequences.bag_limits import (
+from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_recovery
+from cable_tracker.sequences.bags.bag_limits import (
     METADATA,
     check_database,
     check_folder,
     check_overlap,
     limit_rosbags,
 )
+from cable_tracker.sequences.bags.rosbags_paths import BagReader
+from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.natural_order import natural_key
-from cable_tracker.sequences.rosbags_paths import BagReader
-from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
 _ROS2_SUFFIXES = (".db3", ".mcap")

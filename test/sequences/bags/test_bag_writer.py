@@ -7,9 +7,9 @@ import pytest
 from rosbags.rosbag2 import Reader, Writer
 
 from cable_tracker.errors import OutputError, RecordingError
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.typestores import typestore
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.typestores import typestore
 
 IMAGE = "sensor_msgs/msg/Image"
 TEXT = "std_msgs/msg/String"

@@ -23,8 +23,8 @@ from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences import bag_limits
-from cable_tracker.sequences.bag_limits import (
+from cable_tracker.sequences.bags import bag_limits
+from cable_tracker.sequences.bags.bag_limits import (
     check_database,
     check_folder,
     check_overlap,
@@ -32,7 +32,7 @@ from cable_tracker.sequences.bag_limits import (
     unpack_lz4,
     unpack_zstd,
 )
-from cable_tracker.sequences.bag_storage import storage_files
+from cable_tracker.sequences.bags.bag_storage import storage_files
 from cable_tracker.sequences.source import open_source
 
 MEGABYTE = 1 << 20
@@ -267,8 +267,8 @@ def test_a_database_whose_rows_have_no_end_is_refused(tmp_path):
 
 def test_importing_the_readers_leaves_rosbags_as_it_is():
     script = (
-        "import cable_tracker.sequences.bag_storage, rosbags.rosbag1.reader as one;"
-        "assert one.decompressors['bz2'].__module__ != 'cable_tracker.sequences.bag_limits'"
+        "import cable_tracker.sequences.bags.bag_storage, rosbags.rosbag1.reader as one;"
+        "assert one.decompressors['bz2'].__module__ != 'cable_tracker.sequences.bags.bag_limits'"
     )
     subprocess.run([sys.executable, "-c", script], check=True)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.typestores import typestore
 
 FACTORY = RosbagsMessages()
 TYPES = sorted(

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_storage import open_bag
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_storage import open_bag
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.video_stream import DECODERS, FFMPEG, FOXGLOVE
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.headers import make_header, make_time
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.video_stream import DECODERS, FFMPEG, FOXGLOVE
 
 FACTORY = RosbagsMessages()
 COUNT, KEY_EVERY = 12, 4
@@ -154,7 +154,7 @@ def test_other_codings_are_read(tmp_path, encoder, coding):
 
 @pytest.mark.parametrize(("encoder", "coding"), [("libx264", "h264"), ("libvpx-vp9", "vp9")])
 def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, monkeypatch, encoder, coding):
-    monkeypatch.setattr("cable_tracker.sequences.video_stream.MAX_PIXELS", 1000)
+    monkeypatch.setattr("cable_tracker.sequences.bags.video_stream.MAX_PIXELS", 1000)
     path = bag_of(tmp_path / "bag", packets(encoder), coding)
     with pytest.raises(RecordingError, match="not one picture"):
         shown(path)

@@ -9,8 +9,8 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.mcap_recovery import is_closed, read_messages
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.mcap_recovery import is_closed, read_messages
 
 FRAMES = 30
 COMPRESSIONS = [CompressionType.NONE, CompressionType.LZ4, CompressionType.ZSTD]

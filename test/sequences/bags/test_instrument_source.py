@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from cable_tracker.sequences.bag_storage import open_bag
-from cable_tracker.sequences.bag_writer import BagWriter
-from cable_tracker.sequences.instrument_source import InstrumentSource
-from cable_tracker.sequences.instruments import (
+from cable_tracker.sequences.bags.bag_storage import open_bag
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.instrument_source import InstrumentSource
+from cable_tracker.sequences.bags.instruments import (
     Instrument,
 )
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.static_transforms import place_in
 from cable_tracker.simulation.instrument_messages import (
     make_range,

@@ -1,8 +1,8 @@
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_storage import Topic
-from cable_tracker.sequences.instruments import (
+from cable_tracker.sequences.bags.bag_storage import Topic
+from cable_tracker.sequences.bags.instruments import (
     NO_TOPIC,
     Instrument,
     InstrumentChoice,

@@ -11,8 +11,8 @@ from typing import IO
 from rosbags.typesys.msg import normalize_msgtype
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_limits import ROS1_UNPACKERS
-from cable_tracker.sequences.stored_message import StoredMessage
+from cable_tracker.sequences.bags.bag_limits import ROS1_UNPACKERS
+from cable_tracker.sequences.bags.stored_message import StoredMessage
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _CHUNK, _CONNECTION = 2, 5, 7

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.convert import ImageFormat, WrittenBag, in_format, write_bag
+from cable_tracker.sequences.bags.convert import ImageFormat, WrittenBag, in_format, write_bag
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.source import open_source

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cable_tracker.sequences.stream_gaps import H264Gaps, TimeGaps
+from cable_tracker.sequences.bags.stream_gaps import H264Gaps, TimeGaps
 
 
 def gaps(finder, packets):

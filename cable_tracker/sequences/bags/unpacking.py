@@ -7,10 +7,10 @@ from contextlib import suppress
 import zstandard
 from rosbags.serde import SerdeError
 
-from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
+from cable_tracker.sequences.bags.bag_limits import LARGEST_UNPACKED, unpack_zstd
+from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.typestores import ros1_typestore, typestore
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.typestores import ros1_typestore, typestore
 
 _TAIL_LENGTHS = (4, 8)
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.sqlite_recovery import read_messages
+from cable_tracker.sequences.bags.sqlite_recovery import read_messages
 
 
 def test_all_messages_of_an_intact_file(make_bag):

@@ -10,7 +10,16 @@ from pathlib import Path
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_bag
+from cable_tracker.sequences.bags.bag_storage import BagStorage, Topic, is_ros1, open_bag
+from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.unpacking import beginning, deserialise
+from cable_tracker.sequences.bags.video_stream import (
+    VIDEO_TYPES,
+    DecodedPicture,
+    Packet,
+    StreamDecoder,
+    read_packet,
+)
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
@@ -19,15 +28,6 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.serialised_images import MessageHeader, read_header
-from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.unpacking import beginning, deserialise
-from cable_tracker.sequences.video_stream import (
-    VIDEO_TYPES,
-    DecodedPicture,
-    Packet,
-    StreamDecoder,
-    read_packet,
-)
 
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.ros1_recovery import read_messages
+from cable_tracker.sequences.bags.ros1_recovery import read_messages
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])

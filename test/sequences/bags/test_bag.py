@@ -11,7 +11,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.bag import BagSource, read_bag_truth
+from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 

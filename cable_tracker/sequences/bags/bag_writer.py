@@ -15,9 +15,9 @@ from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, one_line, write_failure
-from cable_tracker.sequences.bag_limits import METADATA
-from cable_tracker.sequences.rosbags_paths import BagFileWriter
-from cable_tracker.sequences.typestores import typestore
+from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
+from cable_tracker.sequences.bags.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 _LATEST_STAMP = 2**63 - 1

@@ -9,8 +9,8 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.typestores import typestore
 
 
 def _default_of_base(name: str) -> object:

@@ -14,11 +14,11 @@ import numpy as np
 from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
+from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
+from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import nanoseconds_of
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.sequences.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
-from cable_tracker.sequences.typestores import add_definition
 
 FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
 FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
