@@ -393,7 +393,7 @@ def margins_and_scores(
     """Return the margin [nats] and the score [standard deviations] of each cluster, (K,) each.
 
     They are weighted means over its particles of the log-likelihood ratio above the best strip like
-    it, and above the mean of strips of any kind.
+    it or `BEST_OF_ANY` deviations of strips of any kind, and above the mean of strips of any kind.
     """
     clusters, weights, background = corrected.clusters, corrected.weights, corrected.background
     count = len(clusters.masses)

@@ -1,1 +1,1 @@
-"""All settings of a tracker, their files and presets."""
+"""The table of parameters, and named sets of them."""

@@ -1,4 +1,4 @@
-"""Measures of points, for tests of what is learnt from them."""
+"""Measures of points, and what a table says of them, for the tests of borders and of learning."""
 
 from __future__ import annotations
 

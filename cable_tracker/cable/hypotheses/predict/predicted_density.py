@@ -1,4 +1,4 @@
-"""The density of the cable before a frame is looked at: survivors of the last frame, and births."""
+"""The density of the cable before a frame is looked at: survivors, border switches, births."""
 
 from __future__ import annotations
 

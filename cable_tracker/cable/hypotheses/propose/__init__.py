@@ -1,1 +1,1 @@
-"""How the particles of a frame are drawn, in rounds, and measured."""
+"""How the particles of a frame are drawn, in rounds, measured, and weighed."""

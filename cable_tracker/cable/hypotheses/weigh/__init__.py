@@ -1,1 +1,1 @@
-"""How particles and groups of them are weighed: what is one cable, and how much speaks for it."""
+"""What is one cable among the particles, how much speaks for it, and what corrects that."""

@@ -100,7 +100,8 @@ class FrameScores(NamedTuple):
     Attributes
     ----------
     margin : float
-        Log-likelihood ratio above the best strip like it [nats].
+        Log-likelihood ratio above the best strip like it, and above three standard deviations of
+        strips of any kind [nats].
     score : float
         Log-likelihood ratio above the mean of strips of any kind, over their standard deviation.
     clearness, shown : float
