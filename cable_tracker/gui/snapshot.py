@@ -16,8 +16,8 @@ from cable_tracker.target.model.estimate import Box
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CableSnapshot:
-    """Results of the filter of a cable for one frame.
+class Snapshot:
+    """Results of a filter for one frame, whatever it tracks.
 
     Attributes
     ----------
@@ -28,11 +28,34 @@ class CableSnapshot:
     stamp : int
         Time of the frame [ns].
     image : Image
-        The frame, grey, uint8, shape (H, W).
+        The frame, uint8: grey, shape (H, W), of a target also blue-green-red, shape (H, W, 3).
     status : str
         Status as in diagnostics: TRACKING, LOST, INITIALISING, REFUSED, DISABLED, ...
     reason : str
         Reason of a refused frame or of a restart; empty on ordinary frames.
+    presence : float or None
+        Probability that a cable or a target is in view.
+    n_eff, ms : float or None
+        As in `estimates.csv`; None if not known.
+    """
+
+    number: int
+    frame: int | None
+    stamp: int
+    image: Image
+    status: str
+    reason: str = ""
+    presence: float | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CableSnapshot(Snapshot):
+    """Results of the filter of a cable for one frame.
+
+    Attributes
+    ----------
     state : CableState or None
         The estimate [px, rad, per second]; None while no cable is claimed.
     sigma : FloatArray or None
@@ -45,9 +68,7 @@ class CableSnapshot:
         Hypotheses, as `CableEstimate` has them; empty if they are not known.
     hypothesis_count : int or None
         Number of hypotheses where they are not known themselves; None otherwise.
-    presence : float or None
-        Probability that a cable is in view.
-    evidence, n_eff, ms : float or None
+    evidence : float or None
         As in `estimates.csv`; None if not known.
     truth : CableState or None
         True state of the cable, if the frame is labelled.
@@ -56,35 +77,22 @@ class CableSnapshot:
         instruments.
     """
 
-    number: int
-    frame: int | None
-    stamp: int
-    image: Image
-    status: str
-    reason: str = ""
     state: CableState | None = None
     sigma: FloatArray | None = None
     cloud: FloatArray | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
     hypothesis_count: int | None = None
-    presence: float | None = None
     evidence: float | None = None
-    n_eff: float | None = None
-    ms: float | None = None
     truth: CableState | None = None
     metres: CrossTrack | Withheld | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TargetSnapshot:
+class TargetSnapshot(Snapshot):
     """Results of the filter of a target for one frame.
 
     Attributes
     ----------
-    number, frame, stamp, status, reason, presence, n_eff, ms
-        Facts as of a `CableSnapshot`.
-    image : Image
-        The frame, uint8, blue-green-red (H, W, 3) or grey (H, W).
     state : FloatArray or None
         x, y, scale, angle, v_x, v_y, shape (6,), from the image centre, y up [px, rad, per second];
         None while no target is claimed.
@@ -104,12 +112,6 @@ class TargetSnapshot:
         True box of the target [px], if the frame is labelled.
     """
 
-    number: int
-    frame: int | None
-    stamp: int
-    image: Image
-    status: str
-    reason: str = ""
     state: FloatArray | None = None
     sigma: FloatArray | None = None
     box: Box | None = None
@@ -117,9 +119,6 @@ class TargetSnapshot:
     area: float | None = None
     cloud: FloatArray | None = None
     score: float | None = None
-    presence: float | None = None
-    n_eff: float | None = None
-    ms: float | None = None
     truth: Box | None = None
 
 
