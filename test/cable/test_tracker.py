@@ -764,3 +764,20 @@ def test_a_given_start_beyond_the_limits_is_told_with_the_frame_that_it_starts(d
     notice = "the given start is limited: w 400.0 px by width_maximum"
     assert tracker.process(image, START).event == notice
     assert tracker.process(image, START + FRAME).event == ""
+
+
+@pytest.mark.parametrize("share", [1 / 64, 1 / 256])
+def test_a_dim_dive_in_fine_steps_is_followed_as_a_bright_one(dive, share):
+    """A camera of 10 bits whose counts are sent as 16, in little light."""
+    frames = dive(frames=20)
+    bright, dim = (
+        [
+            tracker.process(image.astype(np.float32) * np.float32(light), stamp)
+            for image, stamp, _ in frames
+        ]
+        for tracker, light in ((told(frames[0][2]), 1.0), (told(frames[0][2]), share))
+    )
+    assert bright[-1].status is dim[-1].status is TRACKING
+    np.testing.assert_allclose(
+        dim[-1].state.to_array()[:4], bright[-1].state.to_array()[:4], atol=1.0
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.picture.level_gain import amplified, level_gain
 
 BLACK, WHITE = 2.0, 253.0
 """Grey levels up to and from which nothing can be told apart."""
@@ -29,7 +30,8 @@ def remark_on(picture: Image | None) -> str:
     low, high = float(picture.min()), float(picture.max())
     if low == high:
         return f"all pixels are the same ({low:g} of 255)"
-    dark = float(np.mean(picture <= BLACK))
+    # Of more than eight bits, a scene can be told apart within a single grey level.
+    dark = float(np.mean(amplified(picture, level_gain(1.0, picture)) <= BLACK))
     bright = float(np.mean(picture >= WHITE))
     if dark >= MOST:
         return f"black: {100 * dark:.0f} % of the pixels"

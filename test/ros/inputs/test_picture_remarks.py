@@ -20,6 +20,7 @@ def with_a_corner(ground: int, corner: int) -> np.ndarray:
         (with_a_corner(0, 200), "black: 99 % of the pixels"),
         (with_a_corner(255, 10), "saturated: 99 % of the pixels are white"),
         (with_a_corner(90, 120), ""),
+        (np.linspace(0.1, 0.9, 40 * 60, dtype=np.float32).reshape(40, 60), ""),
         (None, ""),
     ],
 )

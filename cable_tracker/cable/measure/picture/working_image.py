@@ -28,6 +28,7 @@ from cable_tracker.cable.measure.picture.burned_in_lines import (
 )
 from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.picture.illumination import evenly_lit
+from cable_tracker.cable.measure.picture.level_gain import amplified, level_gain
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -50,8 +51,9 @@ THINNED_FROM, ROWS_PER_THINNED = 6, 3
 """Reduction from which on only every third row is averaged, and that three: to read all of a large
 frame takes longer than the rest, and the mean is still over a dozen pixels."""
 
-LARGEST_LEVEL = 1e12
-"""Largest grey level, of either sign: squares of sums of larger ones leave the range of float32."""
+LARGEST_LEVEL = 1e9
+"""Largest grey level, of either sign: squares of sums of larger ones leave the range of float32, if
+they are amplified."""
 
 MAXIMUM_SIDE = 32_766
 """Largest height and width of a frame that OpenCV looks up pixels in [px]."""
@@ -68,10 +70,13 @@ class PictureHistory:
     standing_lines : StandingLines or None
         For how long its pixels have been on thin lines; None: it is the first, or nothing is taken
         out.
+    gain : float
+        What its grey levels are multiplied by, unless their spread has changed much.
     """
 
     bend: Bend = STRAIGHT
     standing_lines: StandingLines | None = None
+    gain: float = 1.0
 
 
 NO_HISTORY = PictureHistory()
@@ -85,7 +90,8 @@ class WorkingImage:
     Attributes
     ----------
     frame : Image
-        Grey levels, uint8 or float32, shape (H, W), not copied: valid as long as the frame.
+        Grey levels times the gain, uint8 or float32, shape (H, W); not copied where nothing had to
+        be changed: valid as long as the frame.
     size : (int, int)
         Width and height of the picture, at most those of the frame [px].
     filter_sigma : float
@@ -96,6 +102,8 @@ class WorkingImage:
         Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
     gradients_alone : bool
         Whether nothing else is measured, as by the observation of the thesis.
+    gain : float
+        What the grey levels of the frame were multiplied by.
     history : PictureHistory
         What the frames before say of how it is made ready.
     dt : float
@@ -110,6 +118,7 @@ class WorkingImage:
     sample_spacing: float
     light_correction: float = 0.0
     gradients_alone: bool = False
+    gain: float = 1.0
     history: PictureHistory = NO_HISTORY
     dt: float = 0.0
     burned_in_time: float = 0.0
@@ -196,7 +205,7 @@ class WorkingImage:
         bend = self.history.bend
         if self.has_map or bend != STRAIGHT:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
-        return PictureHistory(bend, self._standing_lines)
+        return PictureHistory(bend, self._standing_lines, self.gain)
 
     @cached_property
     def scanned(self) -> ScannedFrame:
@@ -246,8 +255,11 @@ def make_working_image(
     sample_spacing: float = DEFAULTS.sample_spacing,
     light_correction: float = 0.0,
     gradients_alone: bool = False,
+    gain_before: float = 1.0,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
+
+    The levels of a deep picture that uses few of them are amplified; see `level_gain`.
 
     Parameters
     ----------
@@ -257,14 +269,17 @@ def make_working_image(
         Wanted width [px].
     filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
         See `WorkingImage`.
+    gain_before : float
+        The gain of the frame before.
     """
-    image = without_dead_margins(image)
+    gain = level_gain(gain_before, image)
+    image = without_dead_margins(amplified(image, gain))
     height, width = image.shape
     size = (width, height)
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
     return WorkingImage(
-        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone
+        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone, gain
     )
 
 
@@ -285,6 +300,7 @@ def working_image_for(
         parameters.sample_spacing,
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
+        gain_before=history.gain,
     )
     if not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.

@@ -30,7 +30,7 @@ from cable_tracker.errors import FrameError
         ([[0, 1], [2, 3]], "a NumPy array, not a list"),
         (np.full((20, 20), np.nan, np.float32), "NaN"),
         (np.full((20, 20), np.inf, np.float32), "infinite"),
-        (np.full((20, 20), -3e38, np.float32), "between -1e\\+12 and 1e\\+12"),
+        (np.full((20, 20), -3e38, np.float32), "between -1e\\+09 and 1e\\+09"),
     ],
 )
 def test_what_is_no_grey_picture_is_refused_in_one_line(image, words):

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from math import frexp
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.picture.level_gain import (
+    LARGEST_GAIN,
+    NARROW,
+    WIDE,
+    amplified,
+    level_gain,
+)
+
+LEVELS = np.linspace(0.0, 1.0, 120 * 160, dtype=np.float32).reshape(120, 160)
+SPREADS = st.floats(1e-3, 255.0)
+GAINS = st.sampled_from([2.0**power for power in range(9)])
+
+
+def spread_over(levels: float) -> np.ndarray:
+    """Return a picture whose percentiles 2 and 98 are about that far apart."""
+    return LEVELS * np.float32(levels / 0.96)
+
+
+def test_a_picture_of_bytes_has_no_finer_steps_to_show():
+    assert level_gain(1.0, (8 * LEVELS).astype(np.uint8)) == 1.0
+
+
+@pytest.mark.parametrize("spread", [10.0, 60.0, 240.0])
+def test_a_picture_that_uses_its_levels_stays_as_it_is(spread):
+    picture = spread_over(spread)
+    assert amplified(picture, level_gain(1.0, picture)) is picture
+
+
+@given(SPREADS, GAINS)
+def test_what_is_amplified_is_spread_as_bytes_would_be(spread, before):
+    gain = level_gain(before, spread_over(spread))
+    assert 1.0 <= gain <= LARGEST_GAIN
+    assert frexp(gain)[0] == 0.5
+    within = NARROW * 0.99 <= gain * spread <= WIDE * 1.01
+    assert within or (gain == 1.0 and spread > NARROW) or (gain == LARGEST_GAIN and spread < NARROW)
+
+
+@given(SPREADS, GAINS, st.floats(0.6, 1.6))
+def test_a_little_more_or_less_light_leaves_it(spread, before, light):
+    gain = level_gain(before, spread_over(spread))
+    if gain in (1.0, LARGEST_GAIN) or gain == before:
+        return
+    assert level_gain(gain, spread_over(spread * light)) == gain
+
+
+@pytest.mark.parametrize("before", [1.0, 64.0])
+def test_a_flat_picture_says_nothing(before):
+    assert level_gain(before, np.full((120, 160), 0.3, np.float32)) == before
+
+
+def test_a_mark_burned_into_a_dim_picture_does_not_hide_its_scene():
+    picture = spread_over(0.5)
+    picture[:8, :16] = 255.0
+    assert level_gain(1.0, picture) > 16.0
