@@ -29,7 +29,7 @@ FUZZ := fuzz
 MINUTES ?= 10
 TIER ?=
 # Tests beside linters: those for every change, and what is left for before a merge.
-PYTEST := python -m pytest -n 2 --dist worksteal --timeout 1800 -q
+PYTEST := python -m pytest -n 2 --dist worksteal --timeout 600 --instafail -q
 QUICK := -m "not slow and not browser" --hypothesis-profile quick
 TESTS ?= test
 # The versions of Ubuntu 24.04, which ROS 2 Jazzy is made for; its Python is 3.12.

@@ -11,7 +11,15 @@ VERSION = {}
 exec((ROOT / PACKAGE / "__init__.py").read_text(encoding="utf-8"), VERSION)
 MAINTAINER = ElementTree.parse(ROOT / "package.xml").find("maintainer")
 
-TEST = ["filterpy", "hypothesis", "particles", "pytest", "pytest-timeout", "pytest-xdist"]
+TEST = [
+    "filterpy",
+    "hypothesis",
+    "particles",
+    "pytest",
+    "pytest-instafail",
+    "pytest-timeout",
+    "pytest-xdist",
+]
 
 
 def files(folder: str, pattern: str) -> list[str]:

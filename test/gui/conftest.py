@@ -96,6 +96,14 @@ def visiting(chromium, url, size=(1280, 800), **options):
     assert not failures, failures
 
 
+def wait_until(page, has_happened):
+    """Wait for what no script of the page can see; what it does meanwhile goes on."""
+    deadline = time.monotonic() + PAGE_TIMEOUT / 1000
+    while not has_happened():
+        assert time.monotonic() < deadline, "it has not happened"
+        page.wait_for_timeout(50)
+
+
 def host_of(url):
     parts = urlsplit(url)
     return parts.netloc if parts.scheme in ("http", "https", "ws", "wss") else None

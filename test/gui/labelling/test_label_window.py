@@ -14,7 +14,7 @@ from cable_tracker.gui.labelling.label_file import flags_path, read_label_file
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.sequences.source import open_source
 
-from ..conftest import visiting
+from ..conftest import visiting, wait_until
 from .conftest import COUNT, SIZE, true_state
 
 OBLIQUE = (20.0, 0.4, 50.0, 0.06)
@@ -270,19 +270,18 @@ def test_zoom_and_pan_do_not_move_the_label(edit):
 
 
 def test_what_is_drawn_is_hidden_while_a_key_is_down(edit):
-    drawn = """async () => {
-        await new Promise(requestAnimationFrame);
+    drawn = """(wanted) => {
         const { context, canvas } = document.querySelector(".label-editor").editor.view;
         const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-        return data.some((green, i) => i % 4 === 1 && green - data[i - 1] > 100);
+        return data.some((green, i) => i % 4 === 1 && green - data[i - 1] > 100) === wanted;
     }"""
     with edit(label_line(OBLIQUE)) as editor:
         editor.at(0, "hand")
-        assert editor.page.evaluate(drawn)
+        editor.page.wait_for_function(drawn, arg=True)
         editor.page.keyboard.down("v")
-        assert not editor.page.evaluate(drawn)
+        editor.page.wait_for_function(drawn, arg=False)
         editor.page.keyboard.up("v")
-        assert editor.page.evaluate(drawn)
+        editor.page.wait_for_function(drawn, arg=True)
 
 
 def test_fingers_drag_and_pinch(edit):
@@ -515,9 +514,7 @@ def test_unsaved_labels_outlive_the_server(run_command, visit, folder, tmp_path)
         editor.press("n", "Enter", "n")
         editor.at(1, "no_cable")
         kept = tmp_path / "dive.txt.autosave"
-        page.wait_for_function("true")
-        while not kept.exists() or kept.read_text().count("no_cable") < 2:
-            page.evaluate("new Promise(requestAnimationFrame)")
+        wait_until(page, lambda: kept.exists() and kept.read_text().count("no_cable") == 2)
         first.process.send_signal(signal.SIGKILL)
         first.process.wait()
     second = run_command("label", folder)
