@@ -28,12 +28,12 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation import scenarios
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from cable_tracker.commands.terminal import console, messages
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status_words import REFUSED
 
 MOST_EVENTS = 5

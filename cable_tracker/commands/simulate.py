@@ -17,8 +17,8 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.sequences.target_writer import write_target_bag, write_target_pictures
+from cable_tracker.sequences.labels.target_writer import write_target_bag, write_target_pictures
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import (

@@ -16,7 +16,7 @@ from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
-from cable_tracker.sequences.encoded_pictures import jpeg_bytes
+from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence

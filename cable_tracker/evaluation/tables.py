@@ -9,8 +9,8 @@ import numpy as np
 
 from cable_tracker.evaluation.metric_table import METRIC_TABLE, metric_spread
 from cable_tracker.evaluation.runs import RunResult
-from cable_tracker.sequences.csv_tables import csv_text
-from cable_tracker.sequences.estimates import format_stamp
+from cable_tracker.sequences.tables.csv_tables import csv_text
+from cable_tracker.sequences.tables.estimates import format_stamp
 
 FRAME_HEADINGS = (
     "sequence", "method", "seed", "frame", "stamp [s]", "status", "visibility", "lost",

@@ -14,7 +14,7 @@ from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.cable.model.statistics import turned_covariance
 from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
-from cable_tracker.sequences.sequence_file import APART
+from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus
 

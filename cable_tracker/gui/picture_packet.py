@@ -24,7 +24,7 @@ from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot, TargetSnapsho
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, css, status_colour
 

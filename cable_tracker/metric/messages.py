@@ -18,7 +18,6 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.estimates import RowMetres
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
@@ -29,6 +28,7 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
 )
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.tables.estimates import RowMetres
 
 
 def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:

@@ -12,7 +12,7 @@ from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
+from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
 
 
 def carried_messages(source: InstrumentSource) -> Iterator[CarriedMessage]:

@@ -21,7 +21,7 @@ from cable_tracker.metric.settings import camera_parameters, default_values
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.static_transforms import place_in
+from cable_tracker.sequences.messages.static_transforms import place_in
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 CALIBRATION_NAMES = (

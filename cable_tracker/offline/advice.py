@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.weigh.thin_strips import needed_clearness
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 from cable_tracker.tracking.status import TrackingStatus

@@ -13,9 +13,9 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.offline.results import ESTIMATES, Results
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.stored_rows import StoredRows
+from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
+from cable_tracker.sequences.tables.stored_rows import StoredRows
 from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour

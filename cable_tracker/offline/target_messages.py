@@ -12,7 +12,6 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image
@@ -26,6 +25,7 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.tracking.status_words import REFUSED
 

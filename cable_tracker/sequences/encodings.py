@@ -18,7 +18,11 @@ from cable_tracker.errors import FrameError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
-from cable_tracker.sequences.picture_header import MAX_PIXELS, PICTURE_KINDS, read_picture_header
+from cable_tracker.sequences.pictures.picture_header import (
+    MAX_PIXELS,
+    PICTURE_KINDS,
+    read_picture_header,
+)
 
 __all__ = [
     "ENCODINGS",

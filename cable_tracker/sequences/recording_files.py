@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import METADATA
-from cable_tracker.sequences.sequence_file import SEQUENCE_SUFFIXES, read_any_labels
+from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, read_any_labels
 
 
 def recording_files(path: Path) -> list[Path]:

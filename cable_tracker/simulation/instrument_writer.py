@@ -16,8 +16,8 @@ from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instrument_messages import (
     ALTIMETER,

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.image_folder import find_pictures
+from cable_tracker.sequences.pictures.image_folder import find_pictures
 from cable_tracker.simulation.seabed import BED_SIZE
 from cable_tracker.simulation.texture import TiledTexture, smooth_step
 

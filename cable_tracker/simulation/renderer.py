@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
-from cable_tracker.sequences.encoded_pictures import after_jpeg
+from cable_tracker.sequences.pictures.encoded_pictures import after_jpeg
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.clutter import Streak, draw_streak, streak_cover
 from cable_tracker.simulation.laid_cable import CableSkin, LaidCable

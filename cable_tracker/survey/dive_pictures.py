@@ -7,10 +7,10 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.encoded_pictures import jpeg_bytes
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
 from cable_tracker.survey.surveyed_dive import SurveyedDive
 
 THUMBNAIL = 240

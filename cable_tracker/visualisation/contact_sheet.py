@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.errors import OutputError, ParameterError
-from cable_tracker.sequences.encoded_pictures import png_bytes
+from cable_tracker.sequences.pictures.encoded_pictures import png_bytes
 from cable_tracker.visualisation.palette import WHITE, Colour, to_bgr
 
 GAP = 4

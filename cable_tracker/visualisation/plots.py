@@ -22,7 +22,7 @@ from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.status_words import REFUSED

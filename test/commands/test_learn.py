@@ -7,8 +7,8 @@ from cable_tracker.cable.measure.borders.response_table import is_table, load_ta
 from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.sequences.estimates import read_estimates
-from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.pictures.image_writer import write_sequence
+from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 

@@ -5,8 +5,8 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.sequence_file import read_labels
-from cable_tracker.sequences.target_labels import read_boxes
+from cable_tracker.sequences.labels.sequence_file import read_labels
+from cable_tracker.sequences.labels.target_labels import read_boxes
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 

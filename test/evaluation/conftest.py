@@ -14,7 +14,7 @@ from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
-from cable_tracker.sequences.sequence_file import APART
+from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.tracking.status import TrackingStatus
 
 FRAME_NS = 40_000_000

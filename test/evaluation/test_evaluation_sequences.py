@@ -14,7 +14,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     simulated_sequences,
 )
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import worlds_of

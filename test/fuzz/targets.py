@@ -36,11 +36,11 @@ from cable_tracker.sequences.bags.video_stream import (
     StreamDecoder,
 )
 from cable_tracker.sequences.encodings import ENCODINGS, decode_bgr, decode_grey
-from cable_tracker.sequences.estimates import EstimateRow, read_estimates, write_estimates
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.image_folder import load_picture
-from cable_tracker.sequences.sequence_file import Label, read_labels, write_labels
+from cable_tracker.sequences.labels.sequence_file import Label, read_labels, write_labels
+from cable_tracker.sequences.pictures.image_folder import load_picture
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.tables.estimates import EstimateRow, read_estimates, write_estimates
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters

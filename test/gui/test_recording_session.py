@@ -25,7 +25,7 @@ from cable_tracker.offline.track_recording import (
     track_recording,
 )
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
-from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status_words import WARMING_UP
 

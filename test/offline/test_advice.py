@@ -3,7 +3,7 @@ from dataclasses import replace
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.offline.advice import advice
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 
 PARAMETERS = TrackerParameters()
 BY_BORDERS = PARAMETERS.replaced({"looks": "borders"})

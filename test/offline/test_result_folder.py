@@ -14,7 +14,7 @@ from cable_tracker.offline import result_folder, results
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.estimates import EstimateRow, read_estimates
+from cable_tracker.sequences.tables.estimates import EstimateRow, read_estimates
 from cable_tracker.visualisation.video import VideoWriter
 
 NAMES = {"estimates.csv", "overlay.webm", "overlay.png", "estimates.png", "bag"}

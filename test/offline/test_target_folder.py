@@ -5,10 +5,10 @@ import numpy as np
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import HEADER, METRES_HEADER, TargetRow
-from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.stored_rows import BLOCK
+from cable_tracker.sequences.tables.csv_tables import csv_text
+from cable_tracker.sequences.tables.stored_rows import BLOCK
 
 TABLES_ALONE = WantedResults(video=False, bag=False, pictures=False)
 

@@ -31,11 +31,11 @@ from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.bags.typestores import typestore
-from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
 from cable_tracker.trackers import make_tracker
 
 PARAMETERS = TrackerParameters(seed=4, particle_count=200)

@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.visualisation import plots
 from cable_tracker.visualisation.plots import plot_estimates
 

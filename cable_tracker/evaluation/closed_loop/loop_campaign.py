@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary, format_cell, write_records
-from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_csv
 
 RUNS, METHODS_TABLE = "runs.csv", "methods.csv"
 

@@ -14,7 +14,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.sample_statistics import percentile_of_size, root_mean_square
-from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_csv
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.sequences.csv_tables import csv_text
+from cable_tracker.sequences.tables.csv_tables import csv_text
 
 TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
 

@@ -12,7 +12,7 @@ from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.sample_statistics import mean
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

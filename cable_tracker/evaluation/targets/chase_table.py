@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.sample_statistics import mean, median
-from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.visualisation.plots import write_figure
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"

@@ -27,7 +27,7 @@ from cable_tracker.evaluation.targets.metrics import (
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
 from cable_tracker.evaluation.targets.target_sequences import TargetEvaluationFrame, TargetSequence
-from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters

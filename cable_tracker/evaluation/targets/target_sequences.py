@@ -10,8 +10,8 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.labels.target_labels import find_boxes
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.sequences.target_labels import find_boxes
 from cable_tracker.simulation.targets.sequence import simulate_target
 from cable_tracker.target.model.estimate import Box
 

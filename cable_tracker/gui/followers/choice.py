@@ -12,7 +12,7 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.target_labels import find_boxes, own_boxes
+from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet
 

@@ -18,7 +18,7 @@ from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.target_labels import BoxTruth
+from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text

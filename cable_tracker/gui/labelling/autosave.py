@@ -12,8 +12,8 @@ from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
 from cable_tracker.gui.labelling.names import FrameNames
-from cable_tracker.sequences.csv_tables import csv_text
-from cable_tracker.sequences.sequence_file import Label, parse_place
+from cable_tracker.sequences.labels.sequence_file import Label, parse_place
+from cable_tracker.sequences.tables.csv_tables import csv_text
 
 HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta", "file")
 SUFFIX = ".autosave"

@@ -19,13 +19,13 @@ from cable_tracker.gui.labelling.labels import (
     flagged_label,
 )
 from cable_tracker.gui.labelling.names import FrameNames
-from cable_tracker.sequences.csv_tables import csv_text
-from cable_tracker.sequences.sequence_file import (
+from cable_tracker.sequences.labels.sequence_file import (
     Label,
     format_labels,
     parse_place,
     read_any_labels,
 )
+from cable_tracker.sequences.tables.csv_tables import csv_text
 
 FLAGS_HEADER = ("frame", "stamp", "flag", "file")
 FLAGS_SUFFIX = ".flags.csv"

@@ -21,7 +21,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.sequence_file import wrapped_if_outside
+from cable_tracker.sequences.labels.sequence_file import wrapped_if_outside
 
 NO_CABLE = "no_cable"
 

@@ -23,7 +23,7 @@ from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.packet import jpeg_section, pack
 from cable_tracker.gui.server import Channels, Listening, serve
 from cable_tracker.gui.typed_paths import typed_path
-from cable_tracker.sequences.estimates import format_stamp
+from cable_tracker.sequences.tables.estimates import format_stamp
 
 AUTOSAVE_DELAY = 1.0
 """Seconds between an edit and its being kept safe, at most."""

@@ -24,8 +24,8 @@ from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.image_folder import ImageFolderSource
-from cable_tracker.sequences.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
+from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
+from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 
 Listener: TypeAlias = Callable[[Changes | None], None]
 """Told of changed labels; None: all of them, or their files, may have changed."""

@@ -16,7 +16,7 @@ from cable_tracker.ros.health.diagnostics import FrameStatistics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.sequences.serialised_images import (
+from cable_tracker.sequences.messages.serialised_images import (
     MessageHeader,
     read_serialised_compressed_image,
     read_serialised_image,

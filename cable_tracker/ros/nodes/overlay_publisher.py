@@ -7,11 +7,11 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 
 class OverlayPublisher:

@@ -27,7 +27,7 @@ from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
-from cable_tracker.sequences.serialised_images import MessageHeader, read_header
+from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
 
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"

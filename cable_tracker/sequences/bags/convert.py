@@ -14,12 +14,12 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 JPEG_QUALITY = 95
 

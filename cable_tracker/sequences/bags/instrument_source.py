@@ -14,7 +14,11 @@ from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
-from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
+from cable_tracker.sequences.messages.static_transforms import (
+    TF_STATIC,
+    StaticTransform,
+    read_transform,
+)
 
 
 @dataclass(frozen=True, slots=True)

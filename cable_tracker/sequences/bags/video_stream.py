@@ -18,7 +18,7 @@ from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps
 from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import nanoseconds_of
-from cable_tracker.sequences.picture_header import MAX_PIXELS
+from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
 
 FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
 FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"

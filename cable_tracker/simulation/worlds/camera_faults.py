@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
-from cable_tracker.sequences.encoded_pictures import after_jpeg
+from cable_tracker.sequences.pictures.encoded_pictures import after_jpeg
 from cable_tracker.simulation.worlds.world import Disturbance, Optics
 from cable_tracker.tracking.parameter_table import pixel_scale
 

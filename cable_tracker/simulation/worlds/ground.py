@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.image_folder import find_pictures
+from cable_tracker.sequences.pictures.image_folder import find_pictures
 from cable_tracker.simulation.texture import (
     cloud_response,
     frequencies,

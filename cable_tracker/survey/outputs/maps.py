@@ -16,8 +16,8 @@ from pyogrio.errors import DataLayerError, DataSourceError
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import one_line
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.sequences.csv_tables import write_csv
-from cable_tracker.sequences.estimates import format_stamp
+from cable_tracker.sequences.tables.csv_tables import write_csv
+from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.survey.events import Event
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.merging import MergedRoute

@@ -2,7 +2,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
-from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 

@@ -13,7 +13,7 @@ from cable_tracker.evaluation.metrics.errors import (
     state_errors,
     summarise_errors,
 )
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 
 DEGREE = np.pi / 180
 

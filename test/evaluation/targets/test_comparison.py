@@ -23,7 +23,7 @@ from cable_tracker.evaluation.targets.target_sequences import (
 )
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.target_writer import write_target_bag
+from cable_tracker.sequences.labels.target_writer import write_target_bag
 from cable_tracker.simulation.targets.sequence import simulate_target
 from cable_tracker.target.parameters.parameters import TargetParameters
 

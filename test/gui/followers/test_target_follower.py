@@ -6,7 +6,7 @@ from cable_tracker.gui.followers.target_follower import TargetFollower
 from cable_tracker.gui.stand_in import STAND_IN_SIZE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.target_labels import BoxTruth
+from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 

@@ -5,7 +5,7 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.names import EntryNames, PictureNames, names_of
-from cable_tracker.sequences.sequence_file import Label
+from cable_tracker.sequences.labels.sequence_file import Label
 from cable_tracker.sequences.source import open_source
 
 

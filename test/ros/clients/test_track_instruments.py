@@ -10,7 +10,7 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker import cli
 from cable_tracker.offline.results import BAG
-from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 

@@ -11,11 +11,11 @@ from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.ros.clients.track_recording import _row
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import CompressedImage, Frame
 from cable_tracker.sequences.messages.cable import make_state, report_values
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.status_words import REFUSED
 

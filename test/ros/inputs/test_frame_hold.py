@@ -5,7 +5,7 @@ import time
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import CameraFrame
 from cable_tracker.sequences.frame import CompressedImage
-from cable_tracker.sequences.serialised_images import MessageHeader
+from cable_tracker.sequences.messages.serialised_images import MessageHeader
 
 
 def frame(sec: int, age: float = 0.0) -> CameraFrame:

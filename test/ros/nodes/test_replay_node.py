@@ -35,12 +35,12 @@ from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_image, read_compressed_image, read_image
+from cable_tracker.sequences.messages.static_transforms import TF_TYPE
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.static_transforms import TF_TYPE
 from cable_tracker.tracking.status_words import WARMING_UP
 
 Dive = Callable[..., Path]

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header
 
 from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
-from cable_tracker.sequences.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.visualisation.video import VideoWriter
 
 PICTURE = np.full((48, 64, 3), 90, np.uint8)

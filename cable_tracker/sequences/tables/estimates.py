@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.stamps import NANOSECONDS
 
 HEADER = (

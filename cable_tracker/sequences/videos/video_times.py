@@ -9,7 +9,7 @@ from pathlib import Path
 import av
 from av.error import FFmpegError
 
-from cable_tracker.sequences.ffmpeg_names import ffmpeg_name
+from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS, stamp_of_frame
 
 ROUNDING = 2_000_000

@@ -14,10 +14,10 @@ from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.image_writer import picture_name, write_picture
+from cable_tracker.sequences.labels.target_labels import BOXES_NAME, format_boxes
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target import make_polygon
-from cable_tracker.sequences.target_labels import BOXES_NAME, format_boxes
+from cable_tracker.sequences.pictures.image_writer import picture_name, write_picture
 from cable_tracker.target.model.estimate import Box, box_corners
 
 LabelledFrame = tuple[Frame, Box | None]

@@ -4,7 +4,7 @@ import io
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.sequences.csv_tables import csv_text, write_csv
+from cable_tracker.sequences.tables.csv_tables import csv_text, write_csv
 
 CELLS = st.text(st.characters(exclude_characters="\r\0", exclude_categories=("Cs",)))
 

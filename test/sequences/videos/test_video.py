@@ -12,7 +12,7 @@ import pytest
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.video import VideoSource
+from cable_tracker.sequences.videos.video import VideoSource
 from cable_tracker.stamps import FIRST_STAMP, stamp_of_frame
 
 SUFFIXES = [".avi", ".mp4", ".mkv", ".webm"]
@@ -126,7 +126,7 @@ def test_opencv_and_ffmpeg_do_not_write_to_the_terminal(make_video):
     path.write_bytes(data)
     code = (
         "from pathlib import Path\n"
-        "from cable_tracker.sequences.video import VideoSource\n"
+        "from cable_tracker.sequences.videos.video import VideoSource\n"
         f"try:\n    list(VideoSource(Path({str(path)!r})).frames())\n"
         "except Exception: pass\n"
     )
@@ -149,7 +149,7 @@ def test_the_real_footage_has_240_frames(footage):
 
 def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(monkeypatch, make_video):
     path = make_video()
-    monkeypatch.setattr("cable_tracker.sequences.video.MAX_PIXELS", 100)
+    monkeypatch.setattr("cable_tracker.sequences.videos.video.MAX_PIXELS", 100)
     with pytest.raises(RecordingError, match="more than the 100 allowed"):
         VideoSource(path)
 

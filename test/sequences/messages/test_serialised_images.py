@@ -12,7 +12,7 @@ from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
-from cable_tracker.sequences.serialised_images import (
+from cable_tracker.sequences.messages.serialised_images import (
     read_serialised_compressed_image,
     read_serialised_image,
 )

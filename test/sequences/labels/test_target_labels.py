@@ -14,9 +14,14 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.labels.target_labels import (
+    find_boxes,
+    format_boxes,
+    own_boxes,
+    read_boxes,
+)
+from cable_tracker.sequences.labels.target_writer import write_target_bag, write_target_pictures
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.target_labels import find_boxes, format_boxes, own_boxes, read_boxes
-from cable_tracker.sequences.target_writer import write_target_bag, write_target_pictures
 
 BOXES = [(1.0, 2.0, 11.0, 22.5), None, (3.0, 4.0, 13.25, 24.0)]
 

@@ -7,7 +7,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
 
 STATE = CableState(12.345678901234567, -0.7, 30.0, 0.01)

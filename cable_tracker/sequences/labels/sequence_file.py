@@ -29,10 +29,15 @@ from cable_tracker.errors import (
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
-from cable_tracker.sequences.image_folder import PICTURE_SUFFIXES, load_picture
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
-from cable_tracker.sequences.video import TIMES_NOTE, VIDEO_SUFFIXES, VideoFrames, opened_video
-from cable_tracker.sequences.video_times import times_run_backwards
+from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
+from cable_tracker.sequences.videos.video import (
+    TIMES_NOTE,
+    VIDEO_SUFFIXES,
+    VideoFrames,
+    opened_video,
+)
+from cable_tracker.sequences.videos.video_times import times_run_backwards
 from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.picture_header import read_picture_header
+from cable_tracker.sequences.pictures.picture_header import read_picture_header
 
 KINDS = {
     ".jpg": "JPEG", ".png": "PNG", ".bmp": "BMP", ".tiff": "TIFF", ".ppm": "PNM", ".pgm": "PNM",

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.sequences.encoded_pictures import png_bytes
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.image_folder import SEQUENCE_NAME
-from cable_tracker.sequences.sequence_file import Label, write_labels
+from cable_tracker.sequences.labels.sequence_file import Label, write_labels
+from cable_tracker.sequences.pictures.encoded_pictures import png_bytes
+from cable_tracker.sequences.pictures.image_folder import SEQUENCE_NAME
 
 _GREY_ENCODINGS = ("mono8", "8UC1", "mono16", "16UC1", "32FC1")
 

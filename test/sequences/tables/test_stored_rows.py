@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.estimates import EstimateRow
-from cable_tracker.sequences.stored_rows import StoredRows
+from cable_tracker.sequences.tables.estimates import EstimateRow
+from cable_tracker.sequences.tables.stored_rows import StoredRows
 
 ends = st.none() | st.integers(-12, 12)
 

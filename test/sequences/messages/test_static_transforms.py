@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 
-from cable_tracker.sequences.static_transforms import StaticTransform, place_in
+from cable_tracker.sequences.messages.static_transforms import StaticTransform, place_in
 
 
 def about_z(angle: float) -> np.ndarray:

@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.image_folder import ImageFolderSource, load_picture
+from cable_tracker.sequences.pictures.image_folder import ImageFolderSource, load_picture
 from cable_tracker.stamps import FIRST_STAMP
 
 SUFFIXES = [".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm"]

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from cable_tracker.sequences.video_times import LONGEST_GAP, FrameClock
+from cable_tracker.sequences.videos.video_times import LONGEST_GAP, FrameClock
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS, stamp_of_frame
 
 

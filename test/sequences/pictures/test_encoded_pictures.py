@@ -5,7 +5,12 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.encoded_pictures import after_jpeg, encode_jpeg, jpeg_bytes, png_bytes
+from cable_tracker.sequences.pictures.encoded_pictures import (
+    after_jpeg,
+    encode_jpeg,
+    jpeg_bytes,
+    png_bytes,
+)
 
 
 def decoded(compressed) -> np.ndarray:

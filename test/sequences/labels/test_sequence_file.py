@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.sequence_file import (
+from cable_tracker.sequences.labels.sequence_file import (
     APART,
     Label,
     SequenceFileSource,

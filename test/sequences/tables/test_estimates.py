@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.estimates import (
+from cable_tracker.sequences.tables.estimates import (
     HEADER,
     EstimateRow,
     format_stamp,

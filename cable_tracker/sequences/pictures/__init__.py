@@ -1,0 +1,1 @@
+"""Pictures as files: headers, JPEG and PNG, folders of them."""

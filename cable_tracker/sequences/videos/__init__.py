@@ -1,0 +1,1 @@
+"""Videos as files: frames, their times, names as FFmpeg takes them."""
