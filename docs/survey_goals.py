@@ -20,15 +20,15 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.sequences.bags.bag_storage import open_storage
 from cable_tracker.sequences.bags.unpacking import deserialise
-from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import (
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import (
     Stretch,
     SurveyDive,
     usual_survey,
 )
-from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
-from cable_tracker.simulation.tube import Tube
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
+from cable_tracker.simulation.rendering.tube import Tube
+from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.forward_pass import read_pose, track_forwards

@@ -80,7 +80,7 @@ def kept_surfaces() -> Iterator[None]:
     `test_seabed.py` makes them itself, and holds that the same draws always give the same.
     """
     from cable_tracker.simulation import dive  # noqa: PLC0415
-    from cable_tracker.simulation.texture import TiledTexture  # noqa: PLC0415
+    from cable_tracker.simulation.rendering.texture import TiledTexture  # noqa: PLC0415
 
     def keep(make: Callable[..., TiledTexture]) -> Callable[..., TiledTexture]:
         @lru_cache(KEPT_SURFACES)

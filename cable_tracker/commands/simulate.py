@@ -20,7 +20,9 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_writer import write_target_bag, write_target_pictures
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.scenario import (
     SimulationSettings,
     scenario_dive,
@@ -31,8 +33,6 @@ from cable_tracker.simulation.scenario import (
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
 from cable_tracker.simulation.setting_checks import check_frames, check_seed, check_size
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import (
     TargetFrame,

@@ -43,7 +43,7 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import counted, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.metric.recorded_target import RecordedSight, node_values
+from cable_tracker.metric.recorded.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import parse_start, track_target

@@ -14,7 +14,7 @@ from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracked_recording import TrackedRecording
-from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue

@@ -14,17 +14,17 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.known_calibration import KnownCalibration
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
-from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.sea_bed_texture import TextureMotion
+from cable_tracker.metric.odometry.aiding import MotionAiding
+from cable_tracker.metric.odometry.motion import Odometry
+from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
+from cable_tracker.metric.odometry.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.settings import instrument_settings, number
-from cable_tracker.metric.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message

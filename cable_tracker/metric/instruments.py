@@ -14,7 +14,7 @@ from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.history import History
-from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.withheld import Reason, Withheld
 
 

@@ -13,7 +13,7 @@ from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
 from cable_tracker.metric.instruments import InstrumentSettings
-from cable_tracker.metric.target_metres import TargetSettings
+from cable_tracker.metric.targets.target_metres import TargetSettings
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cable_tracker.arrays import Image
-from cable_tracker.metric.recorded_target import RecordedSight
-from cable_tracker.metric.relative_state import RelativeState
-from cable_tracker.metric.target_metres import TargetMetres
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.metric.targets.relative_state import RelativeState
+from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.particle_filter.particles import Particles

@@ -16,7 +16,7 @@ from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages, report_metres, row_metres
-from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.result_folder import ResultFolder

@@ -6,8 +6,8 @@ import time
 from collections.abc import Iterable
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.metric.recorded_target import RecordedSight
-from cable_tracker.metric.target_facts import target_facts
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_messages import TargetMessages
 from cable_tracker.offline.target_table import TargetRow, metres_row, row_of

@@ -9,8 +9,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.geometry import Borders, states_from_borders, wrap_states
 from cable_tracker.cable.model.state import STATE_SIZE
-from cable_tracker.simulation.camera import Camera, CameraPoses
-from cable_tracker.simulation.tube import Tube
+from cable_tracker.simulation.rendering.camera import Camera, CameraPoses
+from cable_tracker.simulation.rendering.tube import Tube
 
 POINT_COUNT = 261
 """Points along each border, at equal angles as seen from above the cable."""

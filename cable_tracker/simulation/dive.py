@@ -18,17 +18,17 @@ from cable_tracker.simulation.borders import (
     project_tube,
     visible_share,
 )
-from cable_tracker.simulation.camera import Camera, CameraPoses
-from cable_tracker.simulation.clutter import random_companions, random_streaks
-from cable_tracker.simulation.laid_cable import BuriedStretch, LaidCable, random_gaps
-from cable_tracker.simulation.look import Look, Skin
-from cable_tracker.simulation.photographs import make_photographed_bed
-from cable_tracker.simulation.renderer import Scene, SceneRenderer
-from cable_tracker.simulation.seabed import make_bed, make_cable
-from cable_tracker.simulation.steering import steer
-from cable_tracker.simulation.texture import TiledTexture
-from cable_tracker.simulation.trajectory import Trajectory
-from cable_tracker.simulation.tube import Tube
+from cable_tracker.simulation.motion.steering import steer
+from cable_tracker.simulation.motion.trajectory import Trajectory
+from cable_tracker.simulation.rendering.camera import Camera, CameraPoses
+from cable_tracker.simulation.rendering.clutter import random_companions, random_streaks
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable, random_gaps
+from cable_tracker.simulation.rendering.look import Look, Skin
+from cable_tracker.simulation.rendering.photographs import make_photographed_bed
+from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
+from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
+from cable_tracker.simulation.rendering.texture import TiledTexture
+from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.parameter_table import pixel_scale
 

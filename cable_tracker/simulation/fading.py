@@ -7,7 +7,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.texture import smooth_step
+from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
 from cable_tracker.tracking.image_frame import image_centre
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH

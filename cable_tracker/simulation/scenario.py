@@ -12,7 +12,6 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import (
     BATCH,
     CABLE_RADIUS,
@@ -24,9 +23,11 @@ from cable_tracker.simulation.dive import (
     frame_times,
     render_dive,
 )
-from cable_tracker.simulation.laid_cable import BuriedStretch
-from cable_tracker.simulation.look import Look
-from cable_tracker.simulation.routes import random_trajectory, scenario_trajectory
+from cable_tracker.simulation.motion.routes import random_trajectory, scenario_trajectory
+from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
+from cable_tracker.simulation.rendering.look import Look
+from cable_tracker.simulation.rendering.tube import Tube, random_bends
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.scenarios import find_scenario
 from cable_tracker.simulation.setting_checks import (
@@ -35,7 +36,6 @@ from cable_tracker.simulation.setting_checks import (
     check_seed,
     check_size,
 )
-from cable_tracker.simulation.tube import Tube, random_bends
 
 SCENARIO_SIZE = (320, 240)
 """Width and height of the frames of the scenarios [px]."""

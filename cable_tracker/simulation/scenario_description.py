@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from cable_tracker.simulation.look import Look, Skin
-from cable_tracker.simulation.trajectory import Bands, Move
+from cable_tracker.simulation.motion.trajectory import Bands, Move
+from cable_tracker.simulation.rendering.look import Look, Skin
 
 SCENARIO_RATE = 25.0
 """Frames per second of all scenarios."""

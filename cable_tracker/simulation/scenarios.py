@@ -12,7 +12,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.look import Bottom, Lamp, Look, Skin, Water
+from cable_tracker.simulation.rendering.look import Bottom, Lamp, Look, Skin, Water
 from cable_tracker.simulation.scenario_description import (
     BRISK,
     CALM,

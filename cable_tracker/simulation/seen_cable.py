@@ -12,7 +12,6 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
 from cable_tracker.simulation.dive import (
     CABLE_RADIUS,
     FOCAL,
@@ -20,10 +19,15 @@ from cable_tracker.simulation.dive import (
     Surroundings,
     lay_out,
 )
-from cable_tracker.simulation.renderer import SceneRenderer
-from cable_tracker.simulation.tube import Tube, random_bends
-from cable_tracker.simulation.vehicle import VehicleState
-from cable_tracker.simulation.world_frame import angles_to_renderer, from_renderer, to_renderer
+from cable_tracker.simulation.motion.vehicle import VehicleState
+from cable_tracker.simulation.rendering.camera import Camera, CameraPoses, VehiclePoses
+from cable_tracker.simulation.rendering.renderer import SceneRenderer
+from cable_tracker.simulation.rendering.tube import Tube, random_bends
+from cable_tracker.simulation.rendering.world_frame import (
+    angles_to_renderer,
+    from_renderer,
+    to_renderer,
+)
 
 MOUNTING = math.radians(20.0)
 """Angle by which the camera looks forward [rad]."""

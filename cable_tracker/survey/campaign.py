@@ -21,7 +21,7 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.metric.recorded import own_vehicle_file
+from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames

@@ -11,7 +11,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.picture.working_image import MINIMUM_SIDE
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
-from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_metres import on_ground
 from cable_tracker.survey.frame_table import CrossingSight, FrameTable

@@ -12,7 +12,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.survey.frame_table import FrameRow
 from cable_tracker.survey.visibility import border_profile
 

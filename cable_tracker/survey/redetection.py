@@ -19,7 +19,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.metric.calibration import calibration_of, camera_for
 from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.homography import Overflight, move_states
+from cable_tracker.metric.odometry.homography import Overflight, move_states
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage

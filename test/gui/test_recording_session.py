@@ -16,7 +16,7 @@ from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.tracked_recording import LONGEST_RUN
 from cable_tracker.gui.tracking_commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import ESTIMATES, WantedResults

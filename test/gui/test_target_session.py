@@ -15,8 +15,8 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking_desk import TrackingDesk, start_with_box
-from cable_tracker.metric.recorded import recorded_vehicle
-from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import track_target

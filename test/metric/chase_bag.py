@@ -8,14 +8,14 @@ from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.simulation.instrument_messages import (
+from cable_tracker.simulation.instruments.instrument_messages import (
     BASE,
     make_camera_info,
     make_imu,
     make_odometry,
 )
+from cable_tracker.simulation.motion.vehicle import VelocityCommand
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld
-from cable_tracker.simulation.vehicle import VelocityCommand
 
 RATE = 12.5
 READINGS = 4

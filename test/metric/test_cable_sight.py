@@ -10,8 +10,8 @@ from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
 from cable_tracker.metric.settings import default_values
-from cable_tracker.metric.unaided import SWITCHED_OFF
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.bags.instruments import Instrument
 

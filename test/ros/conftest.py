@@ -30,9 +30,9 @@ from cable_tracker.ros.process.environment import (
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 HAS_ROS = importlib.util.find_spec("rclpy") is not None
 MISSING_ROS = (

@@ -5,7 +5,7 @@ import pytest
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.simulation.renderer import SceneRenderer
+from cable_tracker.simulation.rendering.renderer import SceneRenderer
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.camera import Camera, VehiclePoses
-from cable_tracker.simulation.tube import SETTLED, Bend, Tube
+from cable_tracker.simulation.rendering.camera import Camera, VehiclePoses
+from cable_tracker.simulation.rendering.tube import SETTLED, Bend, Tube
 
 SIZE = (320, 240)
 

@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.calibration import CameraModel, DistortionModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.survey.crossing_search import CROSSING_STRIDE, CrossingSearch
 from cable_tracker.survey.frame_table import FrameTable
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 import pytest
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.metric.recorded import RecordedVehicle
-from cable_tracker.metric.vehicle import VehicleDescription
+from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
+from cable_tracker.metric.recorded.vehicle import VehicleDescription
 from cable_tracker.survey.forward_pass import (
     UNSAID_FIX_VARIANCE,
     ForwardDive,
@@ -23,7 +23,8 @@ def run(tmp_path, monkeypatch):
 
     def ask(times, most_rate=5.0, aided=True):
         monkeypatch.setattr(
-            "cable_tracker.metric.recorded.RecordedMetres.is_aided", property(lambda own: aided)
+            "cable_tracker.metric.recorded.recorded_cable.RecordedMetres.is_aided",
+            property(lambda own: aided),
         )
         settings = ForwardSettings(most_rate=most_rate)
         vehicle = RecordedVehicle(VehicleDescription(), None)

@@ -9,7 +9,7 @@ from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
 
 from cable_tracker.metric.calibration import CameraModel, DistortionModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.survey.frame_metres import on_ground

@@ -17,9 +17,9 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     simulated_vehicle,
 )
 from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
-from cable_tracker.metric.aiding import MotionAiding
-from cable_tracker.metric.motion import Odometry
-from cable_tracker.simulation.instruments import InstrumentErrors
+from cable_tracker.metric.odometry.aiding import MotionAiding
+from cable_tracker.metric.odometry.motion import Odometry
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 from cable_tracker.stamps import NANOSECONDS
 
 FAULT_AFTER = 1.0

@@ -29,7 +29,7 @@ from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.sample_statistics import mean, percentile_of_size, root_mean_square
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.simulation.instruments import InstrumentErrors
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 
 HEADINGS = (
     "sequence", "runs", "with metres [%]",

@@ -13,16 +13,16 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
-from cable_tracker.metric.motion import TWIST
-from cable_tracker.simulation.camera import Camera
+from cable_tracker.metric.odometry.motion import TWIST
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.flight import Flight, flight_at, twists_at
-from cable_tracker.simulation.instruments import (
+from cable_tracker.simulation.instruments.instruments import (
     LEAST_RANGE,
     MOST_RANGE,
     InstrumentErrors,
     scale_error,
 )
+from cable_tracker.simulation.motion.flight import Flight, flight_at, twists_at
+from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import find_scenario

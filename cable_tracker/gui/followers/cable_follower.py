@@ -19,7 +19,7 @@ from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot import CableSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import CABLE
-from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey

@@ -9,8 +9,8 @@ from cable_tracker.gui.followers.cable_follower import CableFollower
 from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.followers.target_follower import TargetFollower
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.metric.recorded import RecordedVehicle
-from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
 from cable_tracker.target.parameters.parameters import TargetParameters

@@ -14,7 +14,7 @@ from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot import TargetSnapshot
 from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import TARGET
-from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame

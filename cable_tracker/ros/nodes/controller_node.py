@@ -15,7 +15,7 @@ from cable_tracker.example_controller.controller import (
     SearchSettings,
 )
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
-from cable_tracker.metric.motion import LONGEST_HOLD
+from cable_tracker.metric.odometry.motion import LONGEST_HOLD
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription

@@ -15,9 +15,9 @@ from sensor_msgs.msg import CameraInfo, JointState
 
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.instrument_feed import InstrumentFeed
-from cable_tracker.metric.recorded import recorded_vehicle
-from cable_tracker.metric.recorded_messages import as_ros2
+from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_messages import as_ros2
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class

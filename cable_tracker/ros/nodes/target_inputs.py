@@ -8,9 +8,9 @@ from functools import partial
 from rclpy.node import Node
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.relative_state import RelativeState
-from cable_tracker.metric.target_metres import TargetMetres
-from cable_tracker.metric.target_sight import TARGET_INSTRUMENTS, TargetSight
+from cable_tracker.metric.targets.relative_state import RelativeState
+from cable_tracker.metric.targets.target_metres import TargetMetres
+from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight
 from cable_tracker.metric.withheld import newly_withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs

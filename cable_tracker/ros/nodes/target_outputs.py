@@ -10,9 +10,9 @@ from rclpy.qos import QoSProfile
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.metric.relative_state import RelativeState
-from cable_tracker.metric.target_facts import target_facts
-from cable_tracker.metric.target_metres import TargetMetres
+from cable_tracker.metric.targets.relative_state import RelativeState
+from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos

@@ -20,8 +20,7 @@ from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, make_time
 from cable_tracker.sequences.messages.images import make_image
-from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.instrument_messages import (
+from cable_tracker.simulation.instruments.instrument_messages import (
     BASE,
     CAMERA,
     ODOM,
@@ -30,8 +29,9 @@ from cable_tracker.simulation.instrument_messages import (
     make_odometry,
     make_true_odometry,
 )
-from cable_tracker.simulation.instruments import InstrumentSet
-from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
+from cable_tracker.simulation.instruments.instruments import InstrumentSet
+from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
+from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 

@@ -44,9 +44,9 @@ from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.node_topics import CLOCK
 from cable_tracker.simulation.dive import CABLE_RADIUS
-from cable_tracker.simulation.live_world import LiveSettings, cable_course
+from cable_tracker.simulation.motion.live_world import LiveSettings, cable_course
+from cable_tracker.simulation.rendering.tube import SETTLED
 from cable_tracker.simulation.seen_cable import MOUNTING
-from cable_tracker.simulation.tube import SETTLED
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter

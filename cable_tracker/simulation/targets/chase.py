@@ -14,18 +14,18 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
-from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
-from cable_tracker.simulation.targets.sequence import HAZE
-from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
-from cable_tracker.simulation.vehicle import (
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
     VehicleModel,
     VehicleState,
     VelocityCommand,
 )
+from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
+from cable_tracker.simulation.targets.sequence import HAZE
+from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 
 DIAMETER = 0.5

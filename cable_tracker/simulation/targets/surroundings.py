@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.simulation.texture import frequencies, spectral_noise
+from cable_tracker.simulation.rendering.texture import frequencies, spectral_noise
 from cable_tracker.tracking.image_frame import image_centre
 
 LEAST_MARGIN = 160

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.simulation.texture import smooth_step
+from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.simulation.worlds.world import Coat, Range
 

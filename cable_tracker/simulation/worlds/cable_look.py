@@ -9,7 +9,7 @@ from statistics import NormalDist
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.simulation.texture import cloud_response, smooth_step, spectral_noise
+from cable_tracker.simulation.rendering.texture import cloud_response, smooth_step, spectral_noise
 from cable_tracker.simulation.worlds.ground import look_up
 from cable_tracker.simulation.worlds.world import Cover
 

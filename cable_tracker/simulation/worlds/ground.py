@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.pictures.image_folder import find_pictures
-from cable_tracker.simulation.texture import (
+from cable_tracker.simulation.rendering.texture import (
     cloud_response,
     frequencies,
     nearest_places,

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
-from cable_tracker.simulation.trajectory import Bands, Harmonics
+from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
 
 WORLD_RATE = 25.0
 """Frames per second of all worlds."""

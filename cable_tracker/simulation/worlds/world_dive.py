@@ -12,8 +12,8 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
+from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.setting_checks import check_seed, check_size
-from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.cable_look import (
     GROWTH_REACH,

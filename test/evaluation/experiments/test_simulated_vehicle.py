@@ -16,10 +16,10 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     twists_at,
 )
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.homography import homography, move_states
 from cable_tracker.metric.instruments import Instruments
-from cable_tracker.metric.motion import Odometry, PoseChange
-from cable_tracker.simulation.instruments import InstrumentErrors
+from cable_tracker.metric.odometry.homography import homography, move_states
+from cable_tracker.metric.odometry.motion import Odometry, PoseChange
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 from cable_tracker.simulation.scenario import scenario_dive, scenario_states
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus

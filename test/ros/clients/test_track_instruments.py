@@ -11,8 +11,8 @@ from rosbags.highlevel import AnyReader
 from cable_tracker import cli
 from cable_tracker.offline.results import BAG
 from cable_tracker.sequences.tables.estimates import read_estimates
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveyDiveSettings
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 
 pytestmark = pytest.mark.slow
 

@@ -15,15 +15,19 @@ from cable_tracker.metric.messages import (
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import yaw_of
-from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.instrument_messages import (
+from cable_tracker.simulation.instruments.instrument_messages import (
     make_camera_info,
     make_imu,
     make_odometry,
     make_quaternion,
     make_range,
 )
-from cable_tracker.simulation.instruments import ImuReading, InstrumentErrors, OdometryReading
+from cable_tracker.simulation.instruments.instruments import (
+    ImuReading,
+    InstrumentErrors,
+    OdometryReading,
+)
+from cable_tracker.simulation.rendering.camera import Camera
 
 FACTORY = RclpyMessages()
 HEADER = make_header(FACTORY, 1_000_000_000, "base_link")

@@ -23,7 +23,7 @@ from sensor_msgs.msg import (
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
-from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node

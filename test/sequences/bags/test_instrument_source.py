@@ -10,7 +10,7 @@ from cable_tracker.sequences.bags.instruments import (
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.static_transforms import place_in
-from cable_tracker.simulation.instrument_messages import (
+from cable_tracker.simulation.instruments.instrument_messages import (
     make_range,
     make_static_transforms,
     optical_rotation,

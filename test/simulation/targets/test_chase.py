@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cable_tracker.simulation.motion.vehicle import VelocityCommand
 from cable_tracker.simulation.targets.chase import (
     DIAMETER,
     FIRST_DISTANCE,
@@ -11,7 +12,6 @@ from cable_tracker.simulation.targets.chase import (
     ChaseWorld,
     shown_size,
 )
-from cable_tracker.simulation.vehicle import VelocityCommand
 
 
 def test_the_target_begins_before_the_camera_at_its_size():

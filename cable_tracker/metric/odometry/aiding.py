@@ -1,0 +1,201 @@
+"""Whether the filters use the vehicle's motion: only while it agrees with the picture."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import pose_units
+from cable_tracker.errors import MetricError, one_line
+from cable_tracker.libraries import REFUSALS
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.odometry.agreement_gate import AgreementGate
+from cable_tracker.metric.odometry.homography import (
+    PlaneMotion,
+    homography,
+    move_states,
+    prediction_covariance,
+)
+from cable_tracker.metric.odometry.motion import FIRST_FRAME, NoMotion, Odometry
+from cable_tracker.metric.odometry.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
+from cable_tracker.metric.odometry.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+from cable_tracker.tracking.succession import is_out_of_order
+
+UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
+"""Standard deviations of the motion of d, alpha, w, beta in one frame of the reference rate that
+the vehicle does not cause: bends of the cable, relief of the bottom, time stamps [px at the
+reference width, rad]."""
+
+CHECKED = 2
+"""Number of components compared, d and alpha: they show every wrong velocity that does harm."""
+
+UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
+"""Standard deviations of d, alpha, w, beta for each pixel of the corners' median error: 60 px from
+the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
+
+
+class MotionAiding:
+    """Makes the prediction for each frame, and watches whether it is any good.
+
+    The sea bed's texture decides. Where there is none, odometry has to prove itself by the cable.
+
+    Parameters
+    ----------
+    instruments : Instruments
+        Altitude, attitude, mounting.
+    odometry : Odometry
+        Twists of base_link.
+    texture_pause : float
+        Between two looks at the sea bed's texture while it agrees with odometry, and between two
+        computations of what is unknown of a prediction [s]; 0: in every frame. Where the texture
+        has ceased to agree, every frame is looked at.
+    """
+
+    def __init__(
+        self, instruments: Instruments, odometry: Odometry, texture_pause: float = 0.0
+    ) -> None:
+        self._texture_pause = round(texture_pause * NANOSECONDS)
+        self._texture_due = 0
+        self._sigmas: tuple[float, FloatArray] | None = None
+        self._instruments = instruments
+        self._odometry = odometry
+        self._gate = AgreementGate()
+        self._texture = SeaBedTexture()
+        self._texture_gate = TextureGate()
+        self._seen: TextureMotion | None = None
+        self._before: CableEstimate | None = None
+        self._predicted: PlaneMotion | None = None
+        self._unaided: Unaided | None = NO_FRAME
+
+    def copy(self, instruments: Instruments, odometry: Odometry) -> MotionAiding:
+        """Return another one that goes on as this one would, with other instruments."""
+        other = copy(self)
+        other._instruments, other._odometry = instruments, odometry
+        other._gate = self._gate.copy()
+        other._texture, other._texture_gate = copy(self._texture), copy(self._texture_gate)
+        return other
+
+    @property
+    def seen(self) -> TextureMotion | None:
+        """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
+        return self._seen
+
+    @property
+    def unaided(self) -> Unaided | None:
+        """Why the last frame was not aided; None if it was."""
+        return self._unaided
+
+    def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
+        """Return the motion from the frame before to a frame; None: do not use any.
+
+        Call it once for each frame, before the filter looks at it.
+
+        Parameters
+        ----------
+        stamp : int
+            Time of the frame [ns].
+        image : Image
+            The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
+        """
+        # A refusal is told, not raised: the frame is tracked without aid.
+        try:
+            return self._motion(stamp, image)
+        except MetricError as error:
+            why = str(error)
+        except REFUSALS as refusal:
+            why = f"the vehicle's motion cannot be compared with the image: {one_line(refusal)}"
+        self._seen = self._predicted = None
+        self._unaided = Unaided(why)
+        return None
+
+    def forget_picture(self) -> None:
+        """Compare the next frame with none: those between have not been looked at."""
+        self._texture = SeaBedTexture()
+        self._seen = self._predicted = None
+
+    def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
+        if self._before is not None and is_out_of_order(self._before.stamp, stamp):
+            # The filter refuses it: the next frame follows the one before.
+            return None
+        rests = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
+        prediction = self._predict(stamp, rests)
+        predicted = prediction if isinstance(prediction, PlaneMotion) else None
+        seen = self._look(stamp, image, predicted, rests)
+        self._seen = seen
+        if predicted is not None and seen is not None and seen.agrees:
+            predicted = _widened(predicted, seen.excess, image.shape[1])
+        self._predicted = predicted
+        self._unaided = (
+            Unaided(prediction.why) if isinstance(prediction, NoMotion) else self._doubt()
+        )
+        return predicted if self._unaided is None else None
+
+    def _look(
+        self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
+    ) -> TextureMotion | None:
+        """Compare a frame with the one before, or keep the verdict of a moment ago."""
+        before = self._seen
+        if rests and predicted is not None and self._texture_gate.verdict and before is not None:
+            self._texture.keep(image)
+            return before
+        self._texture_due = stamp + self._texture_pause
+        seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)
+        self._texture_gate.take(seen)
+        return seen
+
+    def _doubt(self) -> Unaided | None:
+        verdict = self._texture_gate.verdict
+        if verdict is None:
+            return self._gate.doubt
+        return None if verdict else TEXTURE_DISAGREES
+
+    def _predict(self, stamp: int, rests: bool) -> PlaneMotion | NoMotion:
+        """Predict; while the look at the texture rests, what is unknown is as it was."""
+        before = self._before
+        if before is None:
+            return FIRST_FRAME
+        change = self._odometry.motion(before.stamp, stamp)
+        if isinstance(change, NoMotion):
+            return change
+        flight = self._instruments.overflight(before)
+        if isinstance(flight, Withheld):
+            return NoMotion(str(flight))
+        mapping = homography(flight, change)
+        if rests and self._sigmas is not None and self._sigmas[0] >= change.seconds:
+            return PlaneMotion(mapping, change.seconds, self._sigmas[1])
+        covariance = prediction_covariance(before.state.to_array(), flight, change)
+        frames = change.seconds * REFERENCE_RATE
+        floor = UNMODELLED * pose_units(before.image_size[0]) * np.sqrt(frames)
+        sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)
+        self._sigmas = (change.seconds, sigmas)
+        return PlaneMotion(mapping, change.seconds, sigmas)
+
+    def observe(self, estimate: CableEstimate) -> None:
+        """Take the filter's answer to that frame: predictions are judged by it."""
+        before, self._before = self._before, estimate
+        predicted, self._predicted = self._predicted, None
+        is_tracked = before is not None and before.is_claimed and estimate.is_claimed
+        if before is None or predicted is None or not is_tracked or estimate.event:
+            self._gate.interrupt()
+            return
+        expected = move_states(before.state.to_array()[None, :], predicted.mapping)[0]
+        seen = states_in_chart(estimate.state.to_array()[None, :], float(expected[1]))[0]
+        self._gate.compare(
+            seen[:CHECKED] - expected[:CHECKED],
+            predicted.place_sigmas[:CHECKED] ** 2,
+            np.diag(estimate.covariance)[:CHECKED],
+        )
+
+
+def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotion:
+    """Count by how much the picture shows a prediction to be off as unknown."""
+    more = excess * UNKNOWN_PER_PIXEL * pose_units(image_width)
+    return replace(motion, place_sigmas=np.hypot(motion.place_sigmas, more))

@@ -1,0 +1,211 @@
+"""Metres, and the vehicle's motion for the filter, from what was recorded beside the pictures.
+
+The same as the tracker node does with what it hears, except that a recording knows the future: what
+instruments said shortly after a frame is known when the frame is tracked, so that their
+measurements are interpolated instead of held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.recorded.vehicle import (
+    VehicleDescription,
+    VehicleFile,
+    describe_vehicle,
+    read_vehicle_file,
+)
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
+
+
+@dataclass(frozen=True, slots=True)
+class Pauses:
+    """Intervals between measurements that are used; 0 by default, which uses all.
+
+    Attributes
+    ----------
+    readings : int
+        Interval between two readings of imu, odometry and altimeter [ns].
+    calibration : int
+        Interval between two calibrations [ns].
+    texture : float
+        Interval between two looks at the sea bed's texture while it agrees with odometry [s].
+    """
+
+    readings: int = 0
+    calibration: int = 0
+    texture: float = 0.0
+
+    def of_instruments(self) -> dict[Instrument, int]:
+        """Return the pauses of instruments; those that are not in it are read whole [ns]."""
+        fast = (Instrument.IMU, Instrument.ODOMETRY, Instrument.ALTITUDE)
+        return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
+
+
+class RecordedMetres(RecordedInstruments[CableSight]):
+    """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
+
+    Parameters
+    ----------
+    vehicle : VehicleDescription
+        Mounting, doubts, and a calibration if the bag has none.
+    source : InstrumentSource or None
+        Instruments of the bag; None where there are none.
+    pauses : Pauses
+        Shortest intervals between used messages of each instrument.
+    """
+
+    def __init__(
+        self,
+        vehicle: VehicleDescription,
+        source: InstrumentSource | None,
+        pauses: Pauses = Pauses(),
+    ) -> None:
+        self._vehicle = vehicle
+        self._pauses = pauses
+        super().__init__(InstrumentFeed(source, pauses.of_instruments()))
+        self._aids = bool(vehicle.values["motion_aid"]) and (
+            source is not None and Instrument.ODOMETRY in source.found.topics
+        )
+
+    @property
+    def base_frame(self) -> str:
+        """Name of the vehicle's frame."""
+        return str(self._vehicle.values["base_frame"])
+
+    def _first_sight(self) -> CableSight:
+        vehicle = self._vehicle
+        return CableSight(vehicle.values, vehicle.calibration, self._pauses.texture)
+
+    @property
+    def instruments(self) -> Instruments:
+        """Calibration, altitude, attitude as they are known so far."""
+        return self._sight.instruments
+
+    @property
+    def is_aided(self) -> bool:
+        """Whether there is odometry for the filter."""
+        return self._aids
+
+    def advance(self, frame: Frame) -> list[InstrumentMessage]:
+        """Take what the instruments said up to a frame and shortly after it, and return it."""
+        taken = list(self._feed.up_to(frame))
+        for message in taken:
+            self._sight.take_message(message.instrument, message.stamp, message.message)
+        return taken
+
+    def motion(self, stamp: int, image: Image) -> MotionAid | None:
+        """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
+
+        None without odometry, or while it disagrees with what the camera sees.
+        """
+        return self._sight.motion(stamp, image) if self._aids else None
+
+    def observe(self, estimate: CableEstimate) -> None:
+        """Learn from an estimate how far odometry may be believed; once for each frame."""
+        self._sight.observe(estimate)
+
+    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
+        return self._sight.measure(estimate)
+
+
+VEHICLE_FILE = "vehicle.yaml"
+"""Beside the storage files of a bag it is read without being asked for, also where one of those is
+named instead of the bag's folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedVehicle:
+    """The vehicle of a recording, and its instruments.
+
+    Attributes
+    ----------
+    vehicle : VehicleDescription
+        Description by tf_static and the vehicle file.
+    source : InstrumentSource or None
+        Instruments of the bag; None for a recording that is no bag.
+    """
+
+    vehicle: VehicleDescription
+    source: InstrumentSource | None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes for the user before anything is tracked."""
+        found = () if self.source is None else self.source.found.notes
+        return (*found, *self.vehicle.notes)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return remarks about unreadable messages, to be asked for after tracking."""
+        return () if self.source is None else self.source.remarks()
+
+    @property
+    def has_instruments(self) -> bool:
+        """Whether there is anything that metres could be made of."""
+        topics = {} if self.source is None else self.source.found.topics
+        found = any(instrument in topics for instrument in CABLE_INSTRUMENTS)
+        return found or self.vehicle.calibration is not None
+
+    @property
+    def wants_metres(self) -> bool:
+        """Whether there are instruments, or a vehicle file from which metres are expected."""
+        return self.has_instruments or bool(self.vehicle.said)
+
+    def metres(self, pauses: Pauses = Pauses()) -> RecordedMetres | None:
+        """Return what turns estimates into metres, or says why not; None where none are wanted."""
+        return RecordedMetres(self.vehicle, self.source, pauses) if self.wants_metres else None
+
+
+def own_vehicle_file(path: Path) -> Path:
+    """Return where the `vehicle.yaml` of a recording lies, if it has one."""
+    # A storage file may be named instead of its bag's folder.
+    is_in_bag = path.is_file() and (path.parent / METADATA).is_file()
+    return (path.parent if is_in_bag else path) / VEHICLE_FILE
+
+
+def recorded_vehicle(
+    recording: Source, choice: InstrumentChoice | None = None, vehicle_file: Path | None = None
+) -> RecordedVehicle:
+    """Find out what a recording holds besides its pictures.
+
+    Parameters
+    ----------
+    recording : Source
+        An open recording.
+    choice : InstrumentChoice or None
+        Which topics the user wants.
+    vehicle_file : Path or None
+        The user's `vehicle.yaml`; None: the one in the bag's folder, if there is one.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read, or a topic that the user named is not there.
+    ParameterError
+        The vehicle file is not acceptable.
+    """
+    file = VehicleFile()
+    own = own_vehicle_file(recording.path)
+    if vehicle_file is not None or own.is_file():
+        file = read_vehicle_file(vehicle_file or own)
+    if not isinstance(recording, BagSource):
+        return RecordedVehicle(describe_vehicle(None, "", file), None)
+    source = InstrumentSource(recording.path, recording.storage, recording.topic, choice)
+    vehicle = describe_vehicle(source, recording.camera_frame, file)
+    return RecordedVehicle(vehicle, source)

@@ -1,0 +1,73 @@
+"""What was recorded beside pictures, handed on in step with the frames that are followed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from copy import copy
+from types import TracebackType
+from typing import Generic, Protocol, Self, TypeVar
+
+from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+
+
+class Sight(Protocol):
+    """Knows what instruments have said so far."""
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+
+    def forget_all(self) -> None:
+        """Forget all measurements; the calibration stays."""
+
+
+SightType = TypeVar("SightType", bound=Sight)
+
+
+class RecordedInstruments(ABC, Generic[SightType]):
+    """Hands instruments of a recording to a sight; a frame may be any, see `jump`.
+
+    Parameters
+    ----------
+    feed : InstrumentFeed
+        Messages of the instruments.
+    """
+
+    def __init__(self, feed: InstrumentFeed) -> None:
+        self._feed = feed
+        self._sight = self._first_sight()
+
+    @abstractmethod
+    def _first_sight(self) -> SightType:
+        """Return one that knows what is known before the recording begins."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Read no more of the recording."""
+        self._feed.close()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._feed, other._sight = self._feed.copy(), self._sight.copy()
+        return other
+
+    def jump(self, *, to_start: bool = False) -> None:
+        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
+
+        With `to_start` that is the first frame, and the calibration is read again too.
+        """
+        self._feed.jump(to_start=to_start)
+        if to_start:
+            self._sight = self._first_sight()
+        else:
+            self._sight.forget_all()

@@ -1,0 +1,104 @@
+"""Bearing and range of a target, and turns of the camera, from what was recorded beside pictures.
+
+The same as the target tracker's node does with what it hears.
+"""
+
+from __future__ import annotations
+
+from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.recorded.vehicle import VehicleDescription
+from cable_tracker.metric.settings import default_values
+from cable_tracker.metric.targets.target_metres import TargetMetres, TargetSettings
+from cable_tracker.metric.targets.target_sight import TargetSight
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.parameter_table import ParameterValue
+
+LONGEST_WAIT = 60.0
+"""Longest wait for the instruments of a frame [s]; a replay has sent them before it."""
+
+
+def target_values(vehicle: VehicleDescription, target_size: float = 0.0) -> dict[str, object]:
+    """Return `TARGET_METRIC_PARAMETERS` as a vehicle is described.
+
+    A camera of which nothing is said looks straight ahead, not down.
+
+    Parameters
+    ----------
+    vehicle : VehicleDescription
+        Vehicle of the recording.
+    target_size : float
+        Root of the area that the target shows [m]; 0: not known.
+    """
+    values = default_values(TARGET_METRIC_PARAMETERS)
+    values |= {name: vehicle.values[name] for name in vehicle.said if name in values}
+    return values | {"target_size": target_size}
+
+
+def node_values(described: RecordedVehicle, target_size: float) -> dict[str, ParameterValue]:
+    """Return the parameters with which the node takes the instruments of a replay as we do."""
+    if not described.has_instruments:
+        return {}
+    found = set() if described.source is None else set(described.source.found.topics)
+    waits = bool(found & {Instrument.IMU, Instrument.ODOMETRY})
+    values = target_values(described.vehicle, target_size)
+    specs = {spec.name: spec for spec in TARGET_METRIC_PARAMETERS}
+    return {name: specs[name].coerce(value) for name, value in values.items()} | {
+        "instrument_reliability": "reliable",
+        "instrument_wait": LONGEST_WAIT if waits else 0.0,
+    }
+
+
+class RecordedSight(RecordedInstruments[TargetSight]):
+    """Hands instruments of a recording to a `TargetSight`, in step with the frames.
+
+    Parameters
+    ----------
+    described : RecordedVehicle
+        The vehicle and its instruments.
+    target_size : float
+        Root of the area that the target shows [m]; 0: not known.
+
+    Attributes
+    ----------
+    base_frame : str
+        Frame of what is in metres.
+    """
+
+    def __init__(self, described: RecordedVehicle, target_size: float = 0.0) -> None:
+        self._values = target_values(described.vehicle, target_size)
+        self._calibration = described.vehicle.calibration
+        self.base_frame = str(self._values["base_frame"])
+        super().__init__(InstrumentFeed(described.source))
+
+    def _first_sight(self) -> TargetSight:
+        return TargetSight(self._values, self._calibration)
+
+    @property
+    def settings(self) -> TargetSettings:
+        """Mounting and size."""
+        return self._sight.settings
+
+    @property
+    def why_unaided(self) -> str:
+        """Why turns were not taken out of the last frame; empty if they were."""
+        return self._sight.why_unaided
+
+    def advance(self, frame: Frame) -> None:
+        """Take what the instruments said up to a frame and shortly after it."""
+        for message in self._feed.up_to(frame):
+            self._sight.take_message(message.instrument, message.stamp, message.message)
+
+    def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
+        """Return what turns of the vehicle did to the picture; see `TargetSight`."""
+        return self._sight.camera_motion(stamp, image_size)
+
+    def take(self, estimate: TargetEstimate) -> TargetMetres:
+        """Return what a frame's estimate is in metres; once for each frame."""
+        (metres,) = self._sight.take([estimate])
+        return metres

@@ -1,0 +1,1 @@
+"""Bearing, range and size of a target."""

@@ -1,0 +1,159 @@
+"""From frame to frame: turns of the camera for the filter, and metres of what it has found.
+
+The same for a node that hears instruments and for a recording that holds them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from copy import copy
+
+from cable_tracker.metric.calibration import Calibration, CameraModel
+from cable_tracker.metric.known_calibration import KnownCalibration
+from cable_tracker.metric.messages import read_rates_of_turn, read_twist
+from cable_tracker.metric.odometry.motion import FIRST_FRAME, NoMotion, PoseChange
+from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
+from cable_tracker.metric.settings import target_settings
+from cable_tracker.metric.targets.target_metres import (
+    TargetMetres,
+    TargetRange,
+    TargetSettings,
+    VehicleMotion,
+    turn_of_picture,
+)
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.estimate import TargetEstimate
+
+TARGET_INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)
+"""Instruments whose messages count."""
+
+LEAST_SIGMAS = (0.02, math.radians(0.3))
+"""Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
+
+TURNED_TOO_FAR = "the camera is said to have turned away from what the frame before showed"
+
+
+class TargetSight:
+    """Keeps what is known of camera, vehicle and the ranges of targets.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        All of `TARGET_METRIC_PARAMETERS`, by name.
+    calibration : Calibration or None
+        Calibration given by the user, which overrides messages; None: use messages.
+    count : int
+        Number of targets.
+    """
+
+    def __init__(
+        self,
+        values: Mapping[str, object],
+        calibration: Calibration | None = None,
+        count: int = 1,
+    ) -> None:
+        self._settings = target_settings(values)
+        self._motion = VehicleMotion()
+        self._calibration = KnownCalibration(
+            calibration, is_rectified=bool(values["image_is_rectified"])
+        )
+        self._use_calibration()
+        self._ranges = [TargetRange(self._settings) for _ in range(count)]
+        self._forget_frame()
+
+    def _forget_frame(self) -> None:
+        self._before: int | None = None
+        self._moved: tuple[PoseChange, bool] | NoMotion = FIRST_FRAME
+        self._why_unaided = ""
+
+    def copy(self) -> TargetSight:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._calibration, other._motion = self._calibration.copy(), self._motion.copy()
+        other._ranges = [each.copy() for each in self._ranges]
+        return other
+
+    @property
+    def settings(self) -> TargetSettings:
+        """Settings in force."""
+        return self._settings
+
+    @property
+    def why_unaided(self) -> str:
+        """Why turns were not taken out of the last frame; empty if they were."""
+        return self._why_unaided
+
+    def configure(self, values: Mapping[str, object]) -> None:
+        """Take other values of `TARGET_METRIC_PARAMETERS`, and keep the measurements."""
+        self._settings = target_settings(values)
+        for each in self._ranges:
+            each.configure(self._settings)
+        self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
+        self._use_calibration()
+
+    def forget(self, number: int | None = None) -> None:
+        """Begin anew with the range of one target, or of all."""
+        for each in self._ranges if number is None else [self._ranges[number]]:
+            each.forget()
+
+    def forget_all(self) -> None:
+        """Forget ranges, measurements and the last frame; the calibration stays."""
+        self.forget()
+        self._motion.forget()
+        self._forget_frame()
+
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+        if instrument is Instrument.CAMERA_INFO:
+            self._calibration.take_camera_info(message)
+            self._use_calibration()
+        elif instrument is Instrument.IMU:
+            rates = read_rates_of_turn(message)
+            if rates is not None:
+                self._motion.take_turn(stamp, rates)
+        elif instrument is Instrument.ODOMETRY:
+            self._motion.take_twist(stamp, *read_twist(message, LEAST_SIGMAS))
+
+    def _use_calibration(self) -> None:
+        calibration = self._calibration.read()
+        if calibration is not None:
+            self._motion.take_calibration(calibration)
+
+    def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
+        """Return what turns of the vehicle did to the picture since the frame before.
+
+        None where they are not known. Call it for each frame, before the filter looks at it.
+
+        Parameters
+        ----------
+        stamp : int
+            Time of the frame [ns].
+        image_size : (int, int)
+            Width and height [px].
+        """
+        self._moved = (
+            FIRST_FRAME if self._before is None else self._motion.between(self._before, stamp)
+        )
+        camera = self._motion.camera(image_size)
+        if not self._settings.uses_motion:
+            self._why_unaided = SWITCHED_OFF.why
+        elif isinstance(self._moved, NoMotion):
+            self._why_unaided = self._moved.why
+        elif not isinstance(camera, CameraModel):
+            self._why_unaided = str(camera)
+        else:
+            turn = turn_of_picture(camera, self._settings.mounting, self._moved[0].rotation)
+            self._why_unaided = TURNED_TOO_FAR if turn is None else ""
+            return turn
+        return None
+
+    def take(self, estimates: Sequence[TargetEstimate]) -> list[TargetMetres]:
+        """Return what a frame's estimates are in metres; once for each frame."""
+        self._before = estimates[0].stamp
+        return [
+            each.take(estimate, self._motion.camera(estimate.image_size), self._moved)
+            for each, estimate in zip(self._ranges, estimates, strict=True)
+        ]

@@ -1,0 +1,1 @@
+"""What the instruments of a simulated vehicle say, and bags of it."""

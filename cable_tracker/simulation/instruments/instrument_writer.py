@@ -1,0 +1,169 @@
+"""What the instruments of a simulated vehicle say, written into a bag, and where it really is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.frames import rotation_in_plane
+from cable_tracker.metric.local_frame import LocalFrame
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
+from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.simulation.instruments.instrument_messages import (
+    ALTIMETER,
+    BASE,
+    CAMERA,
+    ODOM,
+    Fix,
+    make_camera_info,
+    make_fix,
+    make_imu,
+    make_odometry,
+    make_range,
+    make_static_transforms,
+    make_true_odometry,
+    optical_rotation,
+)
+from cable_tracker.simulation.instruments.instruments import (
+    ImuReading,
+    InstrumentErrors,
+    OdometryReading,
+)
+from cable_tracker.simulation.motion.vehicle import VehicleState
+from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+
+ORIGIN = (54.25, 7.9)
+"""Latitude and longitude of the world's origin [deg]."""
+
+BEARING = math.radians(25.0)
+"""Direction of the world's x from east, to the left [rad]."""
+
+DEPTH = 30.0
+"""Depth of the sea bed below the ellipsoid [m]."""
+
+FIX_SIGMA = 0.5
+"""Standard deviation of an acoustic fix, east and north each [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tick:
+    """State and measurements of the vehicle at one instant; only some have a picture.
+
+    Attributes
+    ----------
+    seconds : float
+        Time since the beginning [s].
+    state : VehicleState
+        True pose and velocity of the vehicle.
+    odometry : OdometryReading
+        Reading of odometry.
+    imu : ImuReading
+        Reading of the imu.
+    altitude : float or None
+        Reading of the altimeter, with each picture [m].
+    fix : FloatArray or None
+        Acoustic fix, once a second: x, y in the world, shape (2,) [m].
+    picture : Image or None
+        Grey picture, uint8, shape (H, W).
+    truth : CableState or None
+        True state of the cable in the picture; None where nothing of it can be seen.
+    visibility : float
+        Share of the borders inside the picture that nothing hides, 0 to 1.
+    """
+
+    seconds: float
+    state: VehicleState
+    odometry: OdometryReading
+    imu: ImuReading
+    altitude: float | None = None
+    fix: FloatArray | None = None
+    picture: Image | None = None
+    truth: CableState | None = None
+    visibility: float = 0.0
+
+
+def to_east_north(places: FloatArray) -> FloatArray:
+    """Turn places x, y of the world (N, 2) into metres east and north of its origin."""
+    # Places are rows: they are turned by the transposed matrix, which turns back.
+    turned: FloatArray = places @ rotation_in_plane(-BEARING)
+    return turned
+
+
+def fix_at(frame: LocalFrame, place: FloatArray, height: float) -> Fix:
+    """Return the fix of a place x, y of the world (2,) at a height [m].
+
+    `frame` is that of the world's origin, from which the height counts.
+    """
+    east, north = to_east_north(place[None, :])[0]
+    latitude, longitude, above = frame.to_geodetic(np.array([[east, north, height]]))[0]
+    return Fix(float(latitude), float(longitude), float(above), FIX_SIGMA)
+
+
+def vehicle_text(cable_height: float) -> str:
+    """Return what `vehicle.yaml` says; the height is that of the cable's axis [m]."""
+    return (
+        "# What no topic of this bag says.\n"
+        f"cable_height: {cable_height:.6g}\n"
+        "altitude_is_vertical: true\n"
+    )
+
+
+class InstrumentWriter:
+    """Writes what the instruments of a simulated vehicle say, and where it really is.
+
+    Parameters
+    ----------
+    bag : BagWriter
+        Bag to write to; gets the mounting of camera and altimeter at once.
+    """
+
+    def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:
+        self._bag = bag
+        self._camera = camera
+        self._errors = errors
+        self._factory = RosbagsMessages()
+        self._frame = LocalFrame(*ORIGIN)
+        rotation = optical_rotation(camera.mounting)
+        transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
+        bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
+
+    def write(self, tick: Tick) -> None:
+        """Write everything about an instant but its picture."""
+        stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
+        factory, errors = self._factory, self._errors
+        in_odom = make_header(factory, stamp, ODOM)
+        at_base = make_header(factory, stamp, BASE)
+        odometry = make_odometry(factory, in_odom, tick.odometry)
+        self._write(node_topics.ODOMETRY, odometry, stamp)
+        self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, errors), stamp)
+        if tick.fix is not None:
+            height = float(tick.state.position[2]) - DEPTH
+            fix = make_fix(factory, at_base, fix_at(self._frame, tick.fix, height))
+            self._write(node_topics.FIX, fix, stamp)
+        if tick.altitude is not None:
+            self._write_altitude(tick, tick.altitude, stamp)
+
+    def _write_altitude(self, tick: Tick, altitude: float, stamp: int) -> None:
+        factory = self._factory
+        at_altimeter = make_header(factory, stamp, ALTIMETER)
+        at_camera = make_header(factory, stamp, CAMERA)
+        in_odom = make_header(factory, stamp, ODOM)
+        measured = make_range(factory, at_altimeter, altitude)
+        self._write(node_topics.ALTITUDE, measured, stamp)
+        calibration = make_camera_info(factory, at_camera, self._camera)
+        self._write(node_topics.CAMERA_INFO, calibration, stamp)
+        truth = make_true_odometry(factory, in_odom, tick.state)
+        self._write(node_topics.TRUE_ODOMETRY, truth, stamp)
+
+    def _write(self, topic: NodeTopic, message: Message, stamp: int) -> None:
+        self._bag.write(topic.global_name, topic.type_name, message, stamp)

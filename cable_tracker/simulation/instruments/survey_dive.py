@@ -1,0 +1,324 @@
+"""A vehicle that inspects a cable, with all its instruments, and the truth about the cable.
+
+The pilot sees where the cable is, buried or not, and keeps over it but for a slow wandering. The
+cable's course belongs to one seed, the dive to another: several dives over one cable differ in
+current, wandering and the errors of all instruments, and see the same sea bed.
+
+World frame as in `vehicle`: x along the general course of the cable, y to its left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
+from cable_tracker.simulation.instruments.instruments import (
+    InstrumentErrors,
+    InstrumentSet,
+)
+from cable_tracker.simulation.motion.live_world import BURIAL_RAMP, LOOK
+from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
+from cable_tracker.simulation.motion.vehicle import (
+    Current,
+    Vehicle,
+    VehicleModel,
+    VelocityCommand,
+)
+from cable_tracker.simulation.rendering.clutter import Streak
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
+from cable_tracker.simulation.rendering.look import Skin
+from cable_tracker.simulation.rendering.tube import Tube
+from cable_tracker.simulation.seen_cable import (
+    CableScene,
+    cable_of_seed,
+    cable_points,
+    nearest_along,
+)
+from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+
+TICKS = 4
+"""Odometry and imu speak so often in the time of one frame."""
+
+WANDER_BANDS: Bands = ((0.01, 0.02), (0.03, 0.05))
+"""Frequency bands of the pilot's place beside the cable [Hz]."""
+
+AIM_AHEAD = 2.0
+"""Distance along the cable of the point that the pilot steers for [m]."""
+
+TURN_GAIN, MOST_TURN = 1.0, 0.4
+"""Rate of turn per radian off the course [1/s], and the fastest [rad/s]."""
+
+SWAY_GAIN, MOST_SWAY = 0.4, 0.2
+"""Sideways velocity per metre beside the wanted place [1/s], and the highest [m/s]."""
+
+CROSSING_RADIUS = 0.06
+"""Radius of the cables that lie across [m]."""
+
+LEAST_ACROSS = math.sin(math.radians(15.0))
+"""Sine of the angle from the cable at which a line counts as across it."""
+
+MEETING_STEP = 0.2
+"""Distance between places of the cable at which it is told on which side of a streak they lie
+[radii]."""
+
+SHARE_WAY = 0.5
+"""Length of cable over which its hidden share is computed [m]."""
+
+EXCURSION_RAMP = 4.0
+"""Way over which the pilot leaves the cable, and comes back [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """From where to where along the cable's course [m]."""
+
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyDiveSettings:
+    """Settings of a simulated survey dive.
+
+    Attributes
+    ----------
+    seed : int
+        Not negative; draws current, wandering, and the errors of all instruments.
+    cable_seed : int
+        Not negative; draws the cable's course, and sea bed and growth.
+    length : float
+        Length of the cable's course that is followed, above 0 [m].
+    buried : tuple of Stretch
+        Stretches that sand hides.
+    crossings : tuple of float
+        Places along the cable where other cables lie across it [m].
+    excursions : tuple of Stretch
+        Stretches on which the pilot goes far aside.
+    excursion : float
+        Distance aside on these, positive to the left of the cable, -20 to 20 [m].
+    altitude : float
+        Altitude that the vehicle keeps [m].
+    speed : float
+        Speed through the water [m/s].
+    current : float
+        Speed of the water, 0 to 3 [m/s]; its direction is drawn.
+    wander : float
+        Largest distance by which the pilot strays from the cable, 0 to 20 [m].
+    image_size : (int, int)
+        Width and height [px], each 32 to 4096.
+    rate : float
+        Frames per second.
+
+    Raises
+    ------
+    ParameterError
+        A value is out of its range.
+    """
+
+    seed: int = 0
+    cable_seed: int = 0
+    length: float = 200.0
+    buried: tuple[Stretch, ...] = ()
+    crossings: tuple[float, ...] = ()
+    excursions: tuple[Stretch, ...] = ()
+    excursion: float = 1.6
+    altitude: float = 2.0
+    speed: float = 0.5
+    current: float = 0.1
+    wander: float = 0.25
+    image_size: tuple[int, int] = (320, 240)
+    rate: float = 12.5
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        check_seed(self.cable_seed, "cable_seed")
+        check_size(self.image_size)
+        check_range("length", self.length, (1.0, 1e5), "m of cable")
+        check_range("excursion", self.excursion, (-20.0, 20.0), "m aside")
+        check_range("current", self.current, (0.0, 3.0), "m/s")
+        check_range("wander", self.wander, (0.0, 20.0), "m aside")
+        check_range("altitude", self.altitude, (0.3, 20.0), "m")
+        check_range("speed", self.speed, (0.05, 3.0), "m/s")
+        check_range("rate", self.rate, (1.0, 100.0), "frames per second")
+
+
+def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSettings:
+    """Return a survey with a buried stretch every 50 m, a crossing and an excursion every 100 m.
+
+    What there is belongs to the cable, and is the same in all dives over it.
+
+    Raises
+    ------
+    ParameterError
+        There is no such length or seed.
+    """
+    plain = SurveyDiveSettings(seed, cable_seed, length)
+    rng = np.random.default_rng([cable_seed, 7])
+    buried, crossings = [], []
+    for number in range(int(length // 50)):
+        start = 50.0 * number + float(rng.uniform(12.0, 22.0))
+        buried.append(Stretch(start, start + float(rng.uniform(4.0, 9.0))))
+    for number in range(int(length // 100)):
+        crossings.append(100.0 * number + float(rng.uniform(40.0, 48.0)))
+    excursions = [Stretch(100.0 * n + 86.0, 100.0 * n + 89.0) for n in range(int(length // 100))]
+    return replace(
+        plain, buried=tuple(buried), crossings=tuple(crossings), excursions=tuple(excursions)
+    )
+
+
+def meetings(tube: Tube, streak: Streak) -> FloatArray:
+    """Return where along a bent cable a streak lies across it, shape (N,) [m].
+
+    A streak's places are in radii of the tube.
+    """
+    reach = streak.half_length + 1.0
+    places = np.arange(streak.q - reach, streak.q + reach, MEETING_STEP)
+    points, directions = tube.axis(places * tube.radius)
+    cos, sin = math.cos(streak.angle), math.sin(streak.angle)
+    u, v = points[:, 0] / tube.radius - streak.p, points[:, 1] / tube.radius - streak.q
+    across, along = u * cos + v * sin, v * cos - u * sin
+    lean = directions[:, 0] * cos + directions[:, 1] * sin
+    before = np.flatnonzero(np.diff(np.signbit(across)))
+    before = before[(np.abs(along) <= reach)[before] & (np.abs(lean) >= LEAST_ACROSS)[before]]
+    shares = across[before] / (across[before] - across[before + 1])
+    met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
+    return met
+
+
+class SurveyDive:
+    """One dive along a cable.
+
+    Attributes
+    ----------
+    camera : Camera
+        The vehicle's camera; base_link is at its centre.
+    errors : InstrumentErrors
+        How wrong the instruments are.
+    cable_height : float
+        Height of the cable's axis above the bottom [m].
+    """
+
+    def __init__(self, settings: SurveyDiveSettings) -> None:
+        self._settings = settings
+        own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
+        motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
+        self._tube = cable_of_seed(settings.cable_seed)
+        self._scene = CableScene(
+            self._tube,
+            Surroundings(LOOK, stretches=self._stretches(), others=self._others()),
+            settings.length,
+            settings.image_size,
+            (np.random.default_rng(cables.clutter), np.random.default_rng(cables.picture)),
+        )
+        self.camera = self._scene.camera
+        self.cable_height = self._tube.height
+        self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
+        current = Current.random(settings.current, np.random.default_rng(own.course))
+        self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
+        self.errors = InstrumentErrors()
+        self._instruments = InstrumentSet(self.errors, self._vehicle.state(), reading_rng)
+        self._rng = reading_rng
+        self._altitude = settings.altitude
+
+    def lines_across(self) -> FloatArray:
+        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
+        met = [meetings(self._tube, streak) for streak in self._scene.streaks]
+        return np.sort(np.concatenate([self._settings.crossings, *met]))
+
+    def hidden_share(self, along: FloatArray) -> FloatArray:
+        """Return which share of both borders is hidden about places along the cable, shape (N,).
+
+        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
+        """
+        shares = np.empty(len(along))
+        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
+        for number, place in enumerate(along):
+            points, _ = self._tube.axis(np.array([place]))
+            position = np.array([*points[0, :2], self._settings.altitude])
+            world = self._tube.silhouette(position[None], (place + steps)[None])[0]
+            usable = np.isfinite(world).all(axis=-1)
+            shares[number] = self._scene.hidden(position, world, usable).mean()
+        return shares
+
+    def ticks(self) -> Iterator[Tick]:
+        """Dive until the end of the cable, or until three times the time that it should take."""
+        settings = self._settings
+        period = 1.0 / (TICKS * settings.rate)
+        most = math.ceil(3.0 * settings.length / settings.speed / period)
+        fix_every = max(1, round(1.0 / period))
+        along = 0.0
+        for number in range(most):
+            if number:
+                along = self._advance(number * period, along, period)
+            state = self._vehicle.state()
+            odometry = self._instruments.odometry(state, period if number else 0.0)
+            imu = self._instruments.imu(state)
+            fix = None
+            if number % fix_every == 0:
+                fix = state.position[:2] + FIX_SIGMA * self._rng.standard_normal(2)
+            if number % TICKS:
+                yield Tick(number * period, state, odometry, imu, fix=fix)
+                continue
+            self._altitude = self._instruments.altitude(state)
+            picture = self._scene.picture(state, number * period)
+            truth, visibility = self._scene.seen(state)
+            yield Tick(
+                number * period, state, odometry, imu, self._altitude, fix,
+                picture, truth, visibility,
+            )  # fmt: skip
+            if along >= settings.length:
+                return
+
+    def _stretches(self) -> tuple[BuriedStretch, ...]:
+        return tuple(
+            BuriedStretch(each.start, each.end, BURIAL_RAMP) for each in self._settings.buried
+        )
+
+    def _others(self) -> tuple[tuple[Tube, Skin], ...]:
+        others = []
+        for number, along in enumerate(self._settings.crossings):
+            point, _ = self._tube.axis(np.array([along]))
+            heading = math.radians(60.0 if number % 2 else -55.0)
+            origin = (float(point[0, 0]), float(point[0, 1]))
+            others.append((Tube(CROSSING_RADIUS, (), origin, heading), LOOK.skin))
+        return tuple(others)
+
+    def _start(self) -> FloatArray:
+        points, directions = cable_points(self._tube, np.zeros(1))
+        course = math.atan2(directions[0, 1], directions[0, 0])
+        return np.array([*points[0, :2], self._settings.altitude, course])
+
+    def _advance(self, seconds: float, along: float, period: float) -> float:
+        """Let the pilot steer and the vehicle go on; return where along the cable it is now."""
+        x, y, _, yaw = self._vehicle.pose
+        along = nearest_along(self._tube, np.array([x, y]), along)
+        points, directions = cable_points(self._tube, np.array([along, along + AIM_AHEAD]))
+        course = math.atan2(directions[1, 1], directions[1, 0])
+        left = np.array([-directions[0, 1], directions[0, 0]])
+        beside = float((np.array([x, y]) - points[0, :2]) @ left)
+        wanted = float(self._wander.values(np.array(seconds))) + self._aside(along)
+        correction = math.atan2(wanted - beside, AIM_AHEAD)
+        turn = TURN_GAIN * math.remainder(course + correction - yaw, 2 * math.pi)
+        sway = SWAY_GAIN * (wanted - beside)
+        command = VelocityCommand(
+            surge=self._settings.speed,
+            sway=min(max(sway, -MOST_SWAY), MOST_SWAY),
+            turn=min(max(turn, -MOST_TURN), MOST_TURN),
+        )
+        self._vehicle.advance(command, self._altitude, period)
+        return along
+
+    def _aside(self, along: float) -> float:
+        """Return how far aside the pilot wants to be besides wandering [m]."""
+        most = 0.0
+        for each in self._settings.excursions:
+            rise = (along - each.start) / EXCURSION_RAMP + 1.0
+            fall = (each.end - along) / EXCURSION_RAMP + 1.0
+            most = max(most, min(1.0, rise, fall))
+        return most * self._settings.excursion

@@ -1,0 +1,1 @@
+"""How the vehicle, and with it the cable in the image, moves."""

@@ -1,0 +1,225 @@
+"""A cable on the sea bed and a vehicle above it that goes where it is told.
+
+The world frame is that of `vehicle`: x along the general course of the cable, y to its left. The
+renderer's has x across to the right and y along.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.motion.vehicle import (
+    Current,
+    Vehicle,
+    VehicleModel,
+    VehicleState,
+    VelocityCommand,
+)
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
+from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
+from cable_tracker.simulation.seen_cable import (
+    CableScene,
+    bent_cable,
+    cable_of_seed,
+    cable_points,
+    nearest_along,
+)
+from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+
+BURIAL_RAMP = 0.3
+"""Way over which the sand rises and falls at the ends of the buried stretch [m]."""
+
+START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
+"""Largest distance from the cable and largest angle to it at the start [m, rad]."""
+
+LEAST_COSINE = 0.1
+"""A cable that runs more across the vehicle is as far beside it as at that cosine of the angle."""
+
+LOOK = Look(
+    bottom=Bottom(stones=0.8, algae=0.8),
+    skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
+    water=Water(absorption=0.1, scatter=0.1, veil=0.25, flakes=0.3),
+    daylight=0.6,
+    clutter=0.3,
+)
+"""An overgrown cable in fairly clear water, with a rope or furrow here and there."""
+
+
+@dataclass(frozen=True, slots=True)
+class LiveSettings:
+    """Settings of the closed-loop simulation.
+
+    Attributes
+    ----------
+    seed : int
+        Not negative; draws course, current, surfaces, and the errors of all instruments.
+    length : float
+        Length of the cable's course that is to be followed, above 0 [m].
+    buried : float
+        Length of the stretch in its middle that sand hides [m]; 0 for none.
+    altitude : float
+        Altitude that the vehicle keeps [m].
+    current : float
+        Speed of the water [m/s]; its direction is drawn.
+    image_size : (int, int)
+        Width and height [px], each 32 to 4096.
+    rate : float
+        Frames per second.
+
+    Raises
+    ------
+    ParameterError
+        A value is out of its range.
+    """
+
+    seed: int = 0
+    length: float = 100.0
+    buried: float = 5.0
+    altitude: float = 2.0
+    current: float = 0.1
+    image_size: tuple[int, int] = (320, 240)
+    rate: float = 12.5
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        check_size(self.image_size)
+        check_range("length", self.length, (1.0, 1e5), "m of cable")
+        if not 0.0 <= self.buried <= self.length:
+            raise ParameterError(f"buried is {self.buried}: give 0 m to the length of the cable")
+        check_range("altitude", self.altitude, (0.3, 20.0), "m")
+        check_range("current", self.current, (0.0, 2.0), "m/s")
+        check_range("rate", self.rate, (1.0, 100.0), "frames per second")
+
+    @property
+    def buried_from(self) -> float:
+        """Position along the course at which the sand begins [m]."""
+        return (self.length - self.buried) / 2
+
+
+@dataclass(frozen=True, slots=True)
+class TrueCrossTrack:
+    """The cable beside the vehicle, as it is.
+
+    Attributes
+    ----------
+    along : float
+        Position of the nearest point along the cable's course [m].
+    error : float
+        Distance to that point; positive: the cable is to the left of the vehicle, seen in the
+        cable's direction [m].
+    offset : float
+        y of the cable at x = 0, in the vehicle's level frame [m].
+    heading : float
+        Direction of the cable at its nearest point, from the vehicle's; positive: the cable leads
+        to the left [rad].
+    """
+
+    along: float
+    error: float
+    offset: float
+    heading: float
+
+
+class LiveWorld:
+    """The world of `simulate --live`.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+        Settings of course, burial and vehicle.
+
+    Attributes
+    ----------
+    camera : Camera
+        The vehicle's camera; base_link is at its centre.
+    instruments : InstrumentSet
+        The vehicle's instruments.
+    cable_height : float
+        Height of the cable's axis above the bottom [m].
+    time : float
+        Time since the beginning [s].
+    """
+
+    def __init__(self, settings: LiveSettings) -> None:
+        self.settings = settings
+        seeds = Seeds.of(settings.seed)
+        course_rng = np.random.default_rng(seeds.course)
+        motion_rng, own_rng = (np.random.default_rng(seed) for seed in seeds.route.spawn(2))
+        self._tube = bent_cable(course_rng)
+        self._scene = CableScene(
+            self._tube,
+            Surroundings(LOOK, stretches=self._stretches()),
+            settings.length,
+            settings.image_size,
+            (np.random.default_rng(seeds.clutter), np.random.default_rng(seeds.picture)),
+        )
+        self.camera = self._scene.camera
+        self.cable_height = self._tube.height
+        current = Current.random(settings.current, course_rng)
+        self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
+        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
+        self.time = 0.0
+
+    def _stretches(self) -> tuple[BuriedStretch, ...]:
+        settings = self.settings
+        if not settings.buried:
+            return ()
+        start = settings.buried_from
+        return (BuriedStretch(start, start + settings.buried, BURIAL_RAMP),)
+
+    def _start(self, rng: np.random.Generator) -> FloatArray:
+        """Return the pose at the beginning: near the cable, which is in view."""
+        point, direction = (part[0] for part in self.cable_at(np.zeros(1)))
+        aside = float(rng.uniform(-START_ASIDE, START_ASIDE))
+        turned = float(rng.uniform(-START_TURNED, START_TURNED))
+        course = math.atan2(direction[1], direction[0])
+        left = np.array([-math.sin(course), math.cos(course)])
+        place = point[:2] + aside * left
+        return np.array([*place, self.settings.altitude, course + turned])
+
+    def state(self) -> VehicleState:
+        """Return where the vehicle is now, and how it moves."""
+        return self._vehicle.state()
+
+    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
+        """Let the vehicle go on; `altitude` is what its altimeter said last [m]."""
+        self._vehicle.advance(command, altitude, seconds)
+        self.time += seconds
+
+    def cable_at(self, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
+        return cable_points(self._tube, along)
+
+    def cross_track(self, state: VehicleState) -> TrueCrossTrack:
+        """Return where the cable is beside the vehicle."""
+        along = nearest_along(self._tube, state.position[:2], float(state.position[0]))
+        point, direction = (part[0] for part in self.cable_at(np.array([along])))
+        aside = point[:2] - state.position[:2]
+        error = float(direction[0] * aside[1] - direction[1] * aside[0])
+        heading = math.atan2(direction[1], direction[0]) - float(state.angles[2])
+        heading = math.remainder(heading, 2 * math.pi)
+        # Beyond a right angle what is to the left of the cable is to the right of the vehicle.
+        cos = math.cos(heading)
+        offset = error / math.copysign(max(abs(cos), LEAST_COSINE), cos)
+        return TrueCrossTrack(along, error, offset, heading)
+
+    def picture(self, state: VehicleState) -> Image:
+        """Take the next picture: grey, uint8, shape (H, W)."""
+        return self._scene.picture(state, self.time)
+
+    def true_state(self, state: VehicleState) -> CableState | None:
+        """Return the cable in the image; None if nothing of it can be seen."""
+        return self._scene.seen(state)[0]
+
+
+def cable_course(seed: int, along: FloatArray) -> FloatArray:
+    """Return points of the cable that a seed gives, (N, 3) [m], at places (N,) along it."""
+    return cable_points(cable_of_seed(seed), along)[0]

@@ -1,0 +1,1 @@
+"""Pictures of a sea bed and what lies on it, in turbid water."""

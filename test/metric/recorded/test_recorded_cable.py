@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
+from cable_tracker.tracking.status import TrackingStatus
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    path = tmp_path_factory.mktemp("recorded") / "dive"
+    write_survey_bag(path, SurveyDiveSettings(length=1.5, image_size=(64, 48), rate=5.0))
+    return path
+
+
+def claim(frame) -> CableEstimate:
+    state = frame.truth or CableState(0.0, 0.0, 5.0, 0.0)
+    return claim_at(frame.stamp, state)
+
+
+def claim_at(stamp, state) -> CableEstimate:
+    return CableEstimate(
+        stamp, TrackingStatus.TRACKING, state, np.eye(8) * 1e-6, 100.0, 1.0, (64, 48)
+    )
+
+
+def measured(bag, choice=None):
+    results = []
+    with open_source(bag) as recording, recorded_vehicle(recording, choice).metres() as metres:
+        for frame in recording.frames():
+            metres.advance(frame)
+            results.append(metres.measure(claim(frame)))
+    return results
+
+
+def test_the_true_cable_is_found_beside_the_vehicle_in_every_frame(bag):
+    results = measured(bag)
+    assert len(results) > 5
+    assert all(isinstance(result, CrossTrack) for result in results)
+    assert all(abs(result.offset) < 0.6 and -2.5 < result.depth < -1.5 for result in results)
+    diameters = [result.diameter for result in results]
+    assert np.median(diameters) == pytest.approx(0.16, rel=0.2)
+
+
+def test_without_an_altitude_the_reason_is_said(bag):
+    choice = InstrumentChoice({Instrument.ALTITUDE: "none"})
+    for result in measured(bag, choice):
+        assert isinstance(result, Withheld) and result.reason is Reason.NO_ALTITUDE
+
+
+def test_what_is_said_shortly_after_a_frame_is_known(bag):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frame = next(recording.frames())
+        messages = metres.advance(frame)
+    latest = max(message.stamp for message in messages)
+    assert frame.stamp < latest <= frame.received + 250_000_000
+
+
+def test_a_recording_that_is_no_bag_has_no_instruments(tmp_path):
+    (tmp_path / "0.png").write_bytes(b"")
+    with open_source(tmp_path) as recording:
+        assert recorded_vehicle(recording).metres() is None
+
+
+def test_a_vehicle_file_alone_lets_it_be_said_why_there_are_no_metres(tmp_path):
+    (tmp_path / "0.png").write_bytes(b"")
+    file = tmp_path / "vehicle.yaml"
+    file.write_text("fixed_altitude: 2.0\n")
+    estimate = claim_at(0, CableState(1.0, 0.1, 20.0))
+    with open_source(tmp_path) as recording:
+        described = recorded_vehicle(recording, vehicle_file=file)
+        assert not described.has_instruments
+        metres = described.metres()
+        assert metres.measure(estimate).reason is Reason.NO_CALIBRATION
+
+
+def run(metres, frames):
+    """Measure frames with their motion; the estimate is the truth."""
+    results = []
+    for frame in frames:
+        metres.advance(frame)
+        motion = metres.motion(frame.stamp, decode_grey(frame.image))
+        metres.observe(claim(frame))
+        known = metres.measure(claim(frame))
+        results.append(
+            (
+                None if motion is None else motion.mapping.tolist(),
+                known.offset,
+                known.covariance.tolist(),
+            )
+        )
+    return results
+
+
+@pytest.mark.parametrize("place", [0, 1, 5])
+def test_a_copy_goes_on_as_the_original_does_and_as_often_as_is_wanted(bag, place):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frames = list(recording.frames())
+        run(metres, frames[:place])
+        kept = metres.copy()
+        expected = run(metres, frames[place:])
+        assert any(motion is not None for motion, _, _ in expected)
+        for _ in range(2):
+            with kept.copy() as again:
+                assert run(again, frames[place:]) == expected
+
+
+def test_after_a_jump_only_the_motion_from_the_frame_before_is_unknown(bag):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frames = list(recording.frames())
+        expected = run(metres, frames)
+        for place in (7, 2):
+            metres.jump()
+            found = run(metres, frames[place:])
+            assert found[0][0] is None
+            assert [each[1:] for each in found] == [each[1:] for each in expected[place:]]
+        metres.jump(to_start=True)
+        assert run(metres, frames) == expected
+
+
+def test_a_closed_one_reads_no_more(bag):
+    with open_source(bag) as recording:
+        frame = next(recording.frames())
+        with recorded_vehicle(recording).metres() as metres:
+            pass
+        assert metres.advance(frame) == []

@@ -1,0 +1,102 @@
+import math
+
+import numpy as np
+import pytest
+from instrument_messages import camera_info, imu, odometry
+
+from cable_tracker.metric.settings import default_values
+from cable_tracker.metric.targets.target_sight import TargetSight
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.status import TrackingStatus
+
+SECOND = 1_000_000_000
+FRAME = SECOND // 25
+SIZE = (320, 240)
+TURN = 0.5
+
+
+def values(**others):
+    return default_values(TARGET_METRIC_PARAMETERS) | others
+
+
+def seen(index):
+    """A target in the middle of the image, of 20 px by 20 px."""
+    return TargetEstimate(
+        SECOND + index * FRAME, TrackingStatus.TRACKING, SIZE, np.zeros(6), np.eye(6), area=400.0,
+        is_whole=True, box=(0.0, 0.0, 20.0, 20.0),
+    )  # fmt: skip
+
+
+def turn_of(sight, instrument, make):
+    """Show two frames while the vehicle turns; return what that does to the second."""
+    for index in range(2):
+        stamp = SECOND + index * FRAME
+        sight.take_message(instrument, stamp, make(turn=TURN + 1e-3 * index))
+        motion = sight.camera_motion(stamp, SIZE)
+        sight.take([seen(index)])
+    return motion
+
+
+def calibrated(**others):
+    sight = TargetSight(values(**others))
+    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    return sight
+
+
+@pytest.mark.parametrize(
+    ("instrument", "make"), [(Instrument.IMU, imu), (Instrument.ODOMETRY, odometry)]
+)
+def test_turns_are_known_from_imu_and_odometry(instrument, make):
+    sight = calibrated()
+    motion = turn_of(sight, instrument, make)
+    assert sight.why_unaided == ""
+    # What is ahead moves to the right when the vehicle turns to the left.
+    assert motion.homography[0, 2] == pytest.approx(280.0 * math.tan(TURN * 0.04), rel=0.01)
+
+
+def test_an_imu_that_measures_no_turns_says_nothing():
+    sight = calibrated()
+    assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
+    assert sight.why_unaided == "no odometry has come"
+
+
+def test_a_turn_away_from_what_was_seen_is_not_taken_out():
+    sight = calibrated()
+    fast = math.radians(80.0) / 0.04
+    assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
+    assert "turned away" in sight.why_unaided
+
+
+def test_turns_can_be_left_in():
+    sight = calibrated(motion_aid=False)
+    assert turn_of(sight, Instrument.ODOMETRY, odometry) is None
+    assert sight.why_unaided == "the parameter motion_aid is false"
+
+
+def test_a_target_of_known_size_has_a_range():
+    (metres,) = calibrated(target_size=0.5).take([seen(0)])
+    assert metres.relative.range == pytest.approx(0.5 * 280.0 / 20.0, rel=0.01)
+
+
+def test_other_values_read_the_calibration_anew():
+    sight = calibrated(target_size=0.5)
+    sight.configure(values(target_size=0.5, image_is_rectified=True))
+    (metres,) = sight.take([seen(0)])
+    assert metres.relative.range == pytest.approx(0.5 * 250.0 / 20.0, rel=0.01)
+
+
+def test_a_calibration_that_is_given_wins_over_messages(calibrations):
+    sight = TargetSight(values(), calibrations["pinhole"])
+    (before,) = sight.take([seen(0)])
+    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info(640))
+    (after,) = sight.take([seen(1)])
+    assert after.ray.tolist() == before.ray.tolist()
+
+
+def test_without_a_calibration_there_is_no_bearing():
+    (metres,) = TargetSight(values()).take([seen(0)])
+    assert isinstance(metres.ray, Withheld)
+    assert metres.ray.reason is Reason.NO_CALIBRATION
