@@ -306,3 +306,43 @@ def curves_figure(
         axis.legend(frameon=False, fontsize=7.5)
         figure.tight_layout(pad=0.5)
     return figure
+
+
+def trade_off_figure(
+    series: Mapping[str, FloatArray], *, gain: str, prices: Sequence[str]
+) -> Figure:
+    """Draw what a setting gains against its prices, a panel for each price.
+
+    Parameters
+    ----------
+    series : mapping of str to FloatArray
+        By name of the setting: its values, what each of them gains, and the prices, shape
+        (n, 2 + prices). The values are written beside the points.
+    gain : str
+        Label of what is gained.
+    prices : sequence of str
+        Label of each price.
+    """
+    with _calm_style():
+        figure = Figure(figsize=(7.2, 3.4))
+        axes = figure.subplots(1, len(prices), sharey=True, squeeze=False)[0]
+        for column, (axis, price) in enumerate(zip(axes, prices, strict=True), start=2):
+            for place, (name, rows) in enumerate(series.items()):
+                colour, stroke = style_of(place)
+                axis.plot(
+                    rows[:, column], rows[:, 1], color=colour, linestyle=stroke, marker="o", ms=3.5,
+                    label=name,
+                )  # fmt: skip
+                for row in rows:
+                    axis.annotate(
+                        f"{row[0]:g}", (row[column], row[1]), xytext=(3, 3 - 9 * place),
+                        textcoords="offset points", fontsize=6.0, color=colour,
+                    )  # fmt: skip
+            axis.set_xlabel(price)
+            axis.margins(0.12)
+            axis.set_xlim(left=0.0)
+            with_faint_grid(axis)
+        axes[0].set_ylabel(gain)
+        axes[-1].legend(frameon=False, fontsize=7.5)
+        figure.tight_layout(pad=0.5)
+    return figure

@@ -10,6 +10,7 @@ from cable_tracker.evaluation.figures import (
     curves_figure,
     loss_figure,
     trace_figure,
+    trade_off_figure,
 )
 from cable_tracker.evaluation.trace import trace_of
 
@@ -64,3 +65,13 @@ def test_curves_become_a_picture():
     figure = curves_figure({"a": ([1.0, 2.0], [3.0, 4.0])}, x_label="x", y_label="y")
     picture = cv2.imdecode(np.frombuffer(as_png(figure), np.uint8), cv2.IMREAD_COLOR)
     assert min(picture.shape[:2]) > 300
+
+
+def test_what_is_gained_stands_over_each_price_with_the_values_beside_it():
+    rows = np.array([(0.5, 90.0, 2.0, 8.0), (0.7, 85.0, 1.0, np.nan)])
+    figure = trade_off_figure({"threshold": rows}, gain="found", prices=("missed", "false"))
+    first, second = figure.axes
+    assert [first.get_xlabel(), second.get_xlabel()] == ["missed", "false"]
+    assert [text.get_text() for text in first.texts] == ["0.5", "0.7"]
+    assert first.get_ylim()[0] > 80.0
+    assert cv2.imdecode(np.frombuffer(as_png(figure), np.uint8), cv2.IMREAD_COLOR) is not None

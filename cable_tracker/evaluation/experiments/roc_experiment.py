@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.campaign import Campaign
@@ -16,7 +18,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     FigureFile,
     ResultTable,
 )
-from cable_tracker.evaluation.figures import as_png, curves_figure
+from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
@@ -114,19 +116,18 @@ class RocExperiment(CampaignExperiment):
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
-        curves: dict[str, tuple[list[float], list[float]]] = {}
+        curves: dict[str, list[tuple[float, ...]]] = {}
         rows = []
         for threshold in THRESHOLDS:
             numbers = claim_shares(chosen(results, method=threshold.name))
             rows.append((threshold.name, *(format_number(each, "%") for each in numbers)))
-            wrongly_claimed, useful = curves.setdefault(threshold.parameter, ([], []))
-            useful.append(numbers[0])
-            wrongly_claimed.append(numbers[1])
-        figure = curves_figure(
-            curves,
-            x_label="wrongly claimed [% of the frames with a visible cable]",
-            y_label="useful [%]",
-            markers=True,
+            useful, wrongly_claimed, _, without_cable, *_ = numbers
+            point = (threshold.value, useful, wrongly_claimed, without_cable)
+            curves.setdefault(threshold.parameter, []).append(point)
+        figure = trade_off_figure(
+            {name: np.array(points) for name, points in curves.items()},
+            gain="useful [%]",
+            prices=("wrongly claimed [%]", "claimed without a cable [%]"),
         )
         notes = (SHARES_NOTE, NOTE, *self._available()[1])
         return ExperimentResult(
