@@ -17,6 +17,9 @@ from cable_tracker.metric.history import History
 from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.withheld import Reason, Withheld
 
+UNKNOWN_ATTITUDE = "an orientation_covariance of -1, or beyond 30 deg, says that none is known"
+"""Such an attitude is not kept, and so what counts as missing may come all the time."""
+
 
 @dataclass(frozen=True, slots=True)
 class InstrumentSettings:
@@ -103,7 +106,8 @@ class Instruments:
             return Attitude(0.0, 0.0, self._settings.level_sigma)
         reading = self._attitudes.at(stamp)
         if reading is None or reading.nearest > self._settings.timeout:
-            return Withheld(Reason.STALE_ATTITUDE, self._stale("imu", reading is None))
+            why = self._stale("imu", reading is None)
+            return Withheld(Reason.STALE_ATTITUDE, f"{why}; {UNKNOWN_ATTITUDE}")
         attitude = Attitude(*(float(value) for value in reading.values))
         if not attitude.is_finite():
             return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")

@@ -73,16 +73,22 @@ def read_range(message: Message) -> tuple[float, tuple[float, float]]:
     return float(message.range), (low, high if low < high < math.inf else MOST_ALTITUDE)
 
 
+UNKNOWN_TILT = math.radians(30.0)
+"""An imu that is less sure of roll or pitch does not know them [rad]: instruments say so by a huge
+variance as well as by -1, and angles that may be anything have no mean that would be true."""
+
+
 def read_attitude(message: Message, least_sigma: float) -> Attitude | None:
     """Read roll and pitch of a sensor_msgs/Imu that is mounted like base_link.
 
-    None if it says that it does not measure them; not a number if it has no unit quaternion.
-    `least_sigma` [rad] stands for a covariance that is not given, or smaller.
+    None if it says that it does not measure them, by a covariance of -1 or beyond `UNKNOWN_TILT`;
+    not a number if it has no unit quaternion. `least_sigma` [rad] stands for a covariance that is
+    not given, or smaller.
     """
-    quaternion = unit_quaternion(message.orientation)
     covariance = [float(value) for value in message.orientation_covariance]
-    if covariance[0] == -1.0:
+    if covariance[0] == -1.0 or max(covariance[0], covariance[4]) > UNKNOWN_TILT**2:
         return None
+    quaternion = unit_quaternion(message.orientation)
     if quaternion is None:
         return Attitude(math.nan, math.nan, least_sigma)
     roll, pitch = roll_and_pitch(*quaternion)

@@ -14,6 +14,7 @@ from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
 from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25
@@ -48,17 +49,32 @@ def test_calibration_altitude_and_attitude_make_metres(estimate):
     assert result.offset == pytest.approx(50.0 * 1.4 / 280.0, rel=0.01)
 
 
-def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate):
+@pytest.mark.parametrize("variance", [-1.0, UNKNOWN_VARIANCE])
+def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate, variance):
     sight = calibrated()
     sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     without = sight.measure(estimate)
     rates_alone = imu()
-    rates_alone.orientation_covariance[0] = -1.0
+    rates_alone.orientation_covariance[0] = variance
     sight.take_message(Instrument.IMU, SECOND, rates_alone)
     result = sight.measure(estimate)
     assert isinstance(result, CrossTrack) and isinstance(without, CrossTrack)
     assert result.offset == without.offset
     np.testing.assert_array_equal(result.covariance, without.covariance)
+
+
+@pytest.mark.parametrize("variance", [-1.0, UNKNOWN_VARIANCE])
+def test_an_imu_that_no_longer_knows_its_orientation_is_told_by_its_covariance(
+    make_estimate, variance
+):
+    sight = calibrated(fixed_altitude=1.4)
+    sight.take_message(Instrument.IMU, SECOND, imu())
+    unsure = imu()
+    unsure.orientation_covariance[0] = variance
+    sight.take_message(Instrument.IMU, 3 * SECOND, unsure)
+    told = sight.measure(make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01), stamp=3 * SECOND))
+    assert reason(told) is Reason.STALE_ATTITUDE
+    assert "orientation_covariance" in told.detail
 
 
 def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture():

@@ -93,6 +93,20 @@ def test_an_imu_that_does_not_measure_its_orientation_says_nothing() -> None:
     assert read_attitude(imu(0.2, orientation_covariance=[-1.0, *[0.0] * 8]), 0.01) is None
 
 
+@pytest.mark.parametrize("place", [0, 4], ids=["roll", "pitch"])
+@pytest.mark.parametrize("variance", [1.0, 100.0, 9999.0, UNKNOWN_VARIANCE, math.inf])
+def test_an_orientation_that_may_be_anything_is_not_measured(place: int, variance: float) -> None:
+    covariance = [1e-4, *[0.0] * 3, 1e-4, *[0.0] * 4]
+    covariance[place] = variance
+    assert read_attitude(imu(0.2, orientation_covariance=covariance), 0.01) is None
+
+
+def test_a_heading_that_may_be_anything_takes_nothing_from_roll_and_pitch() -> None:
+    covariance = [1e-4, *[0.0] * 3, 1e-4, *[0.0] * 3, UNKNOWN_VARIANCE]
+    attitude = read_attitude(imu(0.2, orientation_covariance=covariance), 0.001)
+    assert attitude is not None and attitude.sigma == pytest.approx(0.01)
+
+
 def test_offset_and_heading_stand_where_a_pose_has_them() -> None:
     covariance = np.array([[0.04, 0.001], [0.001, 0.01]])
     message = make_cross_track(
