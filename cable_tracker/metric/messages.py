@@ -16,6 +16,7 @@ from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
+from cable_tracker.metric.odometry.motion import UNKNOWN_TURN
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
@@ -101,9 +102,10 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude | None:
 def read_rates_of_turn(message: Message) -> FloatArray | None:
     """Read the rates of turn of a sensor_msgs/Imu that is mounted like base_link, (3,) [rad/s].
 
-    None if it says that it does not measure them.
+    None if it says that it does not measure them, by a covariance of -1 or beyond `UNKNOWN_TURN`.
     """
-    if float(message.angular_velocity_covariance[0]) == -1.0:
+    covariance = [float(value) for value in message.angular_velocity_covariance]
+    if covariance[0] == -1.0 or max(covariance[::4]) > UNKNOWN_TURN**2:
         return None
     return np.array([float(getattr(message.angular_velocity, axis)) for axis in "xyz"])
 

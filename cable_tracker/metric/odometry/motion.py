@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -28,6 +29,10 @@ LARGEST_TWIST = 1e12
 """Velocities and variances beyond it are none [SI units]: an instrument that knows nothing may say
 the largest number there is, whose sums and squares are infinite."""
 
+UNKNOWN_SPEED, UNKNOWN_TURN = 10.0, math.radians(90.0)
+"""A velocity or rate of turn whose standard deviation is larger is not measured [m/s, rad/s]: it is
+more than a vehicle under water does, and instruments say so by a huge variance."""
+
 TWIST = 6
 """Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""
 
@@ -52,6 +57,26 @@ class PoseChange:
     translation: FloatArray
     covariance: FloatArray
     seconds: float
+
+    @property
+    def knows_way(self) -> bool:
+        """Whether all velocities behind it were measured."""
+        return bool((self._sigmas()[:3] <= UNKNOWN_SPEED).all())
+
+    @property
+    def measured_turns(self) -> int:
+        """Number of axes about which rates of turn were measured, 0 to 3."""
+        return int((self._sigmas()[3:] <= UNKNOWN_TURN).sum())
+
+    def _sigmas(self) -> FloatArray:
+        sigmas: FloatArray = np.sqrt(self.covariance.diagonal()) / self.seconds
+        return sigmas
+
+    def turned_as(self, other: PoseChange) -> PoseChange:
+        """Return the same way with the turn of another one over the same time."""
+        covariance = other.covariance.copy()
+        covariance[:3, :3] = self.covariance[:3, :3]
+        return PoseChange(other.rotation, self.translation, covariance, self.seconds)
 
 
 @dataclass(frozen=True, slots=True)

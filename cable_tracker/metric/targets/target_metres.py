@@ -34,6 +34,9 @@ UNSURE_RANGE = 0.3
 LONGEST_GAP = 5.0
 """Time without a frame after which the belief about the range begins anew [s]."""
 
+TURN_NOT_MEASURED = NoMotion(
+    "odometry measures no turns (the covariance of its rates is beyond 90 deg/s); give an imu"
+)
 
 PIXEL_SIDES = np.array([[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
 """Middles of a pixel's sides: right, left, upper, lower [px]."""
@@ -112,15 +115,23 @@ class VehicleMotion:
     def between(self, start: int, end: int) -> tuple[PoseChange, bool] | NoMotion:
         """Return how base_link moved between two times [ns].
 
-        With it, whether its way is known, and not only its turn; or why neither is.
+        With it, whether its way is known, and not only its turn; or why neither is. A turn that
+        odometry does not measure about all axes is that of the gyroscope, if there is one.
         """
         moved = self._odometry.motion(start, end)
-        if isinstance(moved, PoseChange):
-            return moved, True
+        if isinstance(moved, PoseChange) and moved.measured_turns == 3:
+            return moved, moved.knows_way
         turned = self._gyroscope.motion(start, end)
         if isinstance(turned, PoseChange):
+            if isinstance(moved, PoseChange) and moved.knows_way:
+                return moved.turned_as(turned), True
             return turned, False
-        return turned if self._gyroscope.has_come else moved
+        if isinstance(moved, PoseChange) and moved.measured_turns:
+            # Odometry in a plane: to keep level is nearer to the truth than not to turn.
+            return moved, moved.knows_way
+        if self._gyroscope.has_come:
+            return turned
+        return TURN_NOT_MEASURED if isinstance(moved, PoseChange) else moved
 
 
 def turn_of_picture(

@@ -15,6 +15,7 @@ from cable_tracker.metric.targets.target_metres import (
     turn_of_picture,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -172,6 +173,61 @@ class TestVehicleMotion:
         moved = motion.between(0, STEP)
         assert not isinstance(moved, NoMotion) and moved[1]
         assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
+
+    @staticmethod
+    def with_odometry(*, way=1e-4, turn=1e-4, angular=0.0):
+        """Odometry at 1 m/s ahead, with a variance of velocities and one of rates of turn."""
+        motion, covariance = VehicleMotion(), np.diag([way] * 3 + [turn] * 3)
+        for stamp in range(0, 3 * STEP, STEP):
+            twist = np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, angular])
+            motion.take_twist(stamp, twist, covariance)
+        return motion
+
+    @staticmethod
+    def turns(motion):
+        for stamp in range(0, 3 * STEP, STEP):
+            motion.take_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
+
+    @pytest.mark.parametrize("variance", [100.0, UNKNOWN_VARIANCE])
+    def test_a_gyroscope_turns_where_odometry_does_not_know_the_turn(self, variance):
+        motion = self.with_odometry(turn=variance)
+        self.turns(motion)
+        moved = motion.between(0, STEP)
+        assert not isinstance(moved, NoMotion) and moved[1]
+        assert moved[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
+        assert np.diag(moved[0].covariance).max() < 1.0
+
+    def test_a_gyroscope_counts_where_odometry_knows_nothing(self):
+        motion = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
+        self.turns(motion)
+        turned = motion.between(0, STEP)
+        assert not isinstance(turned, NoMotion) and not turned[1]
+        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
+        turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, STEP)
+        assert not isinstance(turned, NoMotion) and not turned[1]
+        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):
+        motion, rates = VehicleMotion(), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.5])
+        known = np.diag([*[1e-4] * 3, UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, 1e-4])
+        for stamp in range(0, 3 * STEP, STEP):
+            motion.take_twist(stamp, rates + 1e-9 * stamp, known)
+        turned = motion.between(0, STEP)
+        assert not isinstance(turned, NoMotion)
+        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_a_turn_that_no_instrument_knows_is_told_with_the_reason(self):
+        motion = self.with_odometry(turn=UNKNOWN_VARIANCE)
+        unknown = motion.between(0, STEP)
+        assert isinstance(unknown, NoMotion)
+        assert "covariance" in unknown.why
+        motion.take_turn(-9 * STEP, np.ones(3))
+        late = motion.between(0, STEP)
+        assert isinstance(late, NoMotion)
+        assert late.why.startswith("the last imu is more than")
 
     def test_an_instrument_that_has_come_says_why_nothing_is_known(self):
         late, without_imu, without_odometry = 10 * STEP, VehicleMotion(), VehicleMotion()

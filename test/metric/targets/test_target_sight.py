@@ -9,6 +9,7 @@ from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -61,6 +62,15 @@ def test_an_imu_that_measures_no_turns_says_nothing():
     sight = calibrated()
     assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
     assert sight.why_unaided == "no odometry has come"
+
+
+def test_an_imu_whose_turns_may_be_anything_says_nothing():
+    def unsure(turn):
+        message = imu(turn)
+        message.angular_velocity_covariance = np.diag([UNKNOWN_VARIANCE] * 3).ravel().tolist()
+        return message
+
+    assert turn_of(calibrated(), Instrument.IMU, unsure) is None
 
 
 def test_a_turn_away_from_what_was_seen_is_not_taken_out():
