@@ -75,7 +75,12 @@ METRIC_PARAMETERS = (
     number("look_ahead", 1.0, "m", (0.0, 100.0), "Distance ahead for `cross_track_ahead`."),
     number("cable_height", 0.0, "m", (0.0, 10.0), "Height of the cable's axis above the sea bed."),
     number(
-        "fixed_altitude", 0.0, "m", (0.0, 200.0), "Altitude where no `altitude` comes; 0: none."
+        "fixed_altitude",
+        0.0,
+        "m",
+        (0.0, 200.0),
+        "Altitude where no `altitude` comes, or the last is older than `instrument_timeout`;"
+        " 0: none.",
     ),
     number("altimeter_x", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: forwards."),
     number("altimeter_y", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: to the left."),

@@ -32,7 +32,8 @@ class InstrumentSettings:
     altimeter : Altimeter
         Mounting and errors of the altimeter.
     fixed_altitude : float
-        Altitude of base_link used without an altimeter [m]; 0 for none.
+        Altitude of base_link used without an altimeter, or where its last measurement is too old
+        [m]; 0 for none.
     timeout : float
         Measurements older than this, at the time of a frame, do not count [s].
     level_sigma : float
@@ -106,7 +107,7 @@ class Instruments:
             return Attitude(0.0, 0.0, self._settings.level_sigma)
         reading = self._attitudes.at(stamp)
         if reading is None or reading.nearest > self._settings.timeout:
-            why = self._stale("imu", reading is None)
+            why = self._stale("imu", is_later=reading is None)
             return Withheld(Reason.STALE_ATTITUDE, f"{why}; {UNKNOWN_ATTITUDE}")
         attitude = Attitude(*(float(value) for value in reading.values))
         if not attitude.is_finite():
@@ -116,16 +117,18 @@ class Instruments:
     def altitude_at(self, stamp: int, attitude: Attitude) -> Altitude | Withheld:
         """Return the altitude of base_link at a time [ns]."""
         settings = self._settings
+        if self._is_fixed_at(stamp):
+            sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
+            return Altitude(settings.fixed_altitude, sigma)
         if not len(self._altitudes):
-            if settings.fixed_altitude > 0.0:
-                sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
-                return Altitude(settings.fixed_altitude, sigma)
             return Withheld(
                 Reason.NO_ALTITUDE, "none has come on altitude; or set the parameter fixed_altitude"
             )
         reading = self._altitudes.at(stamp)
         if reading is None or reading.nearest > settings.timeout:
-            return Withheld(Reason.STALE_ALTITUDE, self._stale("altitude", reading is None))
+            return Withheld(
+                Reason.STALE_ALTITUDE, self._stale("altitude", is_later=reading is None)
+            )
         # An altitude that cannot be must not be bridged by its neighbours.
         for values in (*self._altitudes.around(stamp), reading.values):
             metres, low, high = (float(value) for value in values)
@@ -133,6 +136,27 @@ class Instruments:
             if isinstance(altitude, Withheld):
                 return altitude
         return altitude
+
+    def stand_in_at(self, stamp: int) -> str:
+        """Return why `fixed_altitude` stands in for an altimeter at a time [ns]; else empty.
+
+        Metres go on then, with an altitude that may be another one than the last that was measured.
+        """
+        if not len(self._altitudes) or not self._is_fixed_at(stamp):
+            return ""
+        return f"fixed_altitude stands in: {self._stale('altitude', is_later=False)}"
+
+    def _is_fixed_at(self, stamp: int) -> bool:
+        """Tell whether `fixed_altitude` counts: where no altitude comes, or none comes any more.
+
+        An altimeter whose stamps are all later than the image is alive, and its clock is wrong.
+        """
+        if not self._settings.fixed_altitude > 0.0:
+            return False
+        reading = self._altitudes.at(stamp)
+        if reading is None:
+            return not len(self._altitudes)
+        return reading.nearest > self._settings.timeout
 
     def overflight(self, estimate: CableEstimate) -> Overflight | Withheld:
         """Return where the camera was over the cable's plane in the frame of an estimate."""
@@ -149,7 +173,7 @@ class Instruments:
         height = altitude.metres - metric.cable_height
         return Overflight(camera, metric.mounting, attitude, height, altitude.sigma)
 
-    def _stale(self, topic: str, is_later: bool) -> str:
+    def _stale(self, topic: str, *, is_later: bool) -> str:
         if is_later:
             return f"{topic} has only later stamps than the image; set all clocks alike"
         return (

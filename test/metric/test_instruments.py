@@ -59,6 +59,31 @@ def test_a_fixed_altitude_stands_in(instruments, estimate):
     assert measured.metres == pytest.approx(1.4)
 
 
+def test_a_fixed_altitude_stands_in_for_an_altimeter_that_fell_silent(instruments):
+    instruments.take_altitude(SECOND, 1.4, LIMITS)
+    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    assert instruments.altitude_at(3 * SECOND, Attitude()) == Altitude(2.0, 0.02)
+    assert "altitude is more than 1 s older" in instruments.stand_in_at(3 * SECOND)
+    instruments.take_altitude(3 * SECOND, 1.5, LIMITS)
+    assert instruments.altitude_at(3 * SECOND, Attitude()).metres == pytest.approx(1.5)
+    assert instruments.stand_in_at(3 * SECOND) == ""
+
+
+@pytest.mark.parametrize(
+    ("metres", "second", "expected"),
+    [(1.4, 3.5, Reason.STALE_ALTITUDE), (60.0, 2.0, Reason.BAD_ALTITUDE)],
+    ids=["of later stamps", "that cannot be"],
+)
+def test_a_fixed_altitude_does_not_stand_in_for_an_altimeter_that_speaks(
+    instruments, metres, second, expected
+):
+    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.take_altitude(int(second * SECOND), metres, LIMITS)
+    told = instruments.altitude_at(2 * SECOND, Attitude())
+    assert reason(told) is expected
+    assert instruments.stand_in_at(2 * SECOND) == ""
+
+
 @pytest.mark.parametrize("metres", [0.0, math.nan, math.inf, -math.inf, 60.0])
 def test_an_impossible_altitude_is_told(instruments, estimate, metres):
     instruments.take_altitude(9 * SECOND, 1.4, LIMITS)

@@ -28,7 +28,7 @@ AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 """Instruments for which a frame waits also before they have spoken."""
 
 WARNING_PAUSE = 10.0
-"""Odometry that is doubted again sooner is not warned of again [s]."""
+"""Odometry or an altimeter that fails again sooner is not warned of again [s]."""
 
 ODOMETRY_ADVICE = "check the mounting parameters camera_*, and the stamps of odometry and images"
 
@@ -59,6 +59,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
         self._factory = factory
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = NO_FRAME
+        self._stand_in = ""
         self._publishers = {
             topic: publishers.create(topic, qos.RESULTS)
             for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
@@ -96,6 +97,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
         """Publish the cable of an estimate in metres, if it can be told."""
         before, result = self._result, self._sight.measure(estimate)
         self._result = result
+        self._tell_of_stand_in(estimate.stamp)
         if isinstance(result, Withheld):
             news = newly_withheld(before, result)
             if news is not None:
@@ -105,6 +107,12 @@ class MetricInputs(InstrumentInputs[CableSight]):
         messages = cross_track_messages(self._factory, stamp_of(header), self.base_frame, result)
         for topic, message in messages.items():
             self._publishers[topic].publish(message)
+
+    def _tell_of_stand_in(self, stamp: int) -> None:
+        """Warn where `fixed_altitude` begins to stand in: metres may jump then."""
+        before, self._stand_in = self._stand_in, self._sight.instruments.stand_in_at(stamp)
+        if self._stand_in and not before:
+            self._node.get_logger().warning(self._stand_in, throttle_duration_sec=WARNING_PAUSE)
 
     def _tell_of_mounting(self) -> None:
         """Warn with the first `cross_track` of a camera whose mounting was not given."""
@@ -127,6 +135,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
             "cross track [m]": f"{known.offset:.3f}" if known else "",
             "cable diameter [m]": f"{known.diameter:.3f}" if known else "",
             "no metres": "" if known else str(result),
+            "no altimeter": self._stand_in,
             "no motion aid": "" if unaided is None else unaided.why,
             "odometry error [px]": self._odometry_error(),
         }

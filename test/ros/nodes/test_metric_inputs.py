@@ -171,6 +171,19 @@ def test_what_is_wrong_gives_no_metres_and_is_named(
     assert said(node, diagnostics, world, "no metres").startswith(words)
 
 
+def test_an_altimeter_that_falls_silent_is_told_where_a_fixed_altitude_stands_in(
+    start: Callable[..., Any], diagnostics: Any, world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE, instrument_timeout=0.01)
+    vehicle.is_calibrated()
+    vehicle.measures(2.0 * ALTITUDE)
+    vehicle.sees()
+    assert said(node, diagnostics, world, "no altimeter") == ""
+    vehicle.sees(2)
+    assert vehicle.foot[-1].pose.pose.position.z == pytest.approx(-ALTITUDE, rel=0.01)
+    assert said(node, diagnostics, world, "no altimeter").startswith("fixed_altitude stands in")
+
+
 def test_the_roll_of_the_imu_is_corrected(start: Callable[..., Any]) -> None:
     _, vehicle = start(fixed_altitude=ALTITUDE)
     vehicle.is_calibrated()
