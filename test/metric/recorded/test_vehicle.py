@@ -1,7 +1,14 @@
+import math
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError
+from cable_tracker.metric.frames import OPTICAL_IN_BODY, rotation_of
 from cable_tracker.metric.recorded.vehicle import describe_vehicle, read_vehicle_file
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.messages.static_transforms import StaticTransform
 
 CALIBRATION = """
 image_width: 320
@@ -79,3 +86,51 @@ def test_raw_images_need_no_projection(tmp_path):
 def test_a_wrong_file_is_refused_with_the_reason(tmp_path, text, words):
     with pytest.raises(ParameterError, match=words):
         read_vehicle_file(written(tmp_path, text))
+
+
+class FramesOfABag:
+    """A bag of which only `/tf_static` and the frame of the altimeter are known.
+
+    Its camera looks straight down, and its altimeter's beam is lowered by an angle [deg].
+    """
+
+    found = SimpleNamespace(topics={Instrument.ALTITUDE: "altitude"})
+
+    def __init__(self, lowered, yaw=0.3):
+        eye = rotation_of(np.array([0.0, math.pi / 2, 0.0])) @ OPTICAL_IN_BODY
+        beam = rotation_of(np.array([0.0, math.radians(lowered), yaw]))
+        self._transforms = (
+            StaticTransform("base_link", "eye", eye, np.zeros(3)),
+            StaticTransform("base_link", "sounder", beam, np.array([0.2, 0.0, 0.0])),
+        )
+
+    def static_transforms(self):
+        return self._transforms
+
+    def first(self, instrument):
+        if instrument is not Instrument.ALTITUDE:
+            return None
+        return SimpleNamespace(header=SimpleNamespace(frame_id="sounder"))
+
+
+@pytest.mark.parametrize("lowered", [90.0, 86.0, 94.0])
+def test_an_altimeter_that_looks_down_needs_no_note(lowered):
+    vehicle = describe_vehicle(FramesOfABag(lowered), "eye")
+    assert vehicle.notes == ()
+    assert vehicle.values["altimeter_x"] == 0.2
+
+
+@pytest.mark.parametrize(("lowered", "degrees"), [(60.0, 30), (83.0, 7), (0.0, 90), (-90.0, 180)])
+def test_an_altimeter_that_does_not_look_down_is_noted(lowered, degrees):
+    (note,) = describe_vehicle(FramesOfABag(lowered), "eye").notes
+    assert f"{degrees} deg from straight down" in note
+    assert "altitude_is_vertical" in note
+
+
+def test_a_frame_of_the_altimeter_that_is_not_turned_says_nothing_of_its_beam():
+    assert describe_vehicle(FramesOfABag(0.0, yaw=0.0), "eye").notes == ()
+
+
+def test_a_vertical_altitude_has_no_beam(tmp_path):
+    file = read_vehicle_file(written(tmp_path, "altitude_is_vertical: true\n"))
+    assert describe_vehicle(FramesOfABag(0.0), "eye", file).notes == ()
