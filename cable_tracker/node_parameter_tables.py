@@ -121,7 +121,7 @@ METRIC_PARAMETERS = (
         "s",
         (0.0, 60.0),
         "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
-        " `altitude`, `imu` and `odometry` have come; 0: do not wait.",
+        " `altitude`, `imu` and `odometry` have come; at most 10 frames wait; 0: do not wait.",
     ),
 )
 """For `cross_track`; see docs/metric.md."""
@@ -214,7 +214,7 @@ TARGET_METRIC_PARAMETERS = (
         (0.0, 60.0),
         "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
         " those of `odometry` and `imu` that speak at all have come, or for all of it while neither"
-        " has spoken; 0: do not wait.",
+        " has spoken; at most 10 frames wait; 0: do not wait.",
     ),
 )
 """For `bearing`, `relative_pose` and turns of the camera; see docs/targets.md."""

@@ -1,15 +1,20 @@
-"""Holds a frame back until the instruments have told of its time."""
+"""Holds frames back until the instruments have told of their time."""
 
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
+from typing import Final
 
 from cable_tracker.ros.inputs.image_input import CameraFrame
 
+MOST_HELD: Final = 10
+"""Frames held at once: pictures are large. One more sends the oldest on."""
+
 
 class FrameHold:
-    """Keeps at most one frame, for at most a given time.
+    """Keeps frames in the order in which they came, each for at most a given time.
 
     Parameters
     ----------
@@ -17,29 +22,52 @@ class FrameHold:
         Gets the frames, in the order in which they came.
     is_complete : callable
         Tells whether everything has come that belongs to a stamp [ns].
+    pass_over : callable or None
+        Gets a frame instead of `use` that is late by more than its wait while a newer one is due:
+        what a tracker has no time for must not delay the rest. None: every frame is used.
     """
 
     def __init__(
-        self, use: Callable[[CameraFrame], None], is_complete: Callable[[int], bool]
+        self,
+        use: Callable[[CameraFrame], None],
+        is_complete: Callable[[int], bool],
+        pass_over: Callable[[CameraFrame], None] | None = None,
     ) -> None:
         self._use = use
         self._is_complete = is_complete
-        self._frame: CameraFrame | None = None
-        self._wait = 0.0
+        self._pass_over = pass_over
+        self._held: deque[tuple[CameraFrame, float]] = deque()
 
     def take(self, frame: CameraFrame, wait: float) -> None:
-        """Hold a frame for at most `wait` seconds; the one before it goes on at once."""
-        # The order of the frames counts for more than what the instruments may still say.
-        self.release_if_due(at_once=True)
-        self._frame, self._wait = frame, wait
+        """Hold a frame for at most `wait` seconds; one that does not wait sends the others on."""
+        self._held.append((frame, wait))
+        if len(self._held) > MOST_HELD:
+            self._hand_on(1)
         self.release_if_due()
 
-    def release_if_due(self, *, at_once: bool = False) -> None:
-        """Hand the frame on if everything has come, or it has waited long enough."""
-        frame = self._frame
-        if frame is None:
-            return
-        is_due = at_once or time.perf_counter() - frame.arrival >= self._wait
-        if is_due or self._is_complete(frame.stamp):
-            self._frame = None
-            self._use(frame)
+    def release_if_due(self) -> None:
+        """Hand frames on of which everything has come, or that have waited long enough.
+
+        And those before them: the order counts for more than what the instruments may still say.
+        """
+        while due := self._count_due():
+            self._hand_on(due)
+
+    def _count_due(self) -> int:
+        """Return how many frames are due, the last of them by itself."""
+        now = time.perf_counter()
+        for count in range(len(self._held), 0, -1):
+            frame, wait = self._held[count - 1]
+            if now - frame.arrival >= wait or self._is_complete(frame.stamp):
+                return count
+        return 0
+
+    def _hand_on(self, count: int) -> None:
+        """Hand on the oldest frames, of which `count` are due."""
+        for newer in range(count - 1, -1, -1):
+            frame, wait = self._held.popleft()
+            is_late = newer and wait and time.perf_counter() - frame.arrival > 2.0 * wait
+            if is_late and self._pass_over is not None:
+                self._pass_over(frame)
+            else:
+                self._use(frame)

@@ -118,6 +118,7 @@ class CameraNode(ProcessNode):
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
         start = node_parameters.declare_all(self, CAMERA_START_PARAMETERS, read_only=True)
+        self._answers_every_frame = start["image_reliability"] == "reliable"
         self._input = ImageInput(
             self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
         )
@@ -207,7 +208,8 @@ class CameraNode(ProcessNode):
 
     def begin(self) -> None:
         """Offer the services and warm up; the camera is subscribed when that is done."""
-        self._hold = FrameHold(self._answer, self._metric.has_all_of)
+        give_way = None if self._answers_every_frame else self._give_way
+        self._hold = FrameHold(self._answer, self._metric.has_all_of, give_way)
         self.create_service(Trigger, "~/reset", self.on_reset)
         self.create_service(SetBool, "~/enable", self.on_enable)
         # Simulated time may stand still while frames stay away: the watchdog needs a clock that
@@ -288,6 +290,10 @@ class CameraNode(ProcessNode):
         # Frames that wait for nothing pass through the hold, too: they must not overtake one in it.
         waits = self._enabled and frame.stamp
         self._hold.take(frame, self._metric.wait if waits else 0.0)
+
+    def _give_way(self, frame: CameraFrame) -> None:
+        """Leave a frame out for a newer one, as the middleware does of those that it keeps."""
+        self._statistics.dropped += 1
 
     def _answer(self, frame: CameraFrame) -> None:
         self._frame_id = frame.header.frame_id
