@@ -83,9 +83,10 @@ class TrackedRecording:
                 first = self._recall(target)
             for number in range(first, target + 1):
                 if is_interrupted(number == target):
-                    self._memory.interrupt()
                     self.position = number - 1
                     return False
+                if self.is_enabled and self._memory.is_given(number):
+                    self._take_remembered(number)
                 self._track(self._frames.frame(number), is_shown=number == target)
         except IndexError:
             last = (self._frames.count or 0) - 1
@@ -96,10 +97,8 @@ class TrackedRecording:
         """Take the tracker from before a frame; returns the frame that it needs next."""
         if not self.is_enabled:
             return target
-        remembered = self._memory.recall(target)
-        if remembered is not None:
-            self.follower.close()
-            self.follower, first = remembered
+        first = self._take_remembered(target)
+        if first is not None:
             return first
         if 0 <= self.position < target <= self.position + LONGEST_RUN:
             return self.position + 1
@@ -108,6 +107,15 @@ class TrackedRecording:
         if target == 0:
             self.follower.begin()
         return target
+
+    def _take_remembered(self, target: int) -> int | None:
+        """Go on with the tracker that was remembered for a frame; None if there is none."""
+        remembered = self._memory.recall(target)
+        if remembered is None:
+            return None
+        self.follower.close()
+        self.follower, first = remembered
+        return first
 
     def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
         self.position = frame.index

@@ -47,12 +47,15 @@ class _Stretch(Generic[Tracker]):
         Numbers of the frames.
     before : _Stretch or None
         The one that this goes on from, if nothing but frames has come between.
+    is_given : bool
+        Whether the user has said what is believed before the first frame: drawn, a reset, on.
     """
 
     tracker: Tracker
     first: int
     last: int
     before: _Stretch[Tracker] | None = None
+    is_given: bool = False
 
 
 class TrackerMemory(Generic[Tracker]):
@@ -66,6 +69,7 @@ class TrackerMemory(Generic[Tracker]):
         self._stretches: list[_Stretch[Tracker]] = []
         self._current: _Stretch[Tracker] | None = None
         self._interval = FIRST_INTERVAL
+        self._given: int | None = None
 
     def __len__(self) -> int:
         return len(self._stretches)
@@ -82,10 +86,22 @@ class TrackerMemory(Generic[Tracker]):
             stretch.last = min(stretch.last, frame - 1)
         self._drop_empty()
         self._current = None
+        self._given = frame
 
     def interrupt(self) -> None:
         """Note that the next frame does not follow from those before."""
         self._current = None
+        self._given = None
+
+    def is_given(self, frame: int) -> bool:
+        """Tell whether the user has changed what is believed there, other than in this run.
+
+        Such a frame does not follow from the one before: the tracker is to be recalled for it.
+        """
+        return any(
+            stretch.is_given and stretch.first == frame and stretch is not self._current
+            for stretch in self._stretches
+        )
 
     def note(self, frame: int, tracker: Tracker) -> None:
         """Remember that a frame is about to be tracked, and the tracker if it is time.
@@ -109,7 +125,9 @@ class TrackerMemory(Generic[Tracker]):
         if current is not None and frame - current.first < self._interval:
             current.last = frame
             return
-        self._current = _Stretch(tracker.copy(), frame, frame, current)
+        is_given = self._given == frame
+        self._current = _Stretch(tracker.copy(), frame, frame, current, is_given)
+        self._given = None
         self._stretches.append(self._current)
         self._bound(len(tracker.particles.weights) if tracker.particles is not None else 1)
 
@@ -125,6 +143,7 @@ class TrackerMemory(Generic[Tracker]):
         for stretch in reversed(self._stretches):
             if stretch.first <= frame <= stretch.last:
                 self._current = stretch
+                self._given = None
                 return stretch.tracker.copy(), stretch.first
         return None
 

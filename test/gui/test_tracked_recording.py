@@ -150,3 +150,73 @@ def test_a_disabled_tracker_takes_no_frames(run):
     assert shown[-1][1:] == (7, DISABLED)
     tracked.enable(True, is_still=True)
     assert shown[-1][1:] == (7, (7,))
+
+
+def draw(tracked, is_still):
+    tracked.initialise("drawn", is_still=is_still)
+
+
+def reset(tracked, is_still):
+    tracked.reset(is_still=is_still)
+
+
+def switch_off_and_on(tracked, is_still):
+    tracked.enable(False, is_still=is_still)
+    tracked.enable(True, is_still=is_still)
+
+
+ACTS = pytest.mark.parametrize("act", [draw, reset, switch_off_and_on])
+
+
+@ACTS
+@pytest.mark.parametrize("is_still", [True, False])
+@pytest.mark.parametrize("back", [29, 20, 0])
+def test_what_the_user_did_is_kept_when_one_goes_back_and_plays_on(run, act, is_still, back):
+    tracked, shown = run
+    for frame in range(1, 31):
+        tracked.go_to(frame, never)
+    act(tracked, is_still)
+    tracked.go_to(31, never)
+    believed = shown[-1][1:]
+    assert believed[1][-1] == 31
+    assert 29 not in believed[1]
+    for _ in range(2):
+        tracked.go_to(back, never)
+        for frame in range(back + 1, 32):
+            tracked.go_to(frame, never)
+        assert shown[-1][1:] == believed
+
+
+@ACTS
+def test_what_the_user_did_is_kept_on_the_way_to_a_frame_further_on(run, act):
+    tracked, shown = run
+    tracked.go_to(10, never)
+    act(tracked, is_still=True)
+    tracked.go_to(12, never)
+    tracked.go_to(9, never)
+    tracked.go_to(20, never)
+    assert shown[-1][2][-11:] == tuple(range(10, 21))
+    assert 9 not in shown[-1][2]
+
+
+def test_what_was_drawn_is_kept_where_the_way_on_was_interrupted_before_it_was_tracked(run):
+    tracked, shown = run
+    tracked.go_to(10, never)
+    draw(tracked, is_still=False)
+    tracked.go_to(13, lambda is_target: True)
+    tracked.go_to(14, never)
+    believed = shown[-1][1:]
+    assert believed[1] == ("drawn", 11, 12, 13, 14)
+    for frame in (9, 10, 11, 12, 13, 14):
+        tracked.go_to(frame, never)
+    assert shown[-1][1:] == believed
+
+
+def test_a_frame_that_was_drawn_on_and_left_by_a_jump_is_an_ordinary_one(run):
+    tracked, shown = run
+    draw(tracked, is_still=False)
+    tracked.go_to(60, never)
+    tracked.go_to(1, never)
+    tracked.go_to(0, never)
+    tracked.go_to(1, never)
+    assert shown[-1][2] == ("start", 0, 1)
