@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
@@ -28,10 +28,12 @@ class RecordingRequest(ChosenRecording):
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
 
-    def choice_for(self, path: Path) -> InstrumentChoice:
-        """Return the topics of the instruments of another recording, opened like this one.
+    def for_other(self, path: Path) -> RecordingRequest:
+        """Return the request for another recording, opened like this one.
 
-        Topics that were named are those of the recording that was named with them, or of the first
-        one that is opened if none was.
+        Topics that were named and the vehicle file are those of the recording that was named with
+        them, or of the first one that is opened if none was.
         """
-        return self.choice if self.path in (path, Path()) else InstrumentChoice()
+        if self.path in (path, Path()):
+            return replace(self, path=path)
+        return replace(self, path=path, choice=InstrumentChoice(), vehicle=None)

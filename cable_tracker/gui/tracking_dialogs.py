@@ -126,9 +126,7 @@ class OpenDialog(FormDialog):
         """Open it."""
         template, path = self._template(), typed_path(self._path.value)
         request = replace(
-            template,
-            path=path,
-            choice=template.choice_for(path),
+            template.for_other(path),
             init=self._init.value.strip() or template.init,
             topic=self._topic.value.strip() or None,
             truth=typed_path(self._truth.value) if self._truth.value.strip() else None,
