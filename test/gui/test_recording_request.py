@@ -25,5 +25,7 @@ def test_topics_and_vehicle_are_those_of_the_recording_named_with_them_or_of_the
     path, choice, vehicle
 ):
     request = RecordingRequest(path, choice=NAMED, vehicle=VEHICLE, init="truth", rate=5.0)
-    expected = RecordingRequest(Path("dive"), choice=choice, vehicle=vehicle, init="truth", rate=5.0)
+    expected = RecordingRequest(
+        Path("dive"), choice=choice, vehicle=vehicle, init="truth", rate=5.0
+    )
     assert request.for_other(Path("dive")) == expected
