@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -65,10 +66,30 @@ def label(  # noqa: PLR0917
 
         window.LabelServer(workspace).run(listening, started)
         if workspace.is_changed:
+            usual = workspaces.default_label_file(recording.path)
+            is_usual = workspace.path.resolve() == usual.resolve()
+            command = _command(chosen, None if is_usual else workspace.path)
             messages.print(
-                f"note: the labels are not saved; `cable-tracker label {source}` offers them again",
+                f"note: the labels that were not saved are lost: {workspace.trouble}"
+                if workspace.trouble
+                else f"note: the labels are not saved; `{command}` offers them again",
                 soft_wrap=True,
             )
+
+
+def _command(chosen: ChosenRecording, labels: Path | None) -> str:
+    """Return the command that opens a recording and a label file as they were opened here."""
+    options = {"--topic": chosen.topic, "--rate": chosen.rate}
+    flags = {
+        "--skip-bad-frames": chosen.skip_bad_frames,
+        "--allow-outside": chosen.allow_outside,
+    }
+    words = ["cable-tracker", "label", str(chosen.path)]
+    for name, value in options.items():
+        words += [name, str(value)] if value is not None else []
+    words += [name for name, is_set in flags.items() if is_set]
+    words += ["--labels", str(labels)] if labels is not None else []
+    return shlex.join(words)
 
 
 def _count_frames(recording: Source) -> None:
