@@ -12,8 +12,8 @@ from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.offline.results import ESTIMATES, Results
-from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.tables.stored_rows import StoredRows
 from cable_tracker.visualisation.drawing_thread import DrawingThread
@@ -94,7 +94,7 @@ class ResultFolder(Results):
     ) -> None:
         """Draw a frame into the video and onto the sheet, in the thread that draws."""
         try:
-            picture = decode_bgr(frame.image)
+            picture = decode_shown(frame.image)
         except FrameError:
             return  # Refused frames stand in the table; there is no picture to show.
         draw = partial(

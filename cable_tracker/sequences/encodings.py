@@ -307,12 +307,29 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
 
 
 def decode_bgr(image: RawImage | CompressedImage) -> Image:
-    """Decode an image to colour, for pictures that people look at.
+    """Decode an image to colour of eight bits.
 
     Returns
     -------
     Image
         Shape (H, W, 3), uint8, blue-green-red. May be a view of the image's own data.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded; the message says why.
+    """
+    return eight_bits(decode_bgr_levels(image))
+
+
+def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
+    """Decode an image to colour, with the steps that its levels have.
+
+    Returns
+    -------
+    Image
+        Shape (H, W, 3), blue-green-red: uint8, or float32 in 0..255 of deeper images. May be a view
+        of the image's own data.
 
     Raises
     ------
@@ -326,12 +343,7 @@ def decode_bgr(image: RawImage | CompressedImage) -> Image:
         image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
-    if pixel_format.dtype == "u1":
-        return _convert(pixels, pixel_format.to_bgr)
-    if pixel_format.dtype == "u2":
-        pixels = _convert(pixels, pixel_format.to_bgr)
-        return eight_bits(_to_255(pixels))
-    return _convert(eight_bits(_to_255(pixels)), pixel_format.to_bgr)
+    return _to_255(_convert(pixels, pixel_format.to_bgr))
 
 
 def raw_from_array(picture: Image, encoding: str) -> RawImage:

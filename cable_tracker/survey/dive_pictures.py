@@ -7,10 +7,10 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
+from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.survey.surveyed_dive import SurveyedDive
 
 THUMBNAIL = 240
@@ -44,7 +44,7 @@ def write_pictures(recording: Source, folder: Path, surveyed: SurveyedDive) -> N
 def _write_thumbnail(path: Path, frame: Frame) -> None:
     """Write a small picture of a frame; nothing if it cannot be decoded."""
     try:
-        picture = decode_bgr(frame.image)
+        picture = decode_shown(frame.image)
     except FrameError:
         return
     height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image, eight_bits
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.segments import (
@@ -19,6 +19,7 @@ from cable_tracker.cable.model.segments import (
 )
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.tracking.image_frame import image_to_pixel
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.drawable import (
@@ -188,7 +189,7 @@ def _as_bgr(image: Image) -> Image:
         raise FrameError(f"image: shape is {image.shape}; give (H, W) grey or (H, W, 3) colour")
     if image.dtype != np.uint8:
         finite = np.nan_to_num(image, nan=0.0, posinf=255.0, neginf=0.0)
-        image = eight_bits(finite)
+        image = shown_levels(finite)
     if image.ndim == 2:
         return cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_GRAY2BGR)
     return np.array(image, order="C")

@@ -231,6 +231,11 @@ def test_floating_point_grey_is_shown_as_it_is(grey):
     np.testing.assert_array_equal(real, expected)
 
 
+def test_a_picture_of_finer_steps_that_uses_few_levels_is_not_drawn_black(grey):
+    picture = draw_overlay(grey.astype(np.float32) / 64.0, state=None, status="LOST")
+    assert np.median(picture) > 15
+
+
 def test_values_out_of_range_are_clipped():
     wild = np.full((60, 80), np.nan, dtype=np.float32)
     wild[:, :40] = 1e9

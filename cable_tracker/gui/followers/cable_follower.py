@@ -7,7 +7,6 @@ import time
 from dataclasses import replace
 from typing import Self
 
-from cable_tracker.arrays import eight_bits
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -26,6 +25,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable_particles import cloud_of
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
 
@@ -129,7 +129,7 @@ class CableFollower(Follower):
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
         self._decoded = decode_grey(frame.image)
-        self._grey = eight_bits(self._decoded)
+        self._grey = shown_levels(self._decoded)
 
     def follow(self, frame: Frame, number: int) -> CableSnapshot:
         """Track a frame."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.stand_in import stand_in
-from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.sequences.recently_used import RecentlyUsed
 
 QUALITY = 92
@@ -81,7 +81,7 @@ class Pictures:
         frame = self._access.frame(number)
         trouble = ""
         try:
-            image = decode_bgr(frame.image)
+            image = decode_shown(frame.image)
             jpeg = encode_jpeg(image, QUALITY)
         except FrameError as error:
             trouble = str(error)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, eight_bits
+from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
@@ -25,6 +25,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
 from cable_tracker.sequences.messages.target_particles import read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.tracking.status import TrackingStatus
 
 KEPT_BYTES = 256 << 20
@@ -186,7 +187,7 @@ class LiveFrames:
         state = read_state(parts.state)
         sigma = read_sigma(parts.state)
         cloud = read_particles(parts.cloud) if parts.cloud is not None else None
-        grey = eight_bits(decode_grey(parts.image))
+        grey = shown_levels(decode_grey(parts.image))
         return CableSnapshot(
             number=number,
             frame=None,

@@ -17,6 +17,16 @@ def test_a_picture_shows_its_frame(folder, pictures):
     assert picture.frame == 3
 
 
+def test_a_picture_of_a_camera_of_ten_bits_is_not_black(tmp_path):
+    folder = tmp_path / "deep"
+    folder.mkdir()
+    deep = np.tile(np.linspace(100, 900, 64).astype(np.uint16), (48, 1))
+    cv2.imwrite(str(folder / "0.png"), deep)
+    picture = Pictures(FrameAccess(open_source(folder))).picture(0)
+    shown = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert np.ptp(shown) > 25
+
+
 def test_few_are_kept(folder):
     made = Pictures(FrameAccess(open_source(folder)), kept_bytes=1)
     first = made.picture(0)

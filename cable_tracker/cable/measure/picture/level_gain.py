@@ -43,12 +43,18 @@ def level_gain(before: float, picture: Image) -> float:
     """
     if picture.dtype == np.uint8:
         return 1.0
-    low, high = np.percentile(picture[::STEP, ::STEP], SPREAD)
-    spread = float(high - low)
+    low, high = level_range(picture)
+    spread = high - low
     if spread == 0.0 or NARROW <= before * spread <= WIDE:
         return before
     wanted = 2.0 ** round(log2(USUAL / spread))
     return min(max(wanted, 1.0), LARGEST_GAIN)
+
+
+def level_range(picture: Image) -> tuple[float, float]:
+    """Return the levels between which those of a picture spread, all but the outermost few."""
+    low, high = np.percentile(picture[::STEP, ::STEP], SPREAD)
+    return float(low), float(high)
 
 
 def amplified(picture: Image, gain: float) -> Image:

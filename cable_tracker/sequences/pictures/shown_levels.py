@@ -1,0 +1,47 @@
+"""Pictures as people see them: those of deep cameras made so bright that something is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.cable.measure.picture.level_gain import (
+    LARGEST_GAIN,
+    USUAL,
+    amplified,
+    level_range,
+)
+from cable_tracker.sequences.encodings import decode_bgr_levels
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+
+
+def shown_levels(picture: Image) -> Image:
+    """Return a picture of eight bits for people to look at.
+
+    One of finer steps that uses few of its levels is amplified about as much as for measuring
+    (`level_gain`), but steplessly: each picture by itself, a dive does not flicker. Bright parts
+    are not cut off for it.
+
+    Parameters
+    ----------
+    picture : Image
+        Finite levels 0..255, shape (H, W) or (H, W, 3). That of uint8 is returned itself.
+    """
+    if picture.dtype == np.uint8:
+        return picture
+    low, high = level_range(picture)
+    if high <= low:
+        return eight_bits(picture)
+    wanted = min(USUAL / (high - low), 255.0 / high)
+    return eight_bits(amplified(picture, min(max(wanted, 1.0), LARGEST_GAIN)))
+
+
+def decode_shown(image: RawImage | CompressedImage) -> Image:
+    """Decode an image to colour as `decode_bgr` does, but as `shown_levels` shows it.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded; the message says why.
+    """
+    return shown_levels(decode_bgr_levels(image))
