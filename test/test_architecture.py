@@ -14,6 +14,7 @@ ALL_MAY_IMPORT = {
     "compilation",
     "errors",
     "libraries",
+    "printable",
     "stamps",
 }
 MAY_IMPORT = {
@@ -23,6 +24,7 @@ MAY_IMPORT = {
     "cholesky": set(),
     "errors": set(),
     "folder_lock": set(),
+    "printable": set(),
     "atomic_output": {"folder_lock"},
     "stamps": set(),
     "libraries": set(),

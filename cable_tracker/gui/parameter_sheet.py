@@ -12,6 +12,7 @@ from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
 from cable_tracker.gui.parameter_groups import CABLE_GROUPS, Groups, grouped
 from cable_tracker.gui.subject import CABLE, Subject
+from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_values,
@@ -76,7 +77,7 @@ def parameter_text(
 ) -> str:
     """Return the file that the node reads, with all that it can change while it runs."""
     known = [spec for spec in subject.session_table(is_live=True) if spec.name in values]
-    return format_values(known, values, f"Tuned on {source}.")
+    return format_values(known, values, f"Tuned on {printable(source)}.")
 
 
 def values_from_text(

@@ -15,6 +15,7 @@ from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
@@ -55,7 +56,7 @@ class RecordingSession(SnapshotFeed):
 
     def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
         super().__init__()
-        self.name = str(request.path)
+        self.name = printable(request.path)
         self.request = request
         self._resources = ExitStack()
         with ExitStack() as stack:
@@ -67,7 +68,8 @@ class RecordingSession(SnapshotFeed):
                 self._frames.frame(0)
             except IndexError as error:
                 raise RecordingError(f"{source.path}: holds no frames; record it again") from error
-            self.notes = (*([source.note] if source.note else []), *vehicle.notes)
+            notes = (*([source.note] if source.note else []), *vehicle.notes)
+            self.notes = tuple(map(printable, notes))
             self._resources = stack.pop_all()
         self.subject = follower.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
@@ -89,7 +91,7 @@ class RecordingSession(SnapshotFeed):
     @property
     def trouble(self) -> str:
         """Trouble that keeps frames from coming, or else with the start; empty if there is none."""
-        return self._trouble or self._tracked.follower.trouble
+        return printable(self._trouble or self._tracked.follower.trouble)
 
     @property
     def is_enabled(self) -> bool:

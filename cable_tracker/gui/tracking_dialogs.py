@@ -14,6 +14,7 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.subject import Subject
 from cable_tracker.gui.tracking_commands import KeyBinding
 from cable_tracker.gui.typed_paths import typed_path
+from cable_tracker.printable import printable
 
 CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"
 TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
@@ -58,7 +59,7 @@ class FormDialog:
 
     def refuse(self, words: str) -> None:
         """Say why it cannot be done."""
-        self._refusal.set_text(words)
+        self._refusal.set_text(printable(words))
 
     async def submit(self) -> None:
         """Do it, and close if it could be done."""
@@ -116,10 +117,10 @@ class OpenDialog(FormDialog):
     def open(self) -> None:
         """Show it with the last request."""
         request = self._template()
-        self._path.value = str(request.path) if request.path != Path() else ""
+        self._path.value = printable(request.path) if request.path != Path() else ""
         self._init.value = request.init
         self._topic.value = request.topic or ""
-        self._truth.value = str(request.truth or "")
+        self._truth.value = printable(request.truth or "")
         super().open()
 
     async def do(self) -> None:

@@ -22,6 +22,7 @@ from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
+from cable_tracker.printable import printable
 from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
@@ -94,11 +95,11 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     twice = sorted({str(path) for path in whole if whole.count(path) > 1})
     if twice:
         raise ParameterError(f"{', '.join(twice)} is given twice; leave one out")
-    names = short = [path.name for path in whole]
+    names = short = [printable(path.name) for path in whole]
     for depth in range(2, max(len(path.parts) for path in whole) + 1):
         if len(set(names)) == len(names):
             break
-        long = ["_".join(path.parts[-depth:]).replace("/", "") for path in whole]
+        long = [printable("_".join(path.parts[-depth:]).replace("/", "")) for path in whole]
         names = [
             folders if short.count(own) > 1 else own
             for own, folders in zip(short, long, strict=True)
@@ -153,15 +154,20 @@ def _put_together(
     dives: dict[str, SurveyedDive] = {}
     rows = []
     for outcome in outcomes:
-        row = RecordingRow(outcome.name, f"failed: {outcome.reason}")
+        row = RecordingRow(outcome.name, f"failed: {printable(outcome.reason)}")
         if outcome.state is not TaskState.FAILED:
             try:
                 dive = dives[outcome.name] = read_surveyed(root / outcome.name)
                 row = RecordingRow(
-                    dive.name, "done", dive.frames, dive.tracked, dive.seconds, dive.notes
+                    dive.name,
+                    "done",
+                    dive.frames,
+                    dive.tracked,
+                    dive.seconds,
+                    tuple(map(printable, dive.notes)),
                 )
             except RecordingError as error:
-                row = RecordingRow(outcome.name, f"failed: {error}")
+                row = RecordingRow(outcome.name, f"failed: {printable(str(error))}")
                 # What is damaged is not kept: the next `--resume` does it again.
                 (root / outcome.name / MARKER).unlink(missing_ok=True)
         rows.append(row)

@@ -187,3 +187,9 @@ def test_line_ends_stay_as_they_are(tmp_path):
     values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
     write_parameter_file(path, parameter_text(values, "a dive"), overwrite=True)
     assert path.read_bytes() == b"# ours\r\nparticle_count: 800\r\n"
+
+
+def test_parameters_tuned_on_a_recording_whose_name_is_no_utf8_can_be_saved(tmp_path):
+    text = parameter_text(TrackerParameters().as_mapping(), os.fsdecode(b"dive\xe9"))
+    write_parameter_file(tmp_path / "tracker.yaml", text, overwrite=False)
+    assert "Tuned on dive\\xe9." in (tmp_path / "tracker.yaml").read_text(encoding="utf-8")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import shutil
 import signal
 from copy import deepcopy
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -216,6 +218,7 @@ def test_names_are_as_short_as_they_may_be(tmp_path):
     paths = [tmp_path / "a/one", tmp_path / "a/two", tmp_path / "b/one"]
     assert names_of(paths) == ["a_one", "two", "b_one"]
     alike = [tmp_path / name for name in ("x/a/b", "x/c/b", "a_b")]
+    assert names_of([Path(os.fsdecode(b"/dives/a\xe9"))]) == ["a\\xe9"]
     assert names_of(alike) == ["x_a_b", "x_c_b", "a_b"]
     with pytest.raises(ParameterError, match="given twice"):
         names_of([tmp_path / "a", tmp_path / "a"])

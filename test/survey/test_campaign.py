@@ -1,4 +1,5 @@
 import csv
+import os
 import shutil
 
 import pytest
@@ -149,3 +150,14 @@ def test_resuming_keeps_what_is_there_and_does_what_has_changed(surveyed):
     other = SurveySettings(limits=Limits(least_burial=3.0))
     changed = run_survey(paths, output, other, ALONE, resume=True)
     assert changed.outcomes[0].state is TaskState.DONE
+
+
+def test_a_dive_whose_name_is_no_utf8_is_surveyed_and_named_in_all_files(bag, tmp_path):
+    dive = tmp_path / os.fsdecode(b"dive\xe9")
+    shutil.copytree(bag, dive)
+    broken = tmp_path / os.fsdecode(b"broken\xe9.mcap")
+    broken.write_bytes(b"no bag")
+    output = tmp_path / "map"
+    result = run_survey([dive, broken], output, SurveySettings(pictures=False), ALONE)
+    assert [row.name for row in result.rows] == ["dive\\xe9", "broken\\xe9.mcap"]
+    assert "dive\\xe9" in (output / "report.html").read_text(encoding="utf-8")

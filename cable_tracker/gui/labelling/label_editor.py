@@ -10,6 +10,7 @@ from nicegui.element import Element
 
 from cable_tracker.gui.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.gui.labelling.labels import FrameLabel
+from cable_tracker.printable import printable
 from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour, css
 
 STYLE = Path(__file__).with_name("label_editor.css")
@@ -74,7 +75,7 @@ class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
 
     def say(self, text: str, kind: str = "") -> None:
         """Say something; `kind` is ``warning``, ``error`` or nothing."""
-        self.run_method("say", {"text": text, "kind": kind})
+        self.run_method("say", {"text": printable(text), "kind": kind})
 
 
 def label_row(frame: int, label: FrameLabel | None) -> list[object]:

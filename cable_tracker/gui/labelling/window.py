@@ -23,6 +23,7 @@ from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.packet import jpeg_section, pack
 from cable_tracker.gui.server import Channels, Listening, serve
 from cable_tracker.gui.typed_paths import typed_path
+from cable_tracker.printable import printable
 from cable_tracker.sequences.tables.estimates import format_stamp
 
 AUTOSAVE_DELAY = 1.0
@@ -59,7 +60,7 @@ class LabelServer:
                 lambda: LabelPage(self).build(),
                 self.channels,
                 listening,
-                f"{self.workspace.source.path.name} - labels",
+                f"{printable(self.workspace.source.path.name)} - labels",
                 started=started,
                 stopped=self.workspace.stopped.set,
             )
@@ -103,7 +104,7 @@ class LabelPage:
     def build(self) -> None:
         """Build the page, and end what belongs to it when the browser is gone."""
         client = ui.context.client
-        self._editor = LabelEditor(self._channel, str(self._workspace.source.path.resolve()))
+        self._editor = LabelEditor(self._channel, printable(self._workspace.source.path.resolve()))
         self._editor.on("ready", self._ready)
         self._editor.on("go", self._go)
         self._editor.on("commit", self._commit)
@@ -192,8 +193,8 @@ class LabelPage:
         return {
             "serial": self._serial,
             "count": workspace.count,
-            "path": str(workspace.path.absolute()),
-            "name": workspace.path.name,
+            "path": printable(workspace.path.absolute()),
+            "name": printable(workspace.path.name),
             "changed": workspace.is_changed,
             "can_undo": workspace.document.can_undo,
             "can_redo": workspace.document.can_redo,
@@ -332,7 +333,7 @@ class LabelPage:
         with ui.dialog() as dialog, ui.card().classes("w-[560px] max-w-full"):
             ui.label(title).classes("text-lg")
             field = ui.input(
-                "file on the machine that runs cable-tracker", value=str(path.absolute())
+                "file on the machine that runs cable-tracker", value=printable(path.absolute())
             )
             field.props("autofocus outlined dense").classes("w-full")
             field.on("keydown.enter", lambda: dialog.submit(field.value))
@@ -345,7 +346,7 @@ class LabelPage:
 
     async def _confirm(self, question: str, action: str) -> bool:
         with ui.dialog() as dialog, ui.card().classes("w-[520px] max-w-full"):
-            ui.label(question).classes("break-words")
+            ui.label(printable(question)).classes("break-words")
             with ui.row().classes("w-full justify-end"):
                 ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat autofocus")
                 ui.button(action, on_click=lambda: dialog.submit(True)).props("color=negative")
@@ -366,7 +367,7 @@ class LabelPage:
             ui.card().classes("w-[520px] max-w-full"),
         ):
             ui.label("Labels that were not saved").classes("text-lg")
-            ui.label(self._workspace.autosaved_words()).classes("break-words")
+            ui.label(printable(self._workspace.autosaved_words())).classes("break-words")
             with ui.row().classes("w-full justify-end"):
                 ui.button("Discard them", on_click=self._workspace.discard).props("flat")
                 ui.button("Resume", on_click=self._workspace.resume).props("autofocus")

@@ -19,9 +19,10 @@ from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, w
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
 from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
-from cable_tracker.gui.labelling.names import names_of
+from cable_tracker.gui.labelling.names import FrameNames, names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
+from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
@@ -42,6 +43,26 @@ def default_label_file(source: Path) -> Path:
     name = resolved.name + ending
     beside = resolved.with_name(name)
     return beside if beside.exists() or os.access(resolved.parent, os.W_OK) else Path(name)
+
+
+def _need_utf8_names(source: Source, names: FrameNames, folder: Path) -> None:
+    """Refuse a recording whose frames a label file, which is UTF-8, cannot name.
+
+    Raises
+    ------
+    RecordingError
+        A picture or the recording must be renamed first.
+    """
+    pictures = source.pictures if isinstance(source, ImageFolderSource) else ()
+    odd = (n for n, picture in enumerate(pictures) if picture.name != printable(picture.name))
+    # The first one stands for the folder of all; names of thousands take seconds.
+    for frame in (0, *odd):
+        name, _ = names.name(frame, folder)
+        if name != printable(name):
+            raise RecordingError(
+                f"{printable(name)}: labels cannot name it, for its name is not UTF-8; rename it,"
+                " for example with convmv"
+            )
 
 
 class Workspace:
@@ -80,6 +101,7 @@ class Workspace:
         self._listeners: set[Listener] = set()
         self.stopped = threading.Event()
         self.trouble = ""
+        _need_utf8_names(source, self._names, path.absolute().parent)
         self._open(path)
 
     def _open(self, path: Path) -> None:

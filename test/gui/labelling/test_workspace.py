@@ -371,3 +371,21 @@ def test_pictures_tell_their_times(workspace):
     assert workspace.document.stamps == {2: picture.stamp}
     assert workspace.missing_stamps([1, 2, 3]) == [1, 3]
     assert workspace.read_stamps([2, 99]) == {2: picture.stamp}
+
+
+def test_a_picture_whose_name_is_no_utf8_is_told_before_anything_is_labelled(folder, start):
+    (folder / "003.png").rename(folder / os.fsdecode(b"caf\xe9.png"))
+    with pytest.raises(RecordingError, match=r"dive/caf\\xe9\.png: .* rename it, .*convmv"):
+        start()
+
+
+def test_a_folder_that_labels_name_must_be_utf8_and_one_that_they_do_not_name_need_not(
+    folder, tmp_path
+):
+    home = folder.rename(tmp_path / os.fsdecode(b"dive\xe9"))
+    with pytest.raises(RecordingError, match=r"dive\\xe9/000\.png: .* rename it, .*convmv"):
+        Workspace(open_source(home), tmp_path / "labels.txt")
+    inside = Workspace(open_source(home), home / "labels.txt")
+    edit(inside)
+    inside.save()
+    assert not inside.trouble
