@@ -79,7 +79,8 @@ class ControllerNode(GuidanceNode):
         pose = message.pose.pose
         place = Pose(float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation))
         if all(map(math.isfinite, (place.x, place.y, place.yaw))):
-            keep(self._poses, stamp_of(message.header), place)
+            stamp = stamp_of(message.header) or int(self.get_clock().now().nanoseconds)
+            keep(self._poses, stamp, place)
 
     def on_cross_track(self, message: Message) -> None:
         """Remember where the cable was."""
@@ -95,12 +96,11 @@ class ControllerNode(GuidanceNode):
 
     def _pose_at(self, stamp: int) -> Pose | None:
         """Return where the vehicle was at a time [ns], or just before or after; None: not known."""
-        if stamp in self._poses:
-            return self._poses[stamp]
-        newest = next(reversed(self._poses), None)
-        if newest is None or abs(stamp - newest) > LONGEST_HOLD * NANOSECONDS:
+        # The newest may be of long after the picture: the tracker takes its time.
+        nearest = min(self._poses, key=lambda kept: abs(kept - stamp), default=None)
+        if nearest is None or abs(stamp - nearest) > LONGEST_HOLD * NANOSECONDS:
             return None
-        return self._poses[newest]
+        return self._poses[nearest]
 
     def _command(self, stamp: int, is_claimed: bool) -> Command:
         cable = self._cables.get(stamp) if is_claimed else None

@@ -300,6 +300,29 @@ def test_odometry_that_does_not_know_or_is_old_does_not_count(world):
     assert node._pose_at(1_500_000_000) is None
 
 
+def odometry_at(seconds: float, x: float) -> Odometry:
+    sec, nanosec = divmod(round(seconds * 1e9), 10**9)
+    message = Odometry(header=Header(stamp=Time(sec=sec, nanosec=nanosec)))
+    message.pose.pose.position.x = x
+    return message
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.25, 0.6])
+def test_the_pose_nearest_to_the_picture_counts_however_late_the_state_comes(world, latency):
+    node = world.controller(**PATIENT)
+    for step in range(50):
+        node.on_odometry(odometry_at(1.0 + 0.02 * step, 0.01 * step))
+    pose = node._pose_at(round((1.983 - latency) * 1e9))
+    assert pose is not None
+    assert pose.x == pytest.approx(0.5 * (0.983 - latency), abs=0.006)
+
+
+def test_odometry_without_a_stamp_is_of_the_time_when_it_came(world):
+    node = world.controller(**PATIENT)
+    node.on_odometry(odometry_at(0.0, 2.0))
+    assert node._pose_at(int(node.get_clock().now().nanoseconds)).x == 2.0
+
+
 @pytest.mark.usefixtures("ros_environment")
 def test_a_controller_whose_context_is_gone_ends_all_the_same():
     context = started_context([])
