@@ -89,7 +89,16 @@ class ControllerNode(GuidanceNode):
         keep(self._cables, stamp_of(message.header), cable)
 
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
-        return stamp in self._poses and (stamp in self._cables or not is_placed)
+        return self._knows_pose(stamp) and (stamp in self._cables or not is_placed)
+
+    def _knows_pose(self, stamp: int) -> bool:
+        """Tell whether waiting would bring no better pose for a time [ns]."""
+        if self._values["lockstep"]:
+            return stamp in self._poses
+        # On a vehicle odometry has a clock of its own: its stamps are never the camera's.
+        if not self._poses or max(self._poses) >= stamp:
+            return True
+        return self._pose_at(stamp) is not None
 
     def _announces_place(self, report: Message) -> bool:
         return node_topics.CROSS_TRACK in cable_topics(report)

@@ -128,7 +128,10 @@ def test_each_state_has_one_command(world, tracker):
 def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker):
     world.controller(**PATIENT)
     tracker.is_heard()
-    tracker.next_frame()
+    tracker.says_odometry()
+    world.empty_queues()
+    for _ in range(3):
+        tracker.next_frame()
     tracker.says_state(claims=True)
     world.pass_time(0.3)
     assert not tracker.commands
@@ -315,6 +318,30 @@ def test_the_pose_nearest_to_the_picture_counts_however_late_the_state_comes(wor
     pose = node._pose_at(round((1.983 - latency) * 1e9))
     assert pose is not None
     assert pose.x == pytest.approx(0.5 * (0.983 - latency), abs=0.006)
+
+
+@pytest.mark.parametrize("odometry", [[], [0.997], [1.012], [0.5, 0.99, 1.04], [1.5]])
+def test_no_state_waits_for_odometry_of_its_very_time(world, odometry):
+    node = world.controller(**PATIENT)
+    for seconds in odometry:
+        node.on_odometry(odometry_at(seconds, 2.0))
+    assert node._is_complete(1_000_000_000, is_placed=False)
+
+
+def test_a_state_waits_for_odometry_that_is_behind(world):
+    node = world.controller(**PATIENT)
+    node.on_odometry(odometry_at(0.5, 2.0))
+    assert not node._is_complete(1_000_000_000, is_placed=False)
+
+
+@pytest.mark.parametrize("odometry", [[], [0.997], [1.012], [1.5]])
+def test_but_in_lockstep_it_does(world, odometry):
+    node = world.controller(lockstep=True, settle_time=60.0)
+    for seconds in odometry:
+        node.on_odometry(odometry_at(seconds, 2.0))
+    assert not node._is_complete(1_000_000_000, is_placed=False)
+    node.on_odometry(odometry_at(1.0, 2.0))
+    assert node._is_complete(1_000_000_000, is_placed=False)
 
 
 def test_odometry_without_a_stamp_is_of_the_time_when_it_came(world):
