@@ -30,6 +30,11 @@ PROVEN = 2.0
 FORMER_COUNTS = 10.0
 """The line before the present one may be the cable's for this way from where it was left [m]."""
 
+LONGEST_SEARCH = 3.0
+"""A search ends after the time in which still water would let it go so many times its length: a
+head current of half its speed leaves it whole, and one that holds the vehicle does not let it search
+for ever."""
+
 
 class Mode(Enum):
     """Mode of the controller."""
@@ -65,7 +70,8 @@ class SearchSettings:
     sweep_length : float
         Way along the line for a sweep to both sides [m].
     give_up : float
-        Way along the line at which the search ends [m].
+        Way along the line at which the search ends [m]; a vehicle that does not get there ends it
+        after a time.
     confirmations : int
         Number of sightings in a row that end the search.
     """
@@ -112,6 +118,7 @@ class Controller:
         self._clock = StepClock()
         self._last_seen = -math.inf
         self._in_a_row = 0
+        self._searched = 0.0
         self._command = STOP
         self._sighting: RememberedLine | None = None
         self._line: RememberedLine | None = None
@@ -180,12 +187,14 @@ class Controller:
         if waited <= search.patience:
             return self._command
         if self._mode is Mode.FOLLOWING:
+            self._searched = 0.0
             self._remember()
         if waited <= search.patience + search.pause or pose is None or self._line is None:
             self._mode = Mode.STOPPED
             return STOP
         progress = self._line.progress(pose)
-        if progress > search.give_up:
+        self._searched += search.speed * seconds
+        if progress > search.give_up or self._searched > LONGEST_SEARCH * search.give_up:
             self._mode = Mode.GIVEN_UP
             return STOP
         self._mode = Mode.SEARCHING

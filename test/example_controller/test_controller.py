@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -114,6 +115,37 @@ def test_after_a_long_search_it_gives_up_and_stands_still(following):
         pass
     assert following.mode is Mode.GIVEN_UP
     assert following.command == STOP
+
+
+def test_a_search_that_does_not_come_forward_ends_too(following):
+    held = following.pose
+    for _ in following.sees_nothing(240.0):
+        following.pose = held
+    assert following.mode is Mode.GIVEN_UP
+    assert following.command == STOP
+
+
+def test_a_moderate_head_current_does_not_shorten_the_search(following):
+    start = following.pose.x
+    for _ in following.sees_nothing(240.0):
+        current = 0.15 * STEP
+        following.pose = replace(following.pose, x=following.pose.x - current)
+        if following.mode is Mode.GIVEN_UP:
+            break
+    assert following.mode is Mode.GIVEN_UP
+    assert following.pose.x > start + 0.95 * SEARCH.give_up
+
+
+def test_each_search_has_its_time_anew(following):
+    held = following.pose
+    for _ in range(3):
+        for _ in following.sees_nothing(100.0):
+            following.pose = held
+        assert following.mode is Mode.SEARCHING
+        for _ in range(SEARCH.confirmations):
+            following.sees(AHEAD)
+        assert following.mode is Mode.FOLLOWING
+        following.pose = held
 
 
 def test_a_cable_that_comes_back_is_followed_again(following):
