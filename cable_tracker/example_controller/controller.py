@@ -32,8 +32,12 @@ FORMER_COUNTS = 10.0
 
 LONGEST_SEARCH = 3.0
 """A search ends after the time in which still water would let it go so many times its length: a
-head current of half its speed leaves it whole, and one that holds the vehicle does not let it search
-for ever."""
+head current of half its speed leaves it whole, and one that holds the vehicle does not let it
+search for ever."""
+
+FASTEST, MOST_JITTER, MOST_YAW_JITTER = 2.0, 0.3, math.radians(30.0)
+"""A pose farther from the last one than so many times the fastest command, and by these more [m,
+rad], is no motion of the vehicle: odometry has begun anew or was corrected."""
 
 
 class Mode(Enum):
@@ -113,13 +117,18 @@ class Controller:
     def __init__(self, settings: ControllerSettings = ControllerSettings()) -> None:
         self._settings = settings
         self._guidance = LineOfSight(settings.guidance)
-        self._memory = CableMemory()
         self._mode = Mode.WAITING
         self._clock = StepClock()
         self._last_seen = -math.inf
         self._in_a_row = 0
         self._searched = 0.0
         self._command = STOP
+        self._last_pose: tuple[float, Pose] | None = None
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget where the cable was."""
+        self._memory = CableMemory()
         self._sighting: RememberedLine | None = None
         self._line: RememberedLine | None = None
         self._former_line: RememberedLine | None = None
@@ -135,13 +144,19 @@ class Controller:
         Parameters
         ----------
         time : float
-            Time of the measurements [s]; a clock that is set back stands still for one step.
+            Time of the measurements [s]; a clock that is set back stands still for one step, and
+            where the cable was is forgotten.
         cable : Cable or None
             Line of the cable; None if the tracker does not say.
         pose : Pose or None
-            From odometry; None without. Then a lost cable is not searched for.
+            From odometry; None without. Then a lost cable is not searched for. Where it jumps,
+            where the cable was is forgotten.
         """
         seconds = self._clock.advance(time)
+        if self._clock.was_set_back or self._has_jumped(pose):
+            self._forget()
+        if pose is not None:
+            self._last_pose = self._clock.now, pose
         if cable is not None and self._is_credible(cable, pose):
             self._in_a_row += 1
             is_back = self._in_a_row >= self._settings.search.confirmations
@@ -151,6 +166,20 @@ class Controller:
             self._in_a_row = 0
         self._command = self._without(seconds, pose)
         return self._command
+
+    def _has_jumped(self, pose: Pose | None) -> bool:
+        """Tell whether no motion of the vehicle leads from the last pose to this one."""
+        if pose is None or self._last_pose is None:
+            return False
+        then, before = self._last_pose
+        guidance, seconds = self._settings.guidance, self._clock.now - then
+        way = math.dist((before.x, before.y), (pose.x, pose.y))
+        turned = abs(math.remainder(pose.yaw - before.yaw, 2 * math.pi))
+        speed = max(guidance.speed, self._settings.search.speed)
+        return (
+            way > FASTEST * speed * seconds + MOST_JITTER
+            or turned > FASTEST * guidance.most_turn * seconds + MOST_YAW_JITTER
+        )
 
     def _follow(self, seconds: float, cable: Cable, pose: Pose | None) -> Command:
         if self._mode is not Mode.FOLLOWING:
@@ -168,7 +197,10 @@ class Controller:
         """Tell whether this may be the cable that was seen before, and not something beside it.
 
         What is followed must go on where it was a moment ago; what is found, where the line leads.
+        A search that was given up has shown that this line leads nowhere.
         """
+        if self._mode is Mode.GIVEN_UP:
+            return True
         line = self._sighting if self._mode is Mode.FOLLOWING else self._line
         if pose is None or line is None or _lies_along(cable, line, pose):
             return True

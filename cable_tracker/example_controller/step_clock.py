@@ -13,10 +13,13 @@ class StepClock:
     ----------
     now : float
         Time that has passed since the first step [s].
+    was_set_back : bool
+        Whether the time of the last step was before that of the step before.
     """
 
     def __init__(self) -> None:
         self.now = 0.0
+        self.was_set_back = False
         self._last: float | None = None
 
     def advance(self, time: float) -> float:
@@ -27,7 +30,9 @@ class StepClock:
         time : float
             Time of this step, of any clock [s].
         """
-        passed = 0.0 if self._last is None else max(time - self._last, 0.0)
+        difference = 0.0 if self._last is None else time - self._last
         self._last = time
+        self.was_set_back = difference < 0.0
+        passed = max(difference, 0.0)
         self.now += passed
         return min(passed, LONGEST_STEP)

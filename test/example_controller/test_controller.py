@@ -162,6 +162,61 @@ def test_also_after_giving_up(following):
     assert following.mode is Mode.FOLLOWING
 
 
+def test_after_giving_up_a_cable_may_lie_anywhere_but_must_be_seen_in_a_row(following):
+    for _ in following.sees_nothing(200.0):
+        pass
+    elsewhere = Cable(5.0, 1.0)
+    for _ in range(3):
+        for _ in range(SEARCH.confirmations - 1):
+            assert following.sees(elsewhere) == STOP
+        following.sees(None)
+    for _ in range(SEARCH.confirmations):
+        following.sees(elsewhere)
+    assert following.mode is Mode.FOLLOWING
+
+
+@pytest.mark.parametrize("jump", [Pose(0.0, 1.0, 0.0), Pose(0.0, 0.0, 1.0), Pose(-30.0, 0.0, 0.0)])
+def test_odometry_that_jumps_does_not_hide_the_cable(following, jump):
+    for _ in range(20):
+        pose = following.pose
+        following.pose = Pose(pose.x + jump.x, pose.y + jump.y, pose.yaw + jump.yaw)
+        jump = Pose(0.0, 0.0, 0.0)
+        following.sees(AHEAD)
+        assert following.mode is Mode.FOLLOWING
+        assert following.command.surge > 0.0
+
+
+def test_along_a_line_from_before_a_jump_of_odometry_nothing_is_searched(following):
+    for _ in following.sees_nothing(4.0):
+        pass
+    assert following.mode is Mode.SEARCHING
+    following.pose = replace(following.pose, y=following.pose.y + 5.0)
+    assert following.sees(None) == STOP
+    assert following.mode is Mode.STOPPED
+    for _ in range(SEARCH.confirmations):
+        following.sees(AHEAD)
+    assert following.mode is Mode.FOLLOWING
+
+
+def test_nor_along_one_from_before_a_clock_was_set_back(following):
+    for _ in following.sees_nothing(4.0):
+        pass
+    following.time -= 60.0
+    assert following.sees(None) == STOP
+    assert following.mode is Mode.STOPPED
+
+
+@pytest.mark.parametrize("blind", [0.0, 5.0])
+def test_a_vehicle_that_moves_fast_has_not_jumped(following, blind):
+    following.has_odometry = False
+    list(following.sees_nothing(blind))
+    following.has_odometry = True
+    way = 0.8 * (blind + STEP)
+    following.pose = replace(following.pose, x=following.pose.x + way, yaw=0.1)
+    list(following.sees_nothing(3.0))
+    assert following.mode is Mode.SEARCHING
+
+
 @pytest.mark.parametrize("other", [Cable(1.5, 0.0), Cable(-1.5, 0.0), Cable(0.0, 1.0)])
 def test_what_lies_elsewhere_is_not_the_cable(following, other):
     for _ in range(20):

@@ -11,8 +11,10 @@ def test_time_adds_up_from_step_to_step():
 
 def test_what_a_clock_is_set_back_by_does_not_count():
     clock = StepClock()
-    steps = [clock.advance(time) for time in (1000.0, 1000.5, 10.0, 10.25)]
-    assert steps == [0.0, 0.5, 0.0, 0.25]
+    steps = [
+        (clock.advance(time), clock.was_set_back) for time in (1000.0, 1000.5, 10.0, 10.25, 10.25)
+    ]
+    assert steps == [(0.0, False), (0.5, False), (0.0, True), (0.25, False), (0.0, False)]
     assert clock.now == 0.75
 
 
