@@ -39,6 +39,9 @@ IDLE_STATUSES = {DISABLED, WARMING_UP, FROZEN_INPUT}
 STOP_PATIENCE = 1.0
 """Longest time for the last command to arrive when the node ends [s]."""
 
+REPORT_PATIENCE = 3.0
+"""Without a report for so long after the first `state` it is warned of [s]."""
+
 POLL = 0.005
 """Longest sleep while a `state` waits for what belongs to it [s]."""
 
@@ -94,6 +97,8 @@ class GuidanceNode(ProcessNode):
         self._expects_metres: OrderedDict[int, bool] = OrderedDict()
         self._status = ""
         self._last_accepted = time.monotonic()
+        self._awaits_report_since: float | None = None
+        self._is_report_missed = False
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
         subscription(self, self.REPORT, self.on_report, qos.RESULTS)
         subscription(self, node_topics.STATE, self.on_state, qos.RESULTS)
@@ -134,6 +139,23 @@ class GuidanceNode(ProcessNode):
         # Of another time nothing could be told; the tracker has refused such a frame.
         if has_room_for(stamp):
             self._states.append((stamp, bool(message.position), now))
+        if not self._values["lockstep"]:
+            self._miss_reports(now)
+
+    def _miss_reports(self, now: float) -> None:
+        """Warn once if `state` comes at a time on the monotonic clock [s], and never a report."""
+        if self._awaits_report_since is None:
+            self._awaits_report_since = now
+        waited = now - self._awaits_report_since
+        if self._expects_metres or self._is_report_missed or waited <= REPORT_PATIENCE:
+            return
+        self._is_report_missed = True
+        self.get_logger().warning(
+            f"`state` comes from the tracker, but nothing comes on"
+            f" {self.resolve_topic_name(self.REPORT.name)}: the vehicle would not stop for a camera"
+            f" that hangs, nor while the tracker is switched off; remap {self.REPORT.name} to the"
+            " tracker's ~/frame_report"
+        )
 
     def on_report(self, message: Message) -> None:
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""

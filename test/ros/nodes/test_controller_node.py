@@ -9,11 +9,13 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import Log
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import Mode, SearchSettings
+from cable_tracker.ros.nodes import guidance_node
 from cable_tracker.ros.nodes.controller_node import ControllerNode
 from cable_tracker.ros.process.ros_context import started_context
 
@@ -104,6 +106,41 @@ class Tracker:
 @pytest.fixture
 def tracker(world: Any) -> Tracker:
     return Tracker(world)
+
+
+@pytest.fixture
+def no_patience_for_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guidance_node, "REPORT_PATIENCE", 0.2)
+
+
+def warnings_of_missing_reports(world: Any, tracker: Tracker, logs: list[Any]) -> list[str]:
+    for _ in range(10):
+        tracker.next_frame()
+        tracker.says_state(claims=False)
+        world.pass_time(0.1)
+    topic = f"{world.namespace}/tracker/frame_report"
+    return [each.msg for each in logs if f"nothing comes on {topic}" in each.msg]
+
+
+@pytest.mark.usefixtures("no_patience_for_reports")
+def test_a_tracker_whose_reports_do_not_come_is_warned_of_once(world, tracker):
+    logs = world.listen(Log, "/rosout")
+    world.controller(settle_time=0.0, state_timeout=60.0)
+    tracker.is_heard()
+    assert len(warnings_of_missing_reports(world, tracker, logs)) == 1
+
+
+@pytest.mark.usefixtures("no_patience_for_reports")
+@pytest.mark.parametrize("lockstep", [False, True])
+def test_but_not_after_a_report_and_not_in_lockstep(world, tracker, lockstep):
+    logs = world.listen(Log, "/rosout")
+    world.controller(settle_time=0.0, state_timeout=60.0, lockstep=lockstep)
+    tracker.is_heard()
+    if not lockstep:
+        world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+        tracker.reports("TRACKING")
+        world.empty_queues()
+    assert not warnings_of_missing_reports(world, tracker, logs)
 
 
 @pytest.mark.parametrize(("offset", "heading"), [(0.08, 0.0), (0.0, 0.15)])
