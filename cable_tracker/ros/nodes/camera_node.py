@@ -314,12 +314,13 @@ class CameraNode(ProcessNode):
             if self._watch.is_frozen(picture, stamp):
                 self._answer_frozen(header)
                 return
-            self._watch.note_frozen(is_frozen=False)
             outcome = self._use(header, stamp, picture, frame.arrival)
         except FrameError as error:
             self._note_refusal(str(error))
             self._outputs.answer_without_estimate(header, REFUSED, str(error))
             return
+        # Not before: a refused frame leaves the figures of before the picture stood still.
+        self._watch.note_frozen(is_frozen=False)
         self._note_usable()
         self._note_event(outcome.event)
         self._change_status(outcome.status)

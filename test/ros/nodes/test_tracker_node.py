@@ -675,6 +675,25 @@ class TestServicesAndStatus:
         world.show(node, image_message(index=12))
         assert node.status == "FROZEN INPUT"
 
+    def test_a_frozen_camera_is_not_live_by_a_frame_that_is_refused(
+        self,
+        world: Any,
+        near: str,
+        strip: Callable[..., np.ndarray],
+        image_message: Callable[..., Any],
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.2)
+        for index in range(10, 24):
+            world.show(node, image_message(index=index))
+        assert node.status == "FROZEN INPUT"
+        # Just before the last frame that was used, as of a driver that starts anew.
+        world.show(node, image_message(strip() // 2, index=13))
+        assert node.statistics.refused == 1
+        assert node.status == "FROZEN INPUT"
+        world.show(node, image_message(strip(), index=24))
+        world.show(node, image_message(strip() // 2, index=25))
+        assert node.status != "FROZEN INPUT"
+
     def test_a_reset_forgets_the_metres_too(
         self, world: Any, near: str, image_message: Callable[..., Any]
     ) -> None:
