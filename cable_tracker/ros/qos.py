@@ -51,7 +51,7 @@ LATCHED = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""`/tf_static`: subscribers that come later get it too."""
+"""`/tf_static`, and a calibration that was sent once: subscribers that come later get it too."""
 
 RESULTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
@@ -84,6 +84,14 @@ EVERYTHING = QoSProfile(
     history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
 )
 """Quality of service with which a recorder reads."""
+
+
+def keeps_for_later(offered: QoSProfile) -> bool:
+    """Tell whether a publisher keeps messages for subscriptions like `LATCHED` that come later."""
+    return bool(
+        offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        and offered.reliability == ReliabilityPolicy.RELIABLE
+    )
 
 
 def endpoint_name(endpoint: Any) -> str:  # noqa: ANN401

@@ -62,6 +62,8 @@ class InstrumentInputs(Generic[AnySight]):
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
         self._newest: dict[Instrument, int] = {}
+        self._on_news: Callable[[], None] | None = None
+        self._has_asked = False
         self._sent = InstrumentsSent([TOPICS[each] for each in self._instruments])
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
@@ -70,6 +72,24 @@ class InstrumentInputs(Generic[AnySight]):
         for instrument in self._instruments:
             subscription(self._node, TOPICS[instrument], self._taking(instrument, on_news), profile)
         self._sent.subscribe(self._node, reliability, on_news)
+        self._on_news = on_news
+
+    def ask_for_calibration(self) -> None:
+        """Ask for a calibration that was sent once and is kept for those that come later.
+
+        Such a publisher keeps it for subscriptions alone that ask to be told; those cannot hear
+        others, so that it takes one of its own.
+        """
+        topic, on_news = TOPICS[Instrument.CAMERA_INFO], self._on_news
+        if on_news is None or self._sent.has_heard(topic.name) or self._has_asked:
+            return
+        publishers = self._node.get_publishers_info_by_topic(
+            self._node.resolve_topic_name(topic.name)
+        )
+        if any(qos.keeps_for_later(each.qos_profile) for each in publishers):
+            self._has_asked = True
+            taken = self._taking(Instrument.CAMERA_INFO, on_news)
+            subscription(self._node, topic, taken, qos.LATCHED)
 
     def _taking(
         self, instrument: Instrument, on_news: Callable[[], None]

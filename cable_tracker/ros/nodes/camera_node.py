@@ -73,6 +73,10 @@ class FrameInstruments(Protocol):
         """Tell whether they have told of a time [ns]."""
         ...
 
+    def ask_for_calibration(self) -> None:
+        """Ask for a calibration that was sent once, before the node listened."""
+        ...
+
 
 class FrameOutputs(Protocol):
     """Publishers of what is found in the frames."""
@@ -425,6 +429,7 @@ class CameraNode(ProcessNode):
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
         self._hold.release_if_due()
+        self._metric.ask_for_calibration()
         now = time.monotonic()
         if self._warm_up is not None and not self._warm_up.running:
             self._end_warm_up()

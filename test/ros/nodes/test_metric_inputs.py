@@ -13,6 +13,7 @@ from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
+from cable_tracker.ros.qos import LATCHED, RESULTS
 from cable_tracker.sequences.bags.instruments import Instrument
 
 ALTITUDE, FOCAL = 1.4, 280.0
@@ -399,3 +400,14 @@ def test_instruments_can_be_read_reliably(world: Any) -> None:
         ]
         policies = [each.qos_profile.reliability.name for each in subscriptions]
         assert policies.count("RELIABLE") == count
+
+
+@pytest.mark.parametrize(("profile", "is_heard"), [(LATCHED, True), (RESULTS, False)])
+def test_a_calibration_sent_once_before_is_heard_where_it_is_kept(world, profile, is_heard):
+    driver = world.me.create_publisher(CameraInfo, "camera_info", profile)
+    driver.publish(CameraInfo(width=320, height=240, distortion_model="plumb_bob", k=K))
+    node = world.tracker()
+    world.spin(driver.get_subscription_count)
+    world.pass_time(1.5)
+    assert node._metric._sent.has_heard("camera_info") == is_heard
+    assert driver.get_subscription_count() == (2 if is_heard else 1)
