@@ -38,6 +38,12 @@ from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording
 
+COARSE = (
+    "its pictures have more than 8 bits and use less than 1/8 of that range: in 8 bits at most 32"
+    " of their levels are left, too few for a faint cable; leave out --format, which keeps the"
+    " pixels as recorded"
+)
+
 
 def convert(  # noqa: PLR0917
     source: SourceArgument,
@@ -87,6 +93,8 @@ def convert(  # noqa: PLR0917
         write_bytes(output / VEHICLE_FILE, vehicle)
     if instruments is not None:
         print_notes(source, instruments.remarks())
+    if written.is_coarse:
+        print_notes(source, [COARSE])
     skipped = f" ({written.skipped} that cannot be decoded left out)" if written.skipped else ""
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:

@@ -9,6 +9,8 @@ from heapq import merge
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from cable_tracker.arrays import eight_bits
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import node_topics
@@ -22,6 +24,9 @@ from cable_tracker.sequences.messages.images import make_compressed_image, make_
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 JPEG_QUALITY = 95
+
+_LITTLE_OF_WHITE = 255.0 / 8.0
+_BRIGHT_PERCENTILE = 98.0
 
 
 class ImageFormat(str, Enum):
@@ -48,6 +53,14 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     if image_format is ImageFormat.JPEG:
         return replace(frame, image=encode_jpeg(decode_bgr(frame.image), JPEG_QUALITY))
     return frame
+
+
+def _uses_little_of_many_bits(frame: Frame) -> bool:
+    """Tell whether a frame has more than 8 bits, but nearly all of it is below 1/8 of white."""
+    levels = decode_grey(frame.image)
+    if levels.dtype == np.uint8:
+        return False
+    return bool(np.percentile(levels, _BRIGHT_PERCENTILE) < _LITTLE_OF_WHITE)
 
 
 def write_truth(bag: MessageSink, frame: Frame) -> None:
@@ -106,11 +119,15 @@ class WrittenBag:
         Frames left out because they could not be decoded.
     damage : RecordingError or None
         Damage at which the recording broke off; the bag holds the frames before that.
+    is_coarse : bool
+        Whether few of the levels are left: all frames had more than 8 bits, used less than 1/8 of
+        that range, as those of a camera of 12 bits do, and were to be brought to 8 bits.
     """
 
     count: int
     skipped: int
     damage: RecordingError | None
+    is_coarse: bool = False
 
 
 def _in_order(
@@ -150,6 +167,7 @@ def write_bag(
     """
     count = skipped = 0
     damage: RecordingError | None = None
+    is_coarse = image_format is not ImageFormat.AS_IS
     with BagWriter(path, storage, overwrite=overwrite) as bag:
         try:
             for item in _in_order(frames, carried):
@@ -165,8 +183,9 @@ def write_bag(
                     continue
                 write_frame(bag, converted)
                 count += 1
+                is_coarse = is_coarse and _uses_little_of_many_bits(item)
         except RecordingError as error:
             damage = error
         if not count:
             raise damage or RecordingError(f"{path}: there are no frames to write")
-    return WrittenBag(count, skipped, damage)
+    return WrittenBag(count, skipped, damage, is_coarse)

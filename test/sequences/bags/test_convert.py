@@ -51,6 +51,34 @@ def test_jpeg_is_compressed_with_high_quality():
     assert np.abs(difference).max() <= 6
 
 
+def deep_frames(*brightest: int) -> list[Frame]:
+    """Grey ramps of 16 bits up to some levels."""
+    ramps = [np.linspace(0, level, 24 * 32).reshape(24, 32) for level in brightest]
+    return [
+        Frame(k, 5 + k, raw_from_array(ramp.astype(np.uint16), "mono16"))
+        for k, ramp in enumerate(ramps)
+    ]
+
+
+@pytest.mark.parametrize("image_format", [ImageFormat.GREY, ImageFormat.JPEG])
+def test_few_levels_are_left_of_a_camera_of_12_bits(tmp_path, image_format):
+    written = write_bag(tmp_path / "bag", deep_frames(4095, 4095), image_format=image_format)
+    assert written.is_coarse
+
+
+@pytest.mark.parametrize(
+    ("frames", "image_format"),
+    [
+        (deep_frames(4095, 65535), ImageFormat.GREY),
+        (deep_frames(4095), ImageFormat.AS_IS),
+        ([Frame(0, 5, raw_from_array(np.zeros((24, 32), np.uint8), "mono8"))], ImageFormat.JPEG),
+    ],
+    ids=["first frame dark", "as it is", "8 bits"],
+)
+def test_otherwise_the_levels_are_kept(tmp_path, frames, image_format):
+    assert not write_bag(tmp_path / "bag", frames, image_format=image_format).is_coarse
+
+
 def test_frames_and_truths_are_read_back(tmp_path, make_frame, state):
     frames = [make_frame(k, truth=state(k) if k % 2 else None) for k in range(1, 5)]
     assert write_bag(tmp_path / "bag", frames) == WrittenBag(4, 0, None)
