@@ -36,7 +36,7 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.tuning import chosen_parameters
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file
@@ -99,7 +99,7 @@ def learn(  # noqa: PLR0917
 
     The tracker uses them with the parameter `response_table`. Its parameters `working_width` and
     `filter_sigma` should be those that the tables were learnt with. The same command writes the
-    same file.
+    same file. Of a recording that breaks off, the frames before that count.
     """
     paths, scenarios = source or [], list(dict.fromkeys(scenario or []))
     _check_wishes(paths, truth, scenarios, seeds, frames)
@@ -114,6 +114,7 @@ def learn(  # noqa: PLR0917
     say_left_out(left_out)
     elsewhere, changes = np.random.default_rng(parameters.seed).spawn(2)
     counts = ResponseCounts(elsewhere)
+    damages: list[RecordingError] = []
     with ExitStack() as stack:
         for path in paths:
             chosen = ChosenRecording(path, topic, rate, truth, skip_bad_frames, allow_outside)
@@ -123,7 +124,12 @@ def learn(  # noqa: PLR0917
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
         for sequence in sequences:
             shown = counted(sequence.frames(), progress)
-            count_frames(counts, sequence, shown, parameters, plan, rng=changes)
+            try:
+                count_frames(counts, sequence, shown, parameters, plan, rng=changes)
+            except RecordingError as damage:
+                damages.append(damage)
+        if damages and not counts.frames:
+            raise damages[0]
         table = counts.table(
             describe_origin(scenarios, numbers, paths, truth, plan, left_out=left_out)
         )
@@ -134,6 +140,8 @@ def learn(  # noqa: PLR0917
         soft_wrap=True,
     )
     console.print(f"learnt from {table.source}: {output}", soft_wrap=True)
+    if damages:
+        raise RecordingError("; ".join(map(str, damages)))
 
 
 def _check_wishes(

@@ -1,3 +1,4 @@
+import os
 import shutil
 from pathlib import Path
 
@@ -164,14 +165,39 @@ def test_the_filter_is_that_of_the_parameters(command, bag):
     assert (load_table("a.json").edges != load_table("b.json").edges).any()
 
 
+def test_the_frames_before_a_damage_count_and_the_other_recordings(command, bag, frames):
+    write_bag(Path("broken"), frames, storage="sqlite3")
+    (storage,) = Path("broken").glob("*.db3")
+    os.truncate(storage, storage.stat().st_size // 2)
+    wanted = ("learn", "--harder", 0, "--output")
+    _, whole, _ = command(*wanted, "a.json", bag)
+    code, printed, messages = command(*wanted, "b.json", "broken", bag)
+    assert code == 2
+    assert messages.splitlines()[-1].startswith("error: broken: damaged after ")
+    assert first_numbers(whole)[0] < first_numbers(printed)[0] < 2 * FRAMES
+    assert is_table(Path("b.json"))
+
+
+def test_what_cannot_be_read_from_its_first_frame_makes_no_table(command, labels):
+    first = min(Path("pictures").rglob("*.png"))
+    first.write_bytes(b"garbage")
+    code, printed, messages = command("learn", labels, "--output", "table.json")
+    assert (code, printed) == (2, "")
+    assert first.name in messages
+    assert left_behind() == {"pictures"}
+
+
 def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
     picture = sorted(Path("pictures").rglob("*.png"))[2]
     picture.write_bytes(b"garbage")
     code, _, messages = command("learn", labels, "--output", "table.json")
     assert (code, messages.count("\n")) == (2, 1)
     assert picture.name in messages
-    assert left_behind() == {"pictures"}
-    code, printed, _ = command("learn", labels, "--output", "table.json", "--skip-bad-frames")
+    # Those before it count.
+    assert Path("table.json").exists()
+    code, printed, _ = command(
+        "learn", labels, "--output", "table.json", "--skip-bad-frames", "--force"
+    )
     assert code == 0
     assert printed.startswith(f"{2 * (FRAMES - 1)} frames")
 
