@@ -38,6 +38,26 @@ def _write_through(path: Path) -> None:
             os.close(descriptor)
 
 
+def any_name(_name: str) -> bool:
+    """Take every file of an earlier folder for one that was written with it."""
+    return True
+
+
+def _refuse_foreign_files(path: Path, is_own_name: Callable[[str], bool]) -> None:
+    """Raise OutputError if a folder that is to be replaced holds what was put there later."""
+    if path.is_symlink() or not path.is_dir():
+        return
+    # Hidden files are those of file managers.
+    names = (each.name for each in path.iterdir() if not each.name.startswith("."))
+    foreign = sorted(name for name in names if not is_own_name(name))
+    if foreign:
+        more = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
+        raise OutputError(
+            f"{path / foreign[0]}{more}: would be lost with the earlier output and is not"
+            " overwritten; move it elsewhere, or choose another name"
+        )
+
+
 class PartialOutput:
     """A folder or a file that is made under another name and moved into place when complete.
 
@@ -52,6 +72,9 @@ class PartialOutput:
     is_ours : callable
         Tells whether what lies there is of the kind that is written here; nothing else is ever
         replaced.
+    is_own_name : callable
+        Tells by its name whether a file in an earlier folder was written with it. A folder with
+        others, which the user has put there, is not replaced.
 
     Attributes
     ----------
@@ -65,7 +88,14 @@ class PartialOutput:
         does not let us write.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool, is_ours: Callable[[Path], bool]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        overwrite: bool,
+        is_ours: Callable[[Path], bool],
+        is_own_name: Callable[[str], bool] = any_name,
+    ) -> None:
         if path.name in ("", ".."):
             raise OutputError(f"{path}: is no name for a new output; choose one")
         self.path = path
@@ -81,6 +111,7 @@ class PartialOutput:
                     f"{path}: is no earlier output of this kind and is not overwritten;"
                     " choose another name"
                 )
+            _refuse_foreign_files(path, is_own_name)
         self._lock: FolderLock | None = None
         try:
             self._take_partial()
@@ -154,7 +185,9 @@ def holds(marker: str) -> Callable[[Path], bool]:
 
 
 @contextmanager
-def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]:
+def output_folder(
+    path: Path, marker: str, *, overwrite: bool, is_own_name: Callable[[str], bool] = any_name
+) -> Iterator[Path]:
     """Give a folder to write into, which appears at its path when the context ends well.
 
     It is opened before anything is computed, so that a path that cannot be written is known at
@@ -168,19 +201,27 @@ def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]
         A file that every such folder holds; a folder without it is never replaced.
     overwrite : bool
         Replace an earlier folder of the kind.
+    is_own_name : callable
+        See `PartialOutput`.
 
     Raises
     ------
     OutputError
         The path is taken, or the disk does not let us write.
     """
-    with output_file(path, holds(marker), overwrite=overwrite) as folder:
+    with output_file(path, holds(marker), overwrite=overwrite, is_own_name=is_own_name) as folder:
         folder.mkdir()
         yield folder
 
 
 @contextmanager
-def output_file(path: Path, is_ours: Callable[[Path], bool], *, overwrite: bool) -> Iterator[Path]:
+def output_file(
+    path: Path,
+    is_ours: Callable[[Path], bool],
+    *,
+    overwrite: bool,
+    is_own_name: Callable[[str], bool] = any_name,
+) -> Iterator[Path]:
     """Give the name of a file to write, which appears at its path when the context ends well.
 
     Parameters
@@ -191,13 +232,15 @@ def output_file(path: Path, is_ours: Callable[[Path], bool], *, overwrite: bool)
         Tells whether what lies there is of the same kind; nothing else is ever replaced.
     overwrite : bool
         Replace an earlier file of the kind.
+    is_own_name : callable
+        See `PartialOutput`; where it is a folder.
 
     Raises
     ------
     OutputError
         The path is taken, or the disk does not let us write.
     """
-    partial = PartialOutput(path, overwrite=overwrite, is_ours=is_ours)
+    partial = PartialOutput(path, overwrite=overwrite, is_ours=is_ours, is_own_name=is_own_name)
     try:
         yield partial.content
         partial.commit()

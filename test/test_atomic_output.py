@@ -101,6 +101,24 @@ def test_an_earlier_folder_is_replaced_only_when_told(tmp_path):
     assert (tmp_path / "out" / "mark").read_text() == "2"
 
 
+def test_what_the_user_has_put_into_an_earlier_folder_is_not_lost(tmp_path):
+    def replace():
+        with output_folder(
+            tmp_path / "out", "mark", overwrite=True, is_own_name="mark".__eq__
+        ) as folder:
+            (folder / "mark").touch()
+
+    replace()
+    (tmp_path / "out" / ".directory").touch()
+    replace()
+    for name in ("tracker.yaml", "notes.txt"):
+        (tmp_path / "out" / name).write_text("mine")
+    with pytest.raises(OutputError, match=r"out/notes\.txt and 1 more: would be lost"):
+        replace()
+    assert (tmp_path / "out" / "tracker.yaml").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
 def test_a_folder_of_another_kind_is_never_replaced(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "photographs").write_text("dear")

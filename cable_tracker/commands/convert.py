@@ -29,9 +29,10 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.errors import read_failure
-from cable_tracker.metric.recorded.recorded_cable import VEHICLE_FILE, own_vehicle_file
+from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages
 from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice

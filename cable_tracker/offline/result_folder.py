@@ -11,7 +11,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.offline.results import ESTIMATES, Results
+from cable_tracker.offline.results import ESTIMATES, PLOTS, Results
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
@@ -20,8 +20,6 @@ from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
-
-PLOTS = "estimates.png"
 
 SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 """Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.atomic_output import output_folder
+from cable_tracker.offline.target_table import METRES
 from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
@@ -18,6 +19,12 @@ ESTIMATES = "estimates.csv"
 VIDEO = "overlay.webm"
 CONTACT_SHEET = "overlay.png"
 BAG = "bag"
+
+PLOTS = "estimates.png"
+"""Of a cable."""
+
+OWN_NAMES = frozenset({ESTIMATES, VIDEO, CONTACT_SHEET, BAG, PLOTS, METRES})
+"""All that is ever written into such a folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +59,8 @@ class Results(ABC):
     path : Path
         Path of the finished folder.
     overwrite : bool
-        Replace the results of an earlier run. Nothing else is ever replaced.
+        Replace the results of an earlier run. Nothing else is ever replaced, nor a folder in which
+        the user has put other files.
     timing : bool
         Write the measured times into the table. Without them, equal runs write equal bytes.
     wanted : WantedResults
@@ -92,7 +100,12 @@ class Results(ABC):
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             self._content = stack.enter_context(
-                output_folder(self.path, ESTIMATES, overwrite=self._overwrite)
+                output_folder(
+                    self.path,
+                    ESTIMATES,
+                    overwrite=self._overwrite,
+                    is_own_name=OWN_NAMES.__contains__,
+                )
             )
             # What is entered last is closed first: the table is written when all else is there.
             stack.push(self._finish)

@@ -196,3 +196,16 @@ def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatc
     with pytest.raises(OutputError, match="PyAV"), ResultFolder(tmp_path / "out"):
         pass
     assert names_in(tmp_path) == set()
+
+
+def test_what_the_user_has_put_among_earlier_results_is_not_lost(tmp_path, dive):
+    for _ in range(2):
+        with ResultFolder(tmp_path / "out", overwrite=True) as results:
+            fill(results, dive[:2])
+    (tmp_path / "out" / "tracker.yaml").write_text("mine")
+    with (
+        pytest.raises(OutputError, match=r"out/tracker\.yaml: .* move it elsewhere"),
+        ResultFolder(tmp_path / "out", overwrite=True),
+    ):
+        pass
+    assert names_in(tmp_path / "out") == {*NAMES, "tracker.yaml"}

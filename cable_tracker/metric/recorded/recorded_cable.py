@@ -26,7 +26,7 @@ from cable_tracker.metric.recorded.vehicle import (
 )
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.bag_limits import METADATA, VEHICLE_FILE
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.frame import Frame
@@ -123,11 +123,6 @@ class RecordedMetres(RecordedInstruments[CableSight]):
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
         return self._sight.measure(estimate)
-
-
-VEHICLE_FILE = "vehicle.yaml"
-"""Beside the storage files of a bag it is read without being asked for, also where one of those is
-named instead of the bag's folder."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,13 @@ from cable_tracker.errors import RecordingError
 METADATA = "metadata.yaml"
 """File in the folder of a ROS 2 bag that says which storage files belong to it."""
 
+VEHICLE_FILE = "vehicle.yaml"
+"""Beside the storage files of a bag it is read without being asked for, also where one of those is
+named instead of the bag's folder."""
+
+TRUTH_FILE = "truth.json"
+"""Beside the storage file of a simulated survey."""
+
 LARGEST_UNPACKED = 1 << 28
 """A chunk or message of more bytes is refused; the largest picture that is read has fewer."""
 

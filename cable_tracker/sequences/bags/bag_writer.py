@@ -15,16 +15,23 @@ from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, one_line, write_failure
-from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.bag_limits import METADATA, TRUTH_FILE, VEHICLE_FILE
 from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.bags.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
+_SUFFIXES = (".mcap", ".db3")
+
 _LATEST_STAMP = 2**63 - 1
 
 
 def _is_bag(path: Path) -> bool:
     return (path / METADATA).is_file()
+
+
+def _is_of_bag(name: str) -> bool:
+    """Tell whether a file is of those that converting and simulating write into a bag's folder."""
+    return name in {METADATA, VEHICLE_FILE, TRUTH_FILE} or Path(name).suffix in _SUFFIXES
 
 
 class MessageSink(Protocol):
@@ -62,7 +69,8 @@ class BagWriter:
     Parameters
     ----------
     overwrite : bool
-        Replace a bag that lies at the path. Anything but a bag is never replaced.
+        Replace a bag that lies at the path. Anything but a bag is never replaced, nor a bag beside
+        which the user has put other files.
 
     Raises
     ------
@@ -83,7 +91,9 @@ class BagWriter:
         self._connections: dict[tuple[str, str], Connection] = {}
 
     def __enter__(self) -> Self:
-        self._folder = PartialOutput(self._path, overwrite=self._overwrite, is_ours=_is_bag)
+        self._folder = PartialOutput(
+            self._path, overwrite=self._overwrite, is_ours=_is_bag, is_own_name=_is_of_bag
+        )
         try:
             with self._translated_errors():
                 self._writer = BagFileWriter(

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.metric.recorded.recorded_cable import VEHICLE_FILE
+from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.frame import Frame

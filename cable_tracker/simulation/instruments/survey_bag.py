@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.metric.recorded.recorded_cable import VEHICLE_FILE
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE, VEHICLE_FILE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
@@ -40,7 +40,6 @@ from cable_tracker.simulation.instruments.survey_dive import (
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 
-TRUTH = "truth.json"
 COURSE_STEP = 0.25
 """Distance between two points of the true course [m]."""
 
@@ -94,7 +93,7 @@ def write_survey_bag(
                 frames += 1
                 advance(float(tick.state.position[0]))
     write_bytes(path / VEHICLE_FILE, vehicle_text(dive.cable_height).encode())
-    write_bytes(path / TRUTH, json.dumps(truth_of(settings)).encode())
+    write_bytes(path / TRUTH_FILE, json.dumps(truth_of(settings)).encode())
     return WrittenDive(frames, seconds)
 
 

@@ -54,6 +54,20 @@ def test_the_storage_file_is_named_like_the_bag(tmp_path, storage):
     assert f"out.{suffix}" in (tmp_path / "out" / "metadata.yaml").read_text()
 
 
+def test_what_the_user_has_put_beside_a_bag_is_not_lost(tmp_path):
+    def write():
+        with BagWriter(tmp_path / "out", overwrite=True):
+            pass
+
+    write()
+    (tmp_path / "out" / "vehicle.yaml").touch()
+    write()
+    (tmp_path / "out" / "labels.txt").write_text("mine")
+    with pytest.raises(OutputError, match=r"out/labels\.txt: .* move it elsewhere"):
+        write()
+    assert (tmp_path / "out" / "labels.txt").read_text() == "mine"
+
+
 @STORAGES
 def test_an_empty_bag_is_valid(tmp_path, storage):
     with BagWriter(tmp_path / "out", storage):

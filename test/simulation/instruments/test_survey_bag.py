@@ -7,11 +7,12 @@ import pytest
 
 from cable_tracker.errors import OutputError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.instrument_writer import ORIGIN, to_east_north
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
-from cable_tracker.simulation.instruments.survey_bag import TRUTH, write_survey_bag
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
 
@@ -39,7 +40,7 @@ def test_mounting_and_heights_are_known_from_the_bag_alone(bag):
 
 
 def test_the_truth_of_the_course_lies_beside_it(bag):
-    truth = json.loads((bag / TRUTH).read_text())
+    truth = json.loads((bag / TRUTH_FILE).read_text())
     world, east_north = np.array(truth["world"]), np.array(truth["east_north"])
     np.testing.assert_allclose(to_east_north(world), east_north)
     assert truth["origin"] == list(ORIGIN)
