@@ -10,13 +10,16 @@ from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, read
 
 
 def recording_files(path: Path) -> list[Path]:
-    """Return the files and folders that a recording is read from.
+    """Return the files that a recording is read from.
 
-    They are the path itself, and of an image-sequence file also the pictures and videos that it
-    names; those that are missing are left out. Of `metadata.yaml` it is the folder of the bag.
+    Of a bag or a folder of pictures they are all files in the folder itself, but not what lies in
+    folders within, such as results. Otherwise they are the path itself, and of an image-sequence
+    file also the pictures and videos that it names; those that are missing are left out. Of
+    `metadata.yaml` they are those of its bag.
     """
-    if path.name == METADATA:
-        return [path.parent]
+    folder = path.parent if path.name == METADATA else path
+    if folder.is_dir():
+        return sorted(file for file in folder.glob("*") if file.is_file())
     return [path, *(file for file in _named_files(path) if file.is_file())]
 
 

@@ -21,6 +21,15 @@ def test_a_malformed_sequence_file_names_nothing(sequence):
     assert recording_files(sequence) == [sequence]
 
 
-def test_a_bag_is_its_folder_also_by_its_metadata(tmp_path):
-    assert recording_files(tmp_path) == [tmp_path]
-    assert recording_files(tmp_path / "metadata.yaml") == [tmp_path]
+@pytest.mark.parametrize("named", [".", "metadata.yaml"])
+def test_a_bag_is_what_lies_in_its_folder_without_the_results_in_folders_within(tmp_path, named):
+    files = [tmp_path / "dive.mcap", tmp_path / "metadata.yaml"]
+    for file in files:
+        file.touch()
+    (tmp_path / "map" / "recordings").mkdir(parents=True)
+    (tmp_path / "map" / "report.html").touch()
+    assert recording_files(tmp_path / named) == files
+
+
+def test_what_is_missing_is_named_all_the_same(tmp_path):
+    assert recording_files(tmp_path / "dive") == [tmp_path / "dive"]

@@ -93,6 +93,23 @@ def test_a_list_is_surveyed_anew_when_one_of_its_pictures_has_changed(tmp_path):
     assert task.fingerprint() != before
 
 
+def test_results_in_the_folder_of_the_recording_do_not_make_it_another(bag, tmp_path):
+    dive = shutil.copytree(bag, tmp_path / "dive")
+    run_survey([dive], dive / "map", SurveySettings(), ALONE)
+    again = run_survey([dive], dive / "map", SurveySettings(), ALONE, resume=True)
+    assert [outcome.state for outcome in again.outcomes] == [TaskState.KEPT]
+
+
+def test_a_picture_or_a_storage_file_that_has_changed_makes_it_another(tmp_path):
+    task = SurveyTask(tmp_path, SurveySettings(), "dive")
+    found = [task.fingerprint()]
+    for name in ("a.png", "b.png", "dive.mcap", "a.png"):
+        with (tmp_path / name).open("a") as file:
+            file.write("more")
+        found.append(task.fingerprint())
+    assert len(set(found)) == len(found)
+
+
 def test_a_dive_with_a_broken_vehicle_file_ends_no_other(bag, tmp_path):
     broken = shutil.copytree(bag, tmp_path / "broken")
     (broken / "vehicle.yaml").write_text("mounting: sideways\n")
