@@ -35,7 +35,7 @@ from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
-from cable_tracker.sequences.bags.instruments import InstrumentChoice
+from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording
 
@@ -105,6 +105,7 @@ def convert(  # noqa: PLR0917
 def _instruments(recording: Source, choice: InstrumentChoice) -> InstrumentSource | None:
     """Find the instruments of a bag, and say of which topics none could be chosen."""
     if not isinstance(recording, BagSource):
+        refuse_named_topics(recording.path, choice)
         return None
     found = InstrumentSource(recording.path, recording.storage, recording.topic, choice)
     print_notes(recording.path, found.found.notes)

@@ -76,3 +76,12 @@ def test_a_note_says_that_8_bits_ruin_a_camera_of_12(command):
     assert notes.startswith("note: deep: its pictures have more than 8 bits and use less than 1/8")
     assert notes.count("\n") == 1
     assert command("convert", "deep", "as_it_is")[2] == ""
+
+
+def test_a_topic_of_what_is_no_bag_is_refused(command):
+    assert command("simulate", "pictures", "--frames", 2, "--format", "sequence")[0] == 0
+    code, _, error = command("convert", "pictures", "copy", "--altitude-topic", "/sonar")
+    assert code == 2
+    assert "error: pictures: is no bag and has no topics; leave out --altitude-topic" in error
+    assert not Path("copy").exists()
+    assert command("convert", "pictures", "copy", "--altitude-topic", "none")[0] == 0

@@ -28,7 +28,11 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_limits import METADATA, VEHICLE_FILE
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
-from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.bags.instruments import (
+    Instrument,
+    InstrumentChoice,
+    refuse_named_topics,
+)
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 
@@ -191,10 +195,12 @@ def recorded_vehicle(
     Raises
     ------
     RecordingError
-        The bag cannot be read, or a topic that the user named is not there.
+        The bag cannot be read, or a topic that the user named is not there, as in what is no bag.
     ParameterError
         The vehicle file is not acceptable.
     """
+    if not isinstance(recording, BagSource):
+        refuse_named_topics(recording.path, choice)
     file = VehicleFile()
     own = own_vehicle_file(recording.path)
     if vehicle_file is not None or own.is_file():

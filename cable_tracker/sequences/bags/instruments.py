@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.errors import RecordingError
@@ -84,6 +85,28 @@ class FoundInstruments:
     notes: tuple[str, ...]
 
 
+def refuse_named_topics(path: Path, choice: InstrumentChoice | None) -> None:
+    """Refuse topics of instruments for a recording that is no bag.
+
+    Raises
+    ------
+    RecordingError
+        The user has named one.
+    """
+    named = {} if choice is None else choice.topics
+    options = [_options(each) for each, topic in named.items() if topic != NO_TOPIC]
+    if options:
+        raise RecordingError(
+            f"{path}: is no bag and has no topics; leave out {' and '.join(options)}"
+        )
+
+
+def _options(instrument: Instrument) -> str:
+    """Return what a user names a topic with."""
+    name = instrument.value
+    return f"--{name.replace('_', '-')}-topic (node: {name}_topic)"
+
+
 def find_instruments(
     storage: _Listed, image_topic: str, choice: InstrumentChoice
 ) -> FoundInstruments:
@@ -124,7 +147,7 @@ def find_instruments(
 def _unchosen(instrument: Instrument, candidates: list[str]) -> str:
     """Say why no topic is read for an instrument, and how to choose one."""
     name = instrument.value
-    options = f"--{name.replace('_', '-')}-topic (node: {name}_topic)"
+    options = _options(instrument)
     if len(candidates) > 1:
         listed = ", ".join(candidates)
         return (

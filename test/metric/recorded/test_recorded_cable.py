@@ -1,8 +1,10 @@
+import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
@@ -19,6 +21,28 @@ def bag(tmp_path_factory):
     path = tmp_path_factory.mktemp("recorded") / "dive"
     write_survey_bag(path, SurveyDiveSettings(length=1.5, image_size=(64, 48), rate=5.0))
     return path
+
+
+@pytest.fixture
+def pictures(tmp_path):
+    """A recording that is no bag."""
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    return tmp_path
+
+
+def test_topics_of_what_is_no_bag_are_refused(pictures):
+    choice = InstrumentChoice({Instrument.IMU: "none", Instrument.ALTITUDE: "/sonar"})
+    with (
+        open_source(pictures) as recording,
+        pytest.raises(RecordingError, match=r"is no bag .* leave out --altitude-topic \("),
+    ):
+        recorded_vehicle(recording, choice)
+
+
+def test_no_topics_may_be_wanted_of_what_is_no_bag(pictures):
+    choice = InstrumentChoice(dict.fromkeys(Instrument, "none"))
+    with open_source(pictures) as recording:
+        assert recorded_vehicle(recording, choice).source is None
 
 
 def claim(frame) -> CableEstimate:
