@@ -126,7 +126,8 @@ def main() -> None:
     try:
         app()
     except CableTrackerError as error:
-        _say(f"error: {error}", style="bold red")
+        notes = getattr(error, "__notes__", ())
+        _say("; ".join([f"error: {error}", *notes]), style="bold red")
         sys.exit(EXIT_USER_ERROR)
     except Stopped as stopped:
         signals.arrived()

@@ -56,9 +56,14 @@ def one_line(error: BaseException) -> str:
 
 
 def write_failure(path: Path, error: Exception) -> OutputError:
-    """Return the error that says that a file or folder cannot be written, and why."""
+    """Return the error that says that a file or folder cannot be written, and why; notes go on."""
     reason = getattr(error, "strerror", None) or one_line(error)
-    return OutputError(f"{path}: cannot be written ({reason}); check the folder and its free space")
+    failure = OutputError(
+        f"{path}: cannot be written ({reason}); check the folder and its free space"
+    )
+    for note in getattr(error, "__notes__", ()):
+        failure.add_note(note)
+    return failure
 
 
 def read_failure(path: Path, error: OSError) -> RecordingError:

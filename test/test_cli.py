@@ -24,7 +24,7 @@ from cable_tracker.commands import dev, parameters
 from cable_tracker.commands.results import folder_beside
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.tuning import chosen_parameters
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
@@ -581,3 +581,15 @@ def test_names_that_are_not_utf_8_are_printed_byte_for_byte(monkeypatch):
     cli.main()
     out.flush()
     assert out.buffer.getvalue() == b"Tauchg\xe4nge\n"
+
+
+def test_an_error_is_told_with_what_is_kept(run, monkeypatch):
+    def fails():
+        error = OutputError("map: cannot be written")
+        error.add_note("2 finished tasks are kept in map")
+        raise error
+
+    monkeypatch.setattr(cli, "app", fails)
+    assert run("survey") == Outcome(
+        2, "", "error: map: cannot be written; 2 finished tasks are kept in map\n"
+    )

@@ -2,13 +2,14 @@ import pytest
 from campaign_tasks import Square
 
 from cable_tracker import __version__
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.folder_tasks import is_done
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import OutputError, ParameterError
 
 
 class Signal(BaseException):
@@ -60,6 +61,28 @@ def test_results_in_a_store_are_kept_too(tmp_path):
 def test_without_a_finished_task_there_is_nothing_to_say(tmp_path):
     with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, lambda: 0):
         run_folder_tasks([Stopping(1)], tmp_path, ClusterSettings())
+    assert not notes_of(stopped)
+
+
+def test_who_meets_a_full_disk_hears_what_is_kept(tmp_path):
+    with pytest.raises(OutputError) as stopped, saying_what_stays(tmp_path, lambda: 2):
+        raise OutputError("No space left on device")
+    assert notes_of(stopped).startswith("2 finished tasks are kept in ")
+
+
+def test_what_is_kept_is_told_too_where_the_folder_of_results_finds_the_disk_full(tmp_path):
+    with (
+        pytest.raises(OutputError) as stopped,
+        output_folder(tmp_path / "out", "report.html", overwrite=False),
+        saying_what_stays(tmp_path, lambda: 2),
+    ):
+        raise OSError("No space left on device")
+    assert notes_of(stopped).startswith("2 finished tasks are kept in ")
+
+
+def test_a_full_disk_before_the_first_task_is_only_told(tmp_path):
+    with pytest.raises(OutputError) as stopped, saying_what_stays(tmp_path, lambda: 0):
+        raise OutputError("No space left on device")
     assert not notes_of(stopped)
 
 
