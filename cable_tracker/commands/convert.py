@@ -37,6 +37,7 @@ from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
 from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source import ChosenRecording
 
 COARSE = (
@@ -67,9 +68,9 @@ def convert(  # noqa: PLR0917
 ) -> None:
     """Convert any recording into a ROS 2 bag.
 
-    Its ground truth is written too, if it has some. Of a bag, the messages of its instruments and
-    /tf_static are carried along on their topics, and vehicle.yaml is copied; other topics are left
-    out.
+    Its ground truth is written too, if it has some, of a target the boxes. Of a bag, the messages
+    of its instruments and /tf_static are carried along on their topics, and vehicle.yaml is copied;
+    other topics are left out.
     """
     choice = chosen_instruments(
         camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
@@ -78,6 +79,7 @@ def convert(  # noqa: PLR0917
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
         instruments = _instruments(recording, choice)
+        boxes = own_boxes(recording)
         # The bag may be written in the place of the recording.
         vehicle = _vehicle_file(recording)
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
@@ -89,6 +91,7 @@ def convert(  # noqa: PLR0917
             skip_bad_frames=skip_bad_frames,
             overwrite=force,
             carried=() if instruments is None else carried_messages(instruments),
+            boxes=boxes,
         )
     if vehicle is not None:
         write_bytes(output / VEHICLE_FILE, vehicle)

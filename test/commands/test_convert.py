@@ -12,6 +12,8 @@ from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.labels.target_labels import own_boxes
+from cable_tracker.sequences.source import open_source
 
 CARRIED = {"/altitude", "/camera_info", "/fix", "/imu", "/odometry", "/tf_static"}
 
@@ -85,3 +87,17 @@ def test_a_topic_of_what_is_no_bag_is_refused(command):
     assert "error: pictures: is no bag and has no topics; leave out --altitude-topic" in error
     assert not Path("copy").exists()
     assert command("convert", "pictures", "copy", "--altitude-topic", "none")[0] == 0
+
+
+@pytest.mark.parametrize("kind", ["bag", "sequence"])
+def test_true_boxes_of_a_target_are_written(command, kind):
+    simulated = ("simulate", "seen", "--target", "buoy", "--frames", 3, "--size", "64x48")
+    assert command(*simulated, "--format", kind)[0] == 0
+    assert command("convert", "seen", "copy")[0] == 0
+    with open_source(Path("seen")) as source, open_source(Path("copy")) as copy:
+        boxes = own_boxes(copy)
+        before = [own_boxes(source).box(frame) for frame in source.frames()]
+        after = [boxes.box(frame) for frame in copy.frames() if boxes.knows(frame)]
+    assert len(after) == len(before) == 3
+    assert any(before)
+    assert np.allclose(after, before, atol=1e-3)

@@ -18,10 +18,13 @@ from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
+from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
+from cable_tracker.target.model.estimate import Box, box_corners
 
 JPEG_QUALITY = 95
 
@@ -72,6 +75,15 @@ def write_truth(bag: MessageSink, frame: Frame) -> None:
     topic = node_topics.GROUND_TRUTH
     truth = make_state(factory, header, frame.truth)
     bag.write(topic.global_name, topic.type_name, truth, frame.bag_time)
+
+
+def write_box(bag: MessageSink, frame: Frame, box: Box | None) -> None:
+    """Write the true box of a frame: four corners, or none where the target is out of view."""
+    factory, topic = RosbagsMessages(), node_topics.TRUE_BOX
+    header = make_header(factory, frame.stamp, frame.frame_id)
+    corners = np.empty((0, 2)) if box is None else box_corners(box)
+    polygon = make_polygon(factory, header, corners)
+    bag.write(topic.global_name, topic.type_name, polygon, frame.bag_time)
 
 
 def write_frame(bag: BagWriter, frame: Frame) -> None:
@@ -147,9 +159,11 @@ def write_bag(
     skip_bad_frames: bool = False,
     overwrite: bool = False,
     carried: Iterable[CarriedMessage] = (),
+    boxes: BoxTruth | None = None,
 ) -> WrittenBag:
     """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
 
+    True boxes of a target go to `ground_truth/box`, for the frames that have one.
     Carried messages are written between them, in the order of their times.
 
     Images that cannot be decoded can be written as they are, but not in another format: there they
@@ -182,6 +196,8 @@ def write_bag(
                     skipped += 1
                     continue
                 write_frame(bag, converted)
+                if boxes is not None and boxes.knows(item):
+                    write_box(bag, item, boxes.box(item))
                 count += 1
                 is_coarse = is_coarse and _uses_little_of_many_bits(item)
         except RecordingError as error:

@@ -6,19 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_writer import BagWriter
-from cable_tracker.sequences.bags.convert import write_frame
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.bags.convert import write_box, write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BOXES_NAME, format_boxes
-from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.pictures.image_writer import picture_name, write_picture
-from cable_tracker.target.model.estimate import Box, box_corners
+from cable_tracker.target.model.estimate import Box
 
 LabelledFrame = tuple[Frame, Box | None]
 """A frame, and where the target is in it; None where it is out of view."""
@@ -41,14 +35,10 @@ def write_target_bag(
         The bag cannot be written.
     """
     count = 0
-    factory, topic = RosbagsMessages(), node_topics.TRUE_BOX
     with BagWriter(path, storage, overwrite=overwrite) as bag:
         for frame, box in frames:
             write_frame(bag, frame)
-            header = make_header(factory, frame.stamp, frame.frame_id)
-            corners = np.empty((0, 2)) if box is None else box_corners(box)
-            polygon = make_polygon(factory, header, corners)
-            bag.write(topic.global_name, topic.type_name, polygon, frame.bag_time)
+            write_box(bag, frame, box)
             count += 1
     return count
 
