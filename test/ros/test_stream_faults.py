@@ -229,15 +229,6 @@ class TestFrozenCamera:
         assert node.statistics.last_event == ""
         world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "TRACKING")
 
-    def test_another_picture_that_is_refused_does_not_stand_still(
-        self, world: Any, near: str, image_message: Make, feed: Make
-    ) -> None:
-        node = world.tracker(initial_state=near, frozen_timeout=1.0)
-        self.frozen(node, image_message, regular(40))
-        feed(node, [START + 24 * FRAME])
-        assert node.statistics.refused == 1
-        assert node.status == "TRACKING"
-
     def test_zero_switches_the_check_off(self, world: Any, near: str, image_message: Make) -> None:
         node = world.tracker(initial_state=near, frozen_timeout=0.0)
         self.frozen(node, image_message, regular(15, step=SECOND // 5))

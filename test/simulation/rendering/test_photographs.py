@@ -11,7 +11,7 @@ from cable_tracker.simulation.scenario import simulate_scenario
 
 pytestmark = pytest.mark.slow
 
-PHOTOGRAPHS = Path(__file__).resolve().parents[3] / "shared" / "data" / "seabed"
+PHOTOGRAPHS = Path(__file__).resolve().parents[4] / "shared" / "data" / "seabed"
 
 
 def _bed(folder, tone=0.3):
