@@ -14,12 +14,15 @@ from cable_tracker.cable.measure.picture.level_gain import (
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 
+EYES = 3.0
+"""What is dim is made so many times brighter for people than for measuring."""
+
 
 def shown_levels(picture: Image) -> Image:
     """Return a picture of eight bits for people to look at.
 
-    One of finer steps that uses few of its levels is amplified about as much as for measuring
-    (`level_gain`), but steplessly: each picture by itself, a dive does not flicker. Bright parts
+    One of finer steps that uses few of its levels is amplified, more than for measuring
+    (`level_gain`) and steplessly: each picture by itself, a dive does not flicker. Bright parts
     are not cut off for it.
 
     Parameters
@@ -32,8 +35,10 @@ def shown_levels(picture: Image) -> Image:
     low, high = level_range(picture)
     if high <= low:
         return eight_bits(picture)
-    wanted = min(USUAL / (high - low), 255.0 / high)
-    return eight_bits(amplified(picture, min(max(wanted, 1.0), LARGEST_GAIN)))
+    share = USUAL / (high - low)
+    # Without a step where it begins: what uses its levels is shown as it is.
+    wanted = min(share * min(share, EYES), 255.0 / high)
+    return eight_bits(amplified(picture, min(max(wanted, 1.0), EYES * LARGEST_GAIN)))
 
 
 def decode_shown(image: RawImage | CompressedImage) -> Image:
