@@ -26,6 +26,9 @@ from cable_tracker.errors import RecordingError
 METADATA = "metadata.yaml"
 """File in the folder of a ROS 2 bag that says which storage files belong to it."""
 
+ROS2_SUFFIXES = (".db3", ".mcap")
+"""Suffixes of the storage files of a ROS 2 bag."""
+
 VEHICLE_FILE = "vehicle.yaml"
 """Beside the storage files of a bag it is read without being asked for, also where one of those is
 named instead of the bag's folder."""

@@ -20,6 +20,7 @@ from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_recovery
 from cable_tracker.sequences.bags.bag_limits import (
     METADATA,
+    ROS2_SUFFIXES,
     check_database,
     check_folder,
     check_overlap,
@@ -30,8 +31,7 @@ from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.natural_order import natural_key
 
 _ROS1_SUFFIX = ".bag"
-_ROS2_SUFFIXES = (".db3", ".mcap")
-BAG_SUFFIXES = (*_ROS2_SUFFIXES, _ROS1_SUFFIX)
+BAG_SUFFIXES = (*ROS2_SUFFIXES, _ROS1_SUFFIX)
 
 MORE_THAN_ROS2 = (
     "it is not of ROS 2 alone, or does not say that it is; what is of ROS 2 is read, without the"
@@ -101,7 +101,7 @@ def storage_files(path: Path) -> list[Path]:
         (
             file
             for file in path.iterdir()
-            if file.suffix.lower() in _ROS2_SUFFIXES and file.is_file()
+            if file.suffix.lower() in ROS2_SUFFIXES and file.is_file()
         ),
         key=natural_key,
     )

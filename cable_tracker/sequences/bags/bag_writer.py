@@ -15,13 +15,16 @@ from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, one_line, write_failure
-from cable_tracker.sequences.bags.bag_limits import METADATA, TRUTH_FILE, VEHICLE_FILE
+from cable_tracker.sequences.bags.bag_limits import (
+    METADATA,
+    ROS2_SUFFIXES,
+    TRUTH_FILE,
+    VEHICLE_FILE,
+)
 from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.bags.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
-_SUFFIXES = (".mcap", ".db3")
-
 _LATEST_STAMP = 2**63 - 1
 
 
@@ -31,7 +34,7 @@ def _is_bag(path: Path) -> bool:
 
 def _is_of_bag(name: str) -> bool:
     """Tell whether a file is of those that converting and simulating write into a bag's folder."""
-    return name in {METADATA, VEHICLE_FILE, TRUTH_FILE} or Path(name).suffix in _SUFFIXES
+    return name in {METADATA, VEHICLE_FILE, TRUTH_FILE} or Path(name).suffix in ROS2_SUFFIXES
 
 
 class MessageSink(Protocol):
