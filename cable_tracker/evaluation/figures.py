@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.cable.model.geometry import wraps_between
@@ -293,11 +294,7 @@ def curves_figure(
         figure = Figure(figsize=(5.6, 3.4))
         axis = figure.subplots()
         for place, (name, (x, y)) in enumerate(series.items()):
-            colour, stroke = style_of(place)
-            axis.plot(
-                x, y, color=colour, linestyle=stroke, marker="o" if markers else "", ms=3.5,
-                label=name,
-            )  # fmt: skip
+            _draw_curve(axis, place, name, (x, y), markers=markers)
         axis.set_xlabel(x_label)
         axis.set_ylabel(y_label)
         axis.set_ylim(bottom=0.0)
@@ -306,6 +303,23 @@ def curves_figure(
         axis.legend(frameon=False, fontsize=7.5)
         figure.tight_layout(pad=0.5)
     return figure
+
+
+def _draw_curve(
+    axis: Axes,
+    place: int,
+    name: str,
+    points: tuple[ArrayLike, ArrayLike],
+    *,
+    markers: bool,
+) -> str:
+    """Draw one of several named curves, given as its x and y values; returns its colour."""
+    colour, stroke = style_of(place)
+    x, y = points
+    axis.plot(
+        x, y, color=colour, linestyle=stroke, marker="o" if markers else "", ms=3.5, label=name
+    )
+    return colour
 
 
 def trade_off_figure(
@@ -328,11 +342,8 @@ def trade_off_figure(
         axes = figure.subplots(1, len(prices), sharey=True, squeeze=False)[0]
         for column, (axis, price) in enumerate(zip(axes, prices, strict=True), start=2):
             for place, (name, rows) in enumerate(series.items()):
-                colour, stroke = style_of(place)
-                axis.plot(
-                    rows[:, column], rows[:, 1], color=colour, linestyle=stroke, marker="o", ms=3.5,
-                    label=name,
-                )  # fmt: skip
+                points = (rows[:, column], rows[:, 1])
+                colour = _draw_curve(axis, place, name, points, markers=True)
                 for row in rows:
                     axis.annotate(
                         f"{row[0]:g}", (row[column], row[1]), xytext=(3, 3 - 9 * place),
