@@ -22,6 +22,10 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 
+UNKNOWN_TILT = math.radians(30.0)
+"""An imu that is less sure of roll or pitch does not know them [rad]: instruments say so by a huge
+variance as well as by -1, and angles that may be anything have no mean that would be true."""
+
 OPTICAL_IN_BODY: FloatArray = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """Rotation from the camera's optical frame to its body frame, shape (3, 3)."""
 

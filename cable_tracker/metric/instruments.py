@@ -12,12 +12,15 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.metric.altitude import Altimeter, Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
-from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.history import History
+from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
+from cable_tracker.metric.history import History, Reading
 from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.withheld import Reason, Withheld
 
-UNKNOWN_ATTITUDE = "an orientation_covariance of -1, or beyond 30 deg, says that none is known"
+UNKNOWN_ATTITUDE = (
+    f"an orientation_covariance of -1, or beyond {math.degrees(UNKNOWN_TILT):.0f} deg, says that"
+    " none is known"
+)
 """Such an attitude is not kept, and so what counts as missing may come all the time."""
 
 
@@ -117,14 +120,14 @@ class Instruments:
     def altitude_at(self, stamp: int, attitude: Attitude) -> Altitude | Withheld:
         """Return the altitude of base_link at a time [ns]."""
         settings = self._settings
-        if self._is_fixed_at(stamp):
+        reading = self._altitudes.at(stamp)
+        if self._is_fixed(reading):
             sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
             return Altitude(settings.fixed_altitude, sigma)
         if not len(self._altitudes):
             return Withheld(
                 Reason.NO_ALTITUDE, "none has come on altitude; or set the parameter fixed_altitude"
             )
-        reading = self._altitudes.at(stamp)
         if reading is None or reading.nearest > settings.timeout:
             return Withheld(
                 Reason.STALE_ALTITUDE, self._stale("altitude", is_later=reading is None)
@@ -142,18 +145,17 @@ class Instruments:
 
         Metres go on then, with an altitude that may be another one than the last that was measured.
         """
-        if not len(self._altitudes) or not self._is_fixed_at(stamp):
+        if not len(self._altitudes) or not self._is_fixed(self._altitudes.at(stamp)):
             return ""
         return f"fixed_altitude stands in: {self._stale('altitude', is_later=False)}"
 
-    def _is_fixed_at(self, stamp: int) -> bool:
+    def _is_fixed(self, reading: Reading | None) -> bool:
         """Tell whether `fixed_altitude` counts: where no altitude comes, or none comes any more.
 
         An altimeter whose stamps are all later than the image is alive, and its clock is wrong.
         """
         if not self._settings.fixed_altitude > 0.0:
             return False
-        reading = self._altitudes.at(stamp)
         if reading is None:
             return not len(self._altitudes)
         return reading.nearest > self._settings.timeout

@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.frames import Attitude, roll_and_pitch
+from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude, roll_and_pitch
 from cable_tracker.metric.odometry.motion import UNKNOWN_TURN
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
@@ -72,11 +72,6 @@ def read_range(message: Message) -> tuple[float, tuple[float, float]]:
     """
     low, high = float(message.min_range), float(message.max_range)
     return float(message.range), (low, high if low < high < math.inf else MOST_ALTITUDE)
-
-
-UNKNOWN_TILT = math.radians(30.0)
-"""An imu that is less sure of roll or pitch does not know them [rad]: instruments say so by a huge
-variance as well as by -1, and angles that may be anything have no mean that would be true."""
 
 
 def read_attitude(message: Message, least_sigma: float) -> Attitude | None:

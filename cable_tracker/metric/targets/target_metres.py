@@ -16,7 +16,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.odometry.motion import TWIST, NoMotion, Odometry, PoseChange
+from cable_tracker.metric.odometry.motion import TWIST, UNKNOWN_TURN, NoMotion, Odometry, PoseChange
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
     TargetSighting,
@@ -35,7 +35,8 @@ LONGEST_GAP = 5.0
 """Time without a frame after which the belief about the range begins anew [s]."""
 
 TURN_NOT_MEASURED = NoMotion(
-    "odometry measures no turns (the covariance of its rates is beyond 90 deg/s); give an imu"
+    "odometry measures no turns (the covariance of its rates is beyond"
+    f" {math.degrees(UNKNOWN_TURN):.0f} deg/s); give an imu"
 )
 
 PIXEL_SIDES = np.array([[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
