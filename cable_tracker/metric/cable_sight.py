@@ -46,6 +46,11 @@ class CableSight:
         Calibration given by the user, which overrides messages; None: use messages.
     texture_pause : float
         Between two looks at the sea bed's texture, see `MotionAiding` [s].
+
+    Attributes
+    ----------
+    unaided : Unaided or None
+        Why the filter was not told of the motion to the last frame; None if it was.
     """
 
     def __init__(
@@ -86,7 +91,7 @@ class CableSight:
     def _forget_motion(self) -> None:
         self._odometry = Odometry()
         self._aiding = MotionAiding(self._instruments, self._odometry, self._texture_pause)
-        self._unaided: Unaided | None = None
+        self.unaided: Unaided | None = None
 
     def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
         """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
@@ -118,11 +123,6 @@ class CableSight:
         return self._instruments
 
     @property
-    def unaided(self) -> Unaided | None:
-        """Why the filter was not told of the motion to the last frame; None if it was."""
-        return self._unaided
-
-    @property
     def texture_motion(self) -> TextureMotion | None:
         """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
         return self._aiding.seen
@@ -141,11 +141,11 @@ class CableSight:
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
         if not self._values["motion_aid"]:
-            self._unaided = SWITCHED_OFF
+            self.unaided = SWITCHED_OFF
             self._aiding.forget_picture()
             return None
         motion = self._aiding.motion(stamp, image)
-        self._unaided = self._aiding.unaided
+        self.unaided = self._aiding.unaided
         return motion
 
     def observe(self, estimate: CableEstimate) -> None:

@@ -57,6 +57,11 @@ class MotionAiding:
         Between two looks at the sea bed's texture while it agrees with odometry, and between two
         computations of what is unknown of a prediction [s]; 0: in every frame. Where the texture
         has ceased to agree, every frame is looked at.
+
+    Attributes
+    ----------
+    unaided : Unaided or None
+        Why the last frame was not aided; None if it was.
     """
 
     def __init__(
@@ -73,7 +78,7 @@ class MotionAiding:
         self._seen: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
-        self._unaided: Unaided | None = NO_FRAME
+        self.unaided: Unaided | None = NO_FRAME
 
     def copy(self, instruments: Instruments, odometry: Odometry) -> MotionAiding:
         """Return another one that goes on as this one would, with other instruments."""
@@ -88,11 +93,6 @@ class MotionAiding:
         """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
         return self._seen
 
-    @property
-    def unaided(self) -> Unaided | None:
-        """Why the last frame was not aided; None if it was."""
-        return self._unaided
-
     def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return the motion from the frame before to a frame; None: do not use any.
 
@@ -105,15 +105,24 @@ class MotionAiding:
         image : Image
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
+        if self._before is not None and is_out_of_order(self._before.stamp, stamp):
+            # The filter refuses it: the next frame follows the one before.
+            return None
+        if self._odometry.missing is not None:
+            # Nothing to compare the picture with yet.
+            self._texture.before = image
+            missing = self._odometry.missing if self._before is not None else FIRST_FRAME
+            self.unaided = Unaided(missing.why)
+            return None
         # A refusal is told, not raised: the frame is tracked without aid.
         try:
-            return self._motion(stamp, image)
+            return self._checked_motion(stamp, image)
         except MetricError as error:
             why = str(error)
         except REFUSALS as refusal:
             why = f"the vehicle's motion cannot be compared with the image: {one_line(refusal)}"
         self._seen = self._predicted = None
-        self._unaided = Unaided(why)
+        self.unaided = Unaided(why)
         return None
 
     def forget_picture(self) -> None:
@@ -121,10 +130,8 @@ class MotionAiding:
         self._texture = SeaBedTexture()
         self._seen = self._predicted = None
 
-    def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
-        if self._before is not None and is_out_of_order(self._before.stamp, stamp):
-            # The filter refuses it: the next frame follows the one before.
-            return None
+    def _checked_motion(self, stamp: int, image: Image) -> PlaneMotion | None:
+        """Return what odometry predicts, unless the sea bed or the cable speaks against it."""
         rests = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
         prediction = self._predict(stamp, rests)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None
@@ -133,10 +140,10 @@ class MotionAiding:
         if predicted is not None and seen is not None and seen.agrees:
             predicted = _widened(predicted, seen.excess, image.shape[1])
         self._predicted = predicted
-        self._unaided = (
+        self.unaided = (
             Unaided(prediction.why) if isinstance(prediction, NoMotion) else self._doubt()
         )
-        return predicted if self._unaided is None else None
+        return predicted if self.unaided is None else None
 
     def _look(
         self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
@@ -144,7 +151,7 @@ class MotionAiding:
         """Compare a frame with the one before, or keep the verdict of a moment ago."""
         before = self._seen
         if rests and predicted is not None and self._texture_gate.verdict and before is not None:
-            self._texture.keep(image)
+            self._texture.before = image
             return before
         self._texture_due = stamp + self._texture_pause
         seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)

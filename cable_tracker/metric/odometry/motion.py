@@ -102,25 +102,28 @@ class Odometry:
     ----------
     instrument : str
         Name of the instrument that measures velocities, for messages about missing motion.
+
+    Attributes
+    ----------
+    missing : NoMotion or None
+        Says that there has not been any twist; None from the first one on.
     """
 
     def __init__(self, instrument: str = "odometry") -> None:
         self._instrument = instrument
         self._twists = History()
-
-    @property
-    def has_come(self) -> bool:
-        """Tell whether there has been any twist."""
-        return len(self._twists) > 0
+        self.missing: NoMotion | None = NoMotion(f"no {instrument} has come")
 
     def add(self, stamp: int, twist: FloatArray, covariance: FloatArray) -> None:
         """Take a twist (6,) and its covariance (6, 6) of a time [ns]."""
+        self.missing = None
         self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
 
     def copy(self) -> Odometry:
         """Return another one with the same twists."""
         other = Odometry(self._instrument)
         other._twists = self._twists.copy()
+        other.missing = self.missing
         return other
 
     def motion(self, start: int, end: int) -> PoseChange | NoMotion:
@@ -128,6 +131,8 @@ class Odometry:
 
         The twist is interpolated between its stamps, and held for a moment after the last.
         """
+        if self.missing is not None:
+            return self.missing
         seconds = (end - start) / NANOSECONDS
         why = self._why_unknown(start, end, seconds)
         if why:
@@ -141,8 +146,6 @@ class Odometry:
 
     def _why_unknown(self, start: int, end: int, seconds: float) -> str:
         name = self._instrument
-        if not self.has_come:
-            return f"no {name} has come"
         if not 0.0 < seconds <= LONGEST_STEP:
             return f"{seconds:g} s between frames are not bridged"
         first, last = self._twists.at(start), self._twists.at(end)

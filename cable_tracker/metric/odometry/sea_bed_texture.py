@@ -87,14 +87,16 @@ class TextureMotion:
 
 
 class SeaBedTexture:
-    """Keeps one picture, and compares the next with it."""
+    """Compares each picture with the one before.
+
+    Attributes
+    ----------
+    before : Image or None
+        The last picture, grey levels, shape (H, W); set it to one that is not compared itself.
+    """
 
     def __init__(self) -> None:
-        self._before: Image | None = None
-
-    def keep(self, image: Image) -> None:
-        """Keep a picture, to compare the next with it; as `compare`, which also looks at it."""
-        self._before = image
+        self.before: Image | None = None
 
     def compare(self, image: Image, mapping: FloatArray | None) -> TextureMotion | None:
         """Keep a picture, and return how it differs from the one before; None: unknown.
@@ -107,9 +109,9 @@ class SeaBedTexture:
             The predicted homography from the picture before to this one, shape (3, 3), for points
             of the image frame [px]; None: there is no prediction.
         """
-        before = None if self._before is None else _reduced(self._before)
+        before = None if self.before is None else _reduced(self.before)
         now = _reduced(image)
-        self._before = now
+        self.before = now
         if before is None or mapping is None or before.shape != now.shape:
             return None
         scale = now.shape[1] / image.shape[1]

@@ -130,7 +130,7 @@ class VehicleMotion:
         if isinstance(moved, PoseChange) and moved.measured_turns:
             # Odometry in a plane: to keep level is nearer to the truth than not to turn.
             return moved, moved.knows_way
-        if self._gyroscope.has_come:
+        if self._gyroscope.missing is None:
             return turned
         return TURN_NOT_MEASURED if isinstance(moved, PoseChange) else moved
 
