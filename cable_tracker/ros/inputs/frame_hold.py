@@ -25,6 +25,11 @@ class FrameHold:
     pass_over : callable or None
         Gets a frame instead of `use` that is late by more than its wait while a newer one is due:
         what a tracker has no time for must not delay the rest. None: every frame is used.
+
+    Attributes
+    ----------
+    held : deque of (CameraFrame, float)
+        Frames that are held, the oldest first, and how long each may wait [s].
     """
 
     def __init__(
@@ -36,12 +41,12 @@ class FrameHold:
         self._use = use
         self._is_complete = is_complete
         self._pass_over = pass_over
-        self._held: deque[tuple[CameraFrame, float]] = deque()
+        self.held: deque[tuple[CameraFrame, float]] = deque()
 
     def take(self, frame: CameraFrame, wait: float) -> None:
         """Hold a frame for at most `wait` seconds; one that does not wait sends the others on."""
-        self._held.append((frame, wait))
-        if len(self._held) > MOST_HELD:
+        self.held.append((frame, wait))
+        if len(self.held) > MOST_HELD:
             self._hand_on(1)
         self.release_if_due()
 
@@ -56,8 +61,8 @@ class FrameHold:
     def _count_due(self) -> int:
         """Return how many frames are due, the last of them by itself."""
         now = time.perf_counter()
-        for count in range(len(self._held), 0, -1):
-            frame, wait = self._held[count - 1]
+        for count in range(len(self.held), 0, -1):
+            frame, wait = self.held[count - 1]
             if now - frame.arrival >= wait or self._is_complete(frame.stamp):
                 return count
         return 0
@@ -65,7 +70,7 @@ class FrameHold:
     def _hand_on(self, count: int) -> None:
         """Hand on the oldest frames, of which `count` are due."""
         for newer in range(count - 1, -1, -1):
-            frame, wait = self._held.popleft()
+            frame, wait = self.held.popleft()
             is_late = newer and wait and time.perf_counter() - frame.arrival > 2.0 * wait
             if is_late and self._pass_over is not None:
                 self._pass_over(frame)

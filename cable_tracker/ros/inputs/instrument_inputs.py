@@ -45,6 +45,11 @@ class InstrumentInputs(Generic[AnySight]):
         Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
         Stamped instruments that a frame waits for even before their first message.
+
+    Attributes
+    ----------
+    wait : float
+        How long a frame may be held back for the instruments [s].
     """
 
     def __init__(
@@ -57,7 +62,7 @@ class InstrumentInputs(Generic[AnySight]):
     ) -> None:
         self._node = node
         self._values = default_values(specs)
-        self._wait = number(self._values, "instrument_wait")
+        self.wait = number(self._values, "instrument_wait")
         self._sight = make_sight(self._values)
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
@@ -111,11 +116,6 @@ class InstrumentInputs(Generic[AnySight]):
         self._sight.take_message(instrument, stamp, message)
 
     @property
-    def wait(self) -> float:
-        """How long a frame may be held back for the instruments [s]."""
-        return self._wait
-
-    @property
     def base_frame(self) -> str:
         """Frame of what is in metres."""
         return str(self._values["base_frame"])
@@ -141,5 +141,5 @@ class InstrumentInputs(Generic[AnySight]):
         own = {name: values[name] for name in values.keys() & self._values.keys()}
         if own:
             self._values.update(own)
-            self._wait = number(self._values, "instrument_wait")
+            self.wait = number(self._values, "instrument_wait")
             self._sight.configure(self._values)

@@ -291,9 +291,12 @@ class CameraNode(ProcessNode):
             self._note_refusal(str(error))
             return
         self._statistics.arrived(time.monotonic())
-        # Frames that wait for nothing pass through the hold, too: they must not overtake one in it.
-        waits = self._enabled and frame.stamp
-        self._hold.take(frame, self._metric.wait if waits else 0.0)
+        wait = self._metric.wait if self._enabled and frame.stamp else 0.0
+        # One that waits for nothing must not overtake those that do.
+        if wait or self._hold.held:
+            self._hold.take(frame, wait)
+        else:
+            self._answer(frame)
 
     def _give_way(self, frame: CameraFrame) -> None:
         """Leave a frame out for a newer one, as the middleware does of those that it keeps."""

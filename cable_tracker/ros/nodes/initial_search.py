@@ -21,6 +21,11 @@ class InitialSearch:
     limits : PairLimits
         Widths and skews of the cables that the detector looks for.
 
+    Attributes
+    ----------
+    is_seeking : bool
+        Whether the detector has yet to find a cable.
+
     Raises
     ------
     ParameterError
@@ -30,7 +35,7 @@ class InitialSearch:
     def __init__(self, text: str, limits: PairLimits = DEFAULT_LIMITS) -> None:
         self._detector: CableDetector | None = None
         self._given: GivenState | None = None
-        self._is_seeking = False
+        self.is_seeking = False
         self._name = text.strip()
         if self._name in DETECTORS:
             self.limit(limits)
@@ -48,15 +53,17 @@ class InitialSearch:
 
     def restart(self) -> GivenState | None:
         """Begin anew; return the prior of the next frame, None where none is known yet."""
-        self._is_seeking = self._detector is not None
+        self.is_seeking = self._detector is not None
         return self._given
 
     def stop(self) -> None:
         """Seek no more: the filter has found a cable by itself, or was told where one is."""
-        self._is_seeking = False
+        self.is_seeking = False
 
     def look(self, picture: Image) -> GivenState | None:
-        """Return where the detector sees a cable; None where it sees none, or nothing is sought.
+        """Return where the detector sees a cable, and seek no more; None where it sees none.
+
+        Call it while `is_seeking`.
 
         Parameters
         ----------
@@ -68,10 +75,9 @@ class InitialSearch:
         FrameError
             The picture cannot be used.
         """
-        if not self._is_seeking or self._detector is None:
-            return None
+        assert self._detector is not None
         found = self._detector.detect(picture)
         if not found:
             return None
-        self._is_seeking = False
+        self.is_seeking = False
         return GivenState.around(found[0].state, is_guess=True)

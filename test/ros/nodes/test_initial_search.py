@@ -27,13 +27,13 @@ def test_a_state_is_the_prior_of_every_start() -> None:
         prior = search.restart()
         assert prior is not None
         assert prior.state == CableState(9.0, 0.08, 36.0, 0.0)
-    assert search.look(BLANK) is None
+    assert not search.is_seeking
 
 
-def test_random_gives_none(strip: Callable[..., Any]) -> None:
+def test_random_gives_none() -> None:
     search = InitialSearch("random")
     assert search.restart() is None
-    assert search.look(strip()) is None
+    assert not search.is_seeking
 
 
 def test_other_words_are_refused_with_what_there_is() -> None:
@@ -53,8 +53,9 @@ def test_a_detector_is_asked_until_it_sees_a_cable(
     assert prior.state.distance == pytest.approx(truth.distance, abs=6.0)
     assert prior.state.angle == pytest.approx(truth.angle, abs=0.1)
     # Once is enough, until the next start.
-    assert search.look(strip()) is None
+    assert not search.is_seeking
     search.restart()
+    assert search.is_seeking
     assert search.look(strip()) is not None
 
 
@@ -72,11 +73,12 @@ def test_a_detector_looks_for_the_widths_that_it_is_limited_to(
     assert search.look(strip()).state.width == pytest.approx(truth.width, abs=6.0)
 
 
-def test_what_was_found_otherwise_is_not_sought_any_more(strip: Callable[..., Any]) -> None:
+def test_what_was_found_otherwise_is_not_sought_any_more() -> None:
     search = InitialSearch("hough")
     search.restart()
+    assert search.is_seeking
     search.stop()
-    assert search.look(strip()) is None
+    assert not search.is_seeking
 
 
 def test_a_node_starts_where_the_detector_sees_the_cable(
