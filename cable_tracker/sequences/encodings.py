@@ -195,11 +195,16 @@ def _pixels(image: RawImage, pixel_format: _PixelFormat) -> Image:
     return view.astype(dtype.newbyteorder("="), copy=False)
 
 
-def _convert(pixels: Image, code: int | None) -> Image:
-    if code is None:
-        return pixels
-    with refusals_as(FrameError, "the pixels cannot be converted"):
-        return np.asarray(cv2.cvtColor(np.require(pixels, requirements=["C", "A"]), code))
+def _converted(pixels: Image, code: int | None) -> Image:
+    """Convert pixels, and bring 16-bit and float ones to float32 in 0..255."""
+    if code is not None:
+        with refusals_as(FrameError, "the pixels cannot be converted"):
+            pixels = np.asarray(cv2.cvtColor(np.require(pixels, requirements=["C", "A"]), code))
+    if pixels.dtype == np.float32:
+        return _float_to_255(pixels)
+    if pixels.dtype == np.uint16:
+        return pixels.astype(np.float32) / np.float32(257.0)
+    return pixels
 
 
 def _float_to_255(pixels: Image) -> NDArray[np.float32]:
@@ -207,15 +212,6 @@ def _float_to_255(pixels: Image) -> NDArray[np.float32]:
         raise FrameError("the 32FC1 image holds pixels that are not finite numbers")
     scale = np.float32(1.0 if pixels.max() > _UNIT_LIMIT else 255.0)
     return np.clip(pixels * scale, np.float32(0.0), np.float32(255.0))
-
-
-def _to_255(pixels: Image) -> Image:
-    """Bring 16-bit and float pixels to float32 in 0..255; leave 8-bit ones as they are."""
-    if pixels.dtype == np.float32:
-        return _float_to_255(pixels)
-    if pixels.dtype == np.uint16:
-        return pixels.astype(np.float32) / np.float32(257.0)
-    return pixels
 
 
 def decode_picture_file(
@@ -303,7 +299,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
     pixels = _pixels(image, pixel_format)
     if pixel_format.luma is not None:
         return pixels[:, :, pixel_format.luma]
-    return _to_255(_convert(pixels, pixel_format.to_grey))
+    return _converted(pixels, pixel_format.to_grey)
 
 
 def decode_bgr(image: RawImage | CompressedImage) -> Image:
@@ -343,7 +339,7 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
         image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
-    return _to_255(_convert(pixels, pixel_format.to_bgr))
+    return _converted(pixels, pixel_format.to_bgr)
 
 
 def raw_from_array(picture: Image, encoding: str) -> RawImage:

@@ -59,15 +59,8 @@ class _Reader:
         self._position += _ALIGNMENT * len(kinds)
         return values
 
-    def octet(self) -> int:
-        """Read a single byte."""
-        value = self._bytes[self._position]
-        self._position += 1
-        return value
-
-    def octets(self) -> memoryview:
-        """View a sequence of bytes."""
-        (length,) = self.numbers("I")
+    def octets(self, length: int) -> memoryview:
+        """View some bytes."""
         end = self._position + length
         if end > len(self._bytes):
             raise ValueError
@@ -75,14 +68,14 @@ class _Reader:
         self._position = end
         return view
 
-    def text(self) -> str:
-        """Read a string, which ends with a zero byte."""
-        return bytes(self.octets()).rstrip(b"\0").decode("utf-8", errors="replace")
+    def text(self, length: int) -> str:
+        """Read a string of some bytes, the last of which is zero."""
+        return bytes(self.octets(length)).rstrip(b"\0").decode("utf-8", errors="replace")
 
     def header(self) -> MessageHeader:
         """Read a std_msgs/Header."""
-        sec, nanosec = self.numbers("iI")
-        return MessageHeader(sec, nanosec, self.text())
+        sec, nanosec, length = self.numbers("iII")
+        return MessageHeader(sec, nanosec, self.text(length))
 
 
 def read_header(beginning: bytes, *, is_ros1: bool = False) -> MessageHeader | None:
@@ -107,11 +100,11 @@ def read_serialised_image(message: bytes) -> tuple[MessageHeader, RawImage]:
     try:
         reader = _Reader(message)
         header = reader.header()
-        height, width = reader.numbers("II")
-        encoding = reader.text()
-        is_bigendian = bool(reader.octet())
-        (step,) = reader.numbers("I")
-        data = reader.octets()
+        height, width, length = reader.numbers("III")
+        encoding = reader.text(length)
+        is_bigendian = bool(reader.octets(1)[0])
+        step, length = reader.numbers("II")
+        data = reader.octets(length)
     except (struct.error, IndexError, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/Image") from error
     return header, RawImage(encoding, height, width, step, is_bigendian, data)
@@ -128,7 +121,10 @@ def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, Com
     try:
         reader = _Reader(message)
         header = reader.header()
-        image = CompressedImage(reader.text(), reader.octets())
+        (length,) = reader.numbers("I")
+        encoding = reader.text(length)
+        (length,) = reader.numbers("I")
+        image = CompressedImage(encoding, reader.octets(length))
     except (struct.error, IndexError, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/CompressedImage") from error
     return header, image
