@@ -57,7 +57,6 @@ from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
-from cable_tracker.cable.measure.borders.border_points import scan_inputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
@@ -202,7 +201,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return ProposalInputs(
             predicted=prediction.density,
             noise=noise,
-            scan=scan_inputs(image),
+            scan=image.scan,
             model=self._observation.model_for(image),
             cable_map=cable_map,
             polarity=polarity_prior(belief.p_bright),

@@ -10,16 +10,15 @@ from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.learning.point_measures import PointMeasures
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
-    ScanInputs,
     border_on_scan,
     contrast_depths,
     find_crossings,
     measure_contrasts,
     measure_responses,
     room_for_crossings,
-    scan_inputs,
     width_across,
 )
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.compilation import compiled
@@ -42,7 +41,7 @@ class BorderPoints(NamedTuple):
 
 def measure_points(states: FloatArray, image: WorkingImage) -> BorderPoints:
     """Measure the frame where the borders of cables, shape (N, 8), cross its scan lines."""
-    scan = scan_inputs(image)
+    scan = image.scan
     most = 2 * len(states) * max(len(scan.rows.places), len(scan.columns.places))
     measures, borders = np.empty((3, most), np.float32), np.empty(most, np.int64)
     count = _record_points(np.array(states, np.float64, order="C"), scan, measures, borders)

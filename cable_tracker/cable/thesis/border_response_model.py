@@ -13,13 +13,12 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     MINIMUM_LENGTH,
-    ScanInputs,
     border_on_scan,
     find_crossings,
     measure_responses,
     room_for_crossings,
-    scan_inputs,
 )
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -93,7 +92,7 @@ def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, Fl
     """
     sums, lengths = np.empty((len(states), 2)), np.empty((len(states), 2))
     rows = np.array(states, np.float64, order="C")
-    _sum_responses(rows, scan_inputs(image), sums, lengths)
+    _sum_responses(rows, image.scan, sums, lengths)
     # Gradients are in robust scales per working pixel, sums in grey levels per reference pixel.
     return sums * (image.scanned.gradient_scale * image.scale), lengths
 

@@ -7,7 +7,6 @@ import pytest
 
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
-from cable_tracker.cable.measure.borders.border_points import scan_inputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import NO_MAP
@@ -24,7 +23,7 @@ def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
 
     def make(picture: np.ndarray) -> ProposalInputs:
         image = make_working_image(picture.astype(np.float32), 320)
-        scan, noise = scan_inputs(image), draw_frame_noise(rng, 0, 0, 4.0)
+        scan, noise = image.scan, draw_frame_noise(rng, 0, 0, 4.0)
         polarity = polarity_prior(0.5)
         return ProposalInputs(
             predicted=None,

@@ -32,7 +32,6 @@ from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     BorderLine,
     Crossings,
-    ScanInputs,
     border_on_scan,
     contrast_depths,
     find_crossings,
@@ -47,6 +46,7 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import (
 from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.borders.texture import add_texture, smoothness, texture_windows
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.compilation import compiled_fast_loop, compiled_loop, compiled_part

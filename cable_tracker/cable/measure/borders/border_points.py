@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import Float32Array, FloatArray
 from cable_tracker.cable.measure.gradients.gradient_shape import GradientShape, directional_gain
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
-from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_part
@@ -40,44 +40,6 @@ SMALLEST_RESPONSE = np.float32(1.0)
 
 BLOCK, GROUP = 64, 16
 """Crossings per block (buffer length), and the multiple to which a block is padded for SIMD."""
-
-
-class ScanInputs(NamedTuple):
-    """What kernels need to know of a frame.
-
-    Attributes
-    ----------
-    rows, columns : ScanLines
-        Scan lines along which steep and flat borders are measured.
-    reduction : float
-        Working pixels per frame pixel.
-    scale : float
-        Working pixels per pixel of an image of the reference width.
-    points_across : float
-        Number of points of a border that runs through the picture along its shorter side.
-    shape : GradientShape
-        Covariance of the gradients, by which responses are divided.
-    """
-
-    rows: ScanLines
-    columns: ScanLines
-    reduction: float
-    scale: float
-    points_across: float
-    shape: GradientShape
-
-
-def scan_inputs(image: WorkingImage) -> ScanInputs:
-    """Return what kernels need to know of a frame."""
-    scanned = image.scanned
-    return ScanInputs(
-        scanned.rows,
-        scanned.columns,
-        image.reduction,
-        image.scale,
-        min(image.size) / image.line_spacing,
-        scanned.shape,
-    )
 
 
 class BorderLine(NamedTuple):

@@ -22,7 +22,6 @@ from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     BorderLine,
     Crossings,
-    ScanInputs,
     border_on_scan,
     contrast_depths,
     find_crossings,
@@ -30,7 +29,6 @@ from cable_tracker.cable.measure.borders.border_points import (
     measure_responses,
     padded_count,
     room_for_crossings,
-    scan_inputs,
     width_across,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import (
@@ -53,6 +51,7 @@ from cable_tracker.cable.measure.borders.texture import (
     texture_windows,
 )
 from cable_tracker.cable.measure.gradients.scan_lines import ScanLines
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.model.state import POSE_SIZE
@@ -181,7 +180,7 @@ class BorderLikelihoodRatio:
         if states.ndim != 2 or states.shape[1] < POSE_SIZE:
             raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
         rows = np.array(states, np.float64, order="C")
-        return _measure_all(rows, scan_inputs(image), self.model_for(image))
+        return _measure_all(rows, image.scan, self.model_for(image))
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
         """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""

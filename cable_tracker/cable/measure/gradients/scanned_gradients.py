@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -79,6 +80,31 @@ class ScannedFrame:
     columns: ScanLines
     gradient_scale: float
     contrast_scale: float
+    shape: GradientShape
+
+
+class ScanInputs(NamedTuple):
+    """What kernels need to know of a frame.
+
+    Attributes
+    ----------
+    rows, columns : ScanLines
+        Scan lines along which steep and flat borders are measured.
+    reduction : float
+        Working pixels per frame pixel.
+    scale : float
+        Working pixels per pixel of an image of the reference width.
+    points_across : float
+        Number of points of a border that runs through the picture along its shorter side.
+    shape : GradientShape
+        Covariance of the gradients, by which responses are divided.
+    """
+
+    rows: ScanLines
+    columns: ScanLines
+    reduction: float
+    scale: float
+    points_across: float
     shape: GradientShape
 
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.compilation import compiled, compiled_inside
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 LEAST_HEIGHT = 8.0
 """How far a thin line stands out from what is beside it, at least [grey levels]."""
@@ -63,19 +62,21 @@ class StandingLines:
         than what is beside it, and on a darker one. Rows are `SPACING` px apart.
     across : Image
         On one that runs across it, shape (2, columns, h); columns are `SPACING` px apart.
+    scale : float
+        Pixels of the picture per pixel of one of the reference width.
     """
 
     down: Image
     across: Image
+    scale: float
 
 
-def has_room_for_lines(picture: Image) -> bool:
-    """Tell whether a picture is wide enough to tell a line from the thinnest cable."""
-    return _thickness(picture) >= THINNEST
-
-
-def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> StandingLines:
+def standing_lines(
+    before: StandingLines | None, picture: Image, dt: float, scale: float
+) -> StandingLines | None:
     """Return for how long the pixels of a picture have been on thin lines.
+
+    None for a picture that is too narrow to tell a line from the thinnest cable.
 
     Parameters
     ----------
@@ -85,16 +86,20 @@ def standing_lines(before: StandingLines | None, picture: Image, dt: float) -> S
         Grey levels, uint8 or float32, shape (h, w).
     dt : float
         Time since the picture before [s].
+    scale : float
+        Pixels of the picture per pixel of one of the reference width.
     """
+    thickness = _thickness(scale)
+    if thickness < THINNEST:
+        return None
     rows, columns = picture[::SPACING], np.ascontiguousarray(picture[:, ::SPACING].T)
     if before is None or before.down.shape[1:] != rows.shape:
-        lines = StandingLines(*(np.zeros((2, *each.shape), np.float32) for each in (rows, columns)))
+        down, across = (np.zeros((2, *each.shape), np.float32) for each in (rows, columns))
     else:
-        lines = StandingLines(before.down.copy(), before.across.copy())
-    reach, step = _thickness(picture), min(dt, LONGEST_STEP)
-    for levels, times in ((rows, lines.down), (columns, lines.across)):
-        _add_time(levels.astype(np.float32), reach, step, times)
-    return lines
+        down, across = before.down.copy(), before.across.copy()
+    for levels, times in ((rows, down), (columns, across)):
+        _add_time(levels.astype(np.float32), thickness, min(dt, LONGEST_STEP), times)
+    return StandingLines(down, across, scale)
 
 
 def without_standing_lines(picture: Image, lines: StandingLines, least_time: float) -> Image:
@@ -112,7 +117,7 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     least = np.float32(least_time)
     down, across = lines.down >= least, lines.across >= least
     # Odd, for OpenCV shifts what it opens with an even number of rows.
-    length = max(_of_width(LEAST_LENGTH, picture) // SPACING, FEWEST_ROWS) | 1
+    length = max(round(LEAST_LENGTH * lines.scale) // SPACING, FEWEST_ROWS) | 1
     most_down, most_across = down.sum(axis=1).max(), across.sum(axis=1).max()
     if max(most_down, most_across) < length // (LONGEST_GAP + 1):
         return picture
@@ -123,7 +128,7 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     )
     if not 0 < np.count_nonzero(bright | dark) <= MOST_COVERED * picture.size:
         return picture
-    side = _thickness(picture) | 1
+    side = _thickness(lines.scale) | 1
     neighbourhood = cv2.getStructuringElement(cv2.MORPH_RECT, (side, side))
     without_bright = cv2.morphologyEx(picture, cv2.MORPH_OPEN, neighbourhood)
     without_dark = cv2.morphologyEx(picture, cv2.MORPH_CLOSE, neighbourhood)
@@ -179,12 +184,6 @@ def _whole(mask: BoolArray, shape: tuple[int, ...]) -> BoolArray:
     return np.repeat(mask, SPACING, axis=0)[: shape[0]]
 
 
-def _thickness(picture: Image) -> int:
-    """Return the thickness of the thickest line in a picture [px]."""
-    return _of_width(THICKNESS, picture)
-
-
-def _of_width(length: float, picture: Image) -> int:
-    """Return a length in pixels of a picture [from px at the reference width]."""
-    scaled: float = length * pixel_scale(picture.shape[1])
-    return round(scaled)
+def _thickness(scale: float) -> int:
+    """Return the thickness of the thickest line in a picture of a scale [px]."""
+    return round(THICKNESS * scale)

@@ -38,11 +38,8 @@ def level_gain(before: float, picture: Image) -> float:
     before : float
         The gain of the picture before; 1 for the first.
     picture : Image
-        Grey levels, uint8 or float32, shape (H, W). Those of uint8 have no finer steps: their gain
-        is 1.
+        Grey levels, float32, shape (H, W). Those of uint8 have no finer steps: their gain is 1.
     """
-    if picture.dtype == np.uint8:
-        return 1.0
     low, high = level_range(picture)
     spread = high - low
     if spread == 0.0 or NARROW <= before * spread <= WIDE:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
-from cable_tracker.cable.measure.gradients.scanned_gradients import ScannedFrame, scan_frame
+from cable_tracker.cable.measure.gradients.scanned_gradients import (
+    ScanInputs,
+    ScannedFrame,
+    scan_frame,
+)
 from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.measure.map.map_network import make_cable_map
 from cable_tracker.cable.measure.picture.bend import (
@@ -22,7 +26,6 @@ from cable_tracker.cable.measure.picture.bend import (
 )
 from cable_tracker.cable.measure.picture.burned_in_lines import (
     StandingLines,
-    has_room_for_lines,
     standing_lines,
     without_standing_lines,
 )
@@ -92,12 +95,18 @@ class WorkingImage:
     frame : Image
         Grey levels times the gain, uint8 or float32, shape (H, W); not copied where nothing had to
         be changed: valid as long as the frame.
+    frame_size : (int, int)
+        Width and height of the frame [px].
     size : (int, int)
         Width and height of the picture, at most those of the frame [px].
+    reduction : float
+        Working pixels per frame pixel, at most 1.
+    scale : float
+        Working pixels per pixel of an image of the reference width.
+    line_spacing : int
+        Distance between scan lines in the picture [px].
     filter_sigma : float
         Sigma of the Gaussian for the gradients [px at the reference width].
-    sample_spacing : float
-        Distance between scan lines [px at the reference width].
     light_correction : float
         Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
     gradients_alone : bool
@@ -113,20 +122,18 @@ class WorkingImage:
     """
 
     frame: Image
+    frame_size: tuple[int, int]
     size: tuple[int, int]
+    reduction: float
+    scale: float
+    line_spacing: int
     filter_sigma: float
-    sample_spacing: float
     light_correction: float = 0.0
     gradients_alone: bool = False
     gain: float = 1.0
     history: PictureHistory = NO_HISTORY
     dt: float = 0.0
     burned_in_time: float = 0.0
-
-    @property
-    def frame_size(self) -> tuple[int, int]:
-        """Width and height of the frame that it was made from [px]."""
-        return self.frame.shape[1], self.frame.shape[0]
 
     @cached_property
     def pixels(self) -> Image:
@@ -136,22 +143,21 @@ class WorkingImage:
     @cached_property
     def _straight(self) -> Image:
         """The cleared frame without its bend, of the frame's dtype."""
-        return straightened(self._cleared, self.history.bend)
+        cleared, _ = self._cleared
+        bend = self.history.bend
+        return cleared if bend.amplitude == 0.0 else straightened(cleared, bend)
 
     @cached_property
-    def _cleared(self) -> Image:
-        """The reduced frame without burned-in lines, of its dtype."""
-        if self._standing_lines is None:
-            return self._reduced
-        return without_standing_lines(self._reduced, self._standing_lines, self.burned_in_time)
+    def _cleared(self) -> tuple[Image, StandingLines | None]:
+        """The reduced frame without burned-in lines, of its dtype, and those that may be such."""
+        reduced = self._reduced()
+        if self.burned_in_time == 0.0:
+            return reduced, None
+        lines = standing_lines(self.history.standing_lines, reduced, self.dt, self.scale)
+        if lines is None:
+            return reduced, None
+        return without_standing_lines(reduced, lines, self.burned_in_time), lines
 
-    @cached_property
-    def _standing_lines(self) -> StandingLines | None:
-        if self.burned_in_time == 0.0 or not has_room_for_lines(self._reduced):
-            return None
-        return standing_lines(self.history.standing_lines, self._reduced, self.dt)
-
-    @cached_property
     def _reduced(self) -> Image:
         """The reduced frame, of its dtype."""
         if self.size == self.frame_size:
@@ -161,21 +167,6 @@ class WorkingImage:
             # The middle one of every three rows: the centre of the picture stays where it is.
             frame = frame[ROWS_PER_THINNED // 2 :: ROWS_PER_THINNED]
         return np.asarray(cv2.resize(frame, self.size, interpolation=cv2.INTER_AREA))
-
-    @cached_property
-    def reduction(self) -> float:
-        """Working pixels per frame pixel, at most 1."""
-        return self.size[0] / self.frame_size[0]
-
-    @cached_property
-    def scale(self) -> float:
-        """Working pixels per pixel of an image of the reference width."""
-        return pixel_scale(self.size[0])
-
-    @cached_property
-    def line_spacing(self) -> int:
-        """Distance between scan lines in the picture [px]."""
-        return max(1, round(self.sample_spacing * self.scale))
 
     @cached_property
     def cable_map(self) -> CableMap:
@@ -188,12 +179,8 @@ class WorkingImage:
 
     @cached_property
     def _bent_map(self) -> CableMap:
-        return make_cable_map(self._cleared.astype(np.float32), self.frame_size[0])
-
-    @property
-    def has_map(self) -> bool:
-        """Whether the map has been asked for, and so is known."""
-        return "_bent_map" in vars(self)
+        cleared, _ = self._cleared
+        return make_cable_map(cleared.astype(np.float32), self.frame_size[0])
 
     @property
     def next_history(self) -> PictureHistory:
@@ -203,9 +190,11 @@ class WorkingImage:
         bent by what is no longer so; else the bend is found when a map is made for other reasons.
         """
         bend = self.history.bend
-        if self.has_map or bend != STRAIGHT:
+        has_map = "_bent_map" in vars(self)
+        if has_map or bend != STRAIGHT:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
-        return PictureHistory(bend, self._standing_lines, self.gain)
+        _, lines = self._cleared
+        return PictureHistory(bend, lines, self.gain)
 
     @cached_property
     def scanned(self) -> ScannedFrame:
@@ -219,6 +208,20 @@ class WorkingImage:
             kernels = kernels._replace(region=kernels.region[:0])
         picture = evenly_lit(self._straight, self.light_correction)
         return scan_frame(picture, self.line_spacing, kernels)
+
+    @cached_property
+    def scan(self) -> ScanInputs:
+        """What kernels that measure borders need to know of the frame."""
+        scanned = self.scanned
+        points_across = min(self.size) / self.line_spacing
+        return ScanInputs(
+            scanned.rows,
+            scanned.columns,
+            self.reduction,
+            self.scale,
+            points_across,
+            scanned.shape,
+        )
 
 
 def check_frame(image: object) -> None:
@@ -268,19 +271,40 @@ def make_working_image(
     working_width : int
         Wanted width [px].
     filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
-        See `WorkingImage`.
+        See `WorkingImage`; `sample_spacing` is the line spacing in px at the reference width.
     gain_before : float
         The gain of the frame before.
     """
-    gain = level_gain(gain_before, image)
-    image = without_dead_margins(amplified(image, gain))
+    gain = 1.0
+    if image.dtype != np.uint8:
+        gain = level_gain(gain_before, image)
+        image = amplified(image, gain)
+    image = without_dead_margins(image)
     height, width = image.shape
-    size = (width, height)
+    size, reduction, scale = _working_size((width, height), working_width)
+    return WorkingImage(
+        image,
+        (width, height),
+        size,
+        reduction,
+        scale,
+        max(1, round(sample_spacing * scale)),
+        filter_sigma,
+        light_correction,
+        gradients_alone,
+        gain,
+    )
+
+
+@cache
+def _working_size(
+    frame_size: tuple[int, int], working_width: int
+) -> tuple[tuple[int, int], float, float]:
+    """Return `size`, `reduction` and `scale` of the working images of frames of a size [px]."""
+    width, height = size = frame_size
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
-    return WorkingImage(
-        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone, gain
-    )
+    return size, size[0] / width, pixel_scale(size[0])
 
 
 def working_image_for(
@@ -302,7 +326,7 @@ def working_image_for(
         gradients_alone=parameters.observation == "responses",
         gain_before=history.gain,
     )
-    if not parameters.uses_map:
+    if history.bend != STRAIGHT and not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.
         history = replace(history, bend=STRAIGHT)
     return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)

@@ -21,7 +21,6 @@ from cable_tracker.cable.measure.borders.appearance import (
     UNDECIDED,
     appearances_of,
 )
-from cable_tracker.cable.measure.borders.border_points import scan_inputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.gradients.gradient_shape import directional_gain
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, strip_shares
@@ -36,7 +35,7 @@ STRIP = CableState(20.0, 0.3, 60.0, 0.05)
 
 def appearance(picture, state=STRIP, cable_map=NO_MAP) -> float:
     image = make_working_image(picture.astype(np.float32), SIZE[0])
-    strips, scan, model = state.to_array()[None], scan_inputs(image), MODEL.model_for(image)
+    strips, scan, model = state.to_array()[None], image.scan, MODEL.model_for(image)
     return float(appearances_of(strips, scan, model, cable_map)[0])
 
 
@@ -53,7 +52,7 @@ def inside(draw_strip):
 def literal_appearance(picture, column, width) -> float:
     """The appearance of a bright upright strip from a column on, written down step by step."""
     image = make_working_image(picture.astype(np.float32), SIZE[0])
-    scan = scan_inputs(image)
+    scan = image.scan
     gain = directional_gain(scan.shape, 1.0, 0.0)
     total = UNDECIDED + IN_VIEW * ENOUGH_IN_VIEW
     for edge, inward in ((column, 1), (column + width, -1)):

@@ -10,7 +10,6 @@ from measured_points import ratios_at
 
 from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.border_points import (
-    scan_inputs,
     weaker_common_contrast,
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
@@ -97,7 +96,7 @@ def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, n
     found = []
     for strip in (through, corner):
         picture = draw_strip(strip, SIZE) + noise_picture(1, SIZE, 4.0).astype(np.float32) - 128.0
-        scan, model = scan_inputs(working(picture)), MODEL.model_for(working(picture))
+        scan, model = working(picture).scan, MODEL.model_for(working(picture))
         elsewhere = replace(strip, distance=strip.distance - 40.0)
         states = np.array([strip.to_array(), elsewhere.to_array()])
         found.append(border_clearness(states, scan, model))
@@ -118,7 +117,7 @@ def test_of_a_short_strip_texture_counts_for_less_of_its_clearness(draw_strip, n
         inside = (drawn - drawn.min()) / np.ptp(drawn)
         rough = noise_picture(1, SIZE, 30.0).astype(np.float32)
         image = working(128.0 + (rough - 128.0) * (1.0 - inside))
-        scan, states = scan_inputs(image), strip.to_array()[None, :]
+        scan, states = image.scan, strip.to_array()[None, :]
         found = [border_clearness(states, scan, each.model_for(image)) for each in (MODEL, smooth)]
         gains.append(found[0].clearness[0] - found[1].clearness[0])
         shown.append(found[0].shown[0])
@@ -128,7 +127,7 @@ def test_of_a_short_strip_texture_counts_for_less_of_its_clearness(draw_strip, n
 
 
 def test_a_cable_out_of_view_shows_nothing(strip):
-    scan, model = scan_inputs(working(strip)), MODEL.model_for(working(strip))
+    scan, model = working(strip).scan, MODEL.model_for(working(strip))
     found = border_clearness(changed(distance=500.0)[None, :], scan, model)
     assert found.shown[0] == 0.0
     assert found.clearness[0] < 0.0

@@ -77,7 +77,7 @@ def test_a_straightened_picture_shows_a_straight_cable(draw_strip, is_steep, ang
 
 def test_a_picture_without_a_bend_is_returned_itself(draw_strip):
     strip = draw_strip(CableState(0.0, 0.1, 20.0, 0.0))
-    assert straightened(strip, STRAIGHT) is strip
+    np.testing.assert_array_equal(straightened(strip, STRAIGHT), strip)
 
 
 def test_a_bend_leaves_the_line_of_least_squares_where_it_is():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.measure.picture.burned_in_lines import (
-    has_room_for_lines,
     standing_lines,
     without_standing_lines,
 )
@@ -24,11 +23,15 @@ def ground_of(frame: int, size=(240, 320), speed=7) -> np.ndarray:
     )
 
 
+def lines_after(before, picture, dt=FRAME):
+    return standing_lines(before, picture, dt, picture.shape[1] / 320)
+
+
 def cleared(pictures, dt=FRAME, least_time=ENOUGH) -> np.ndarray:
     """Return the last of some pictures without what has stood still in all of them."""
     lines = None
     for picture in pictures:
-        lines = standing_lines(lines, picture, dt)
+        lines = lines_after(lines, picture, dt)
     return without_standing_lines(picture, lines, least_time)
 
 
@@ -150,20 +153,20 @@ def test_a_line_that_is_gone_is_forgotten():
 def test_pictures_of_another_size_begin_anew():
     lines = None
     for picture in dive(crosshair(BRIGHT)):
-        lines = standing_lines(lines, picture, FRAME)
-    smaller = ground_of(0, (120, 160))
-    assert without_standing_lines(smaller, standing_lines(lines, smaller, FRAME), ENOUGH) is smaller
+        lines = lines_after(lines, picture)
+    smaller = ground_of(0, (180, 240))
+    assert without_standing_lines(smaller, lines_after(lines, smaller), ENOUGH) is smaller
 
 
 def test_what_was_kept_before_a_picture_does_not_change_with_it():
     first, second = dive(crosshair(BRIGHT), frames=2)
-    lines = standing_lines(standing_lines(None, first, 0.0), first, FRAME)
+    lines = lines_after(lines_after(None, first, 0.0), first)
     kept = lines.down.copy(), lines.across.copy()
-    standing_lines(lines, second, FRAME)
+    lines_after(lines, second)
     np.testing.assert_array_equal(lines.down, kept[0])
     np.testing.assert_array_equal(lines.across, kept[1])
 
 
 @pytest.mark.parametrize(("width", "has_room"), [(160, False), (240, True), (320, True)])
 def test_in_a_narrow_picture_a_line_is_as_thin_as_a_cable(width, has_room):
-    assert has_room_for_lines(np.zeros((120, width), np.uint8)) is has_room
+    assert (lines_after(None, np.zeros((120, width), np.uint8)) is not None) is has_room

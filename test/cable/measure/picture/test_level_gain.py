@@ -25,10 +25,6 @@ def spread_over(levels: float) -> np.ndarray:
     return LEVELS * np.float32(levels / 0.96)
 
 
-def test_a_picture_of_bytes_has_no_finer_steps_to_show():
-    assert level_gain(1.0, (8 * LEVELS).astype(np.uint8)) == 1.0
-
-
 @pytest.mark.parametrize("spread", [10.0, 60.0, 240.0])
 def test_a_picture_that_uses_its_levels_stays_as_it_is(spread):
     picture = spread_over(spread)

@@ -104,3 +104,9 @@ def test_a_picture_is_straightened_only_where_a_map_tells_when_the_bend_has_ende
     image = working_image_for(draw_strip(CableState(0.0, 0.0, 20.0)), parameters, bent)
     assert (not np.array_equal(image.pixels, image.frame)) == is_straightened
     assert (image.next_history.bend == STRAIGHT) != is_straightened
+
+
+@pytest.mark.parametrize(("dtype", "is_amplified"), [(np.uint8, False), (np.float32, True)])
+def test_only_a_picture_of_more_than_eight_bits_has_finer_steps_to_show(dtype, is_amplified):
+    dim = np.random.default_rng(0).integers(0, 5, (240, 320)).astype(dtype)
+    assert (make_working_image(dim, 320).gain > 1.0) == is_amplified
