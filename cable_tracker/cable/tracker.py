@@ -29,7 +29,6 @@ from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.status import StatusMachine
 from cable_tracker.tracking.succession import FrameMark, succession
 
@@ -186,13 +185,15 @@ class CableTracker:
         self._frame = frame
         working_image = working_image_for(image, self._parameters, self._pictures, step.dt)
         known = motion if has_previous_frame and not step.event else None
-        summary = self._find(working_image, step.dt, known)
+        summary = self._step_filter(working_image, step.dt, known)
         self._pictures = working_image.next_history
         event = "; ".join(filter(None, (step.event, self._notice)))
         self._notice = ""
-        return self._estimate(summary, step.dt, event)
+        return self._estimate(summary, step.dt, event, working_image.frame_scale)
 
-    def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> BeliefSummary:
+    def _step_filter(
+        self, image: WorkingImage, dt: float, motion: MotionAid | None
+    ) -> BeliefSummary:
         if self._filter is None:
             self._filter = self._make_filter(image.frame_size)
         before = self._belief
@@ -231,10 +232,12 @@ class CableTracker:
         ratio = BorderLikelihoodRatio(parameters, self._table)
         return MultiHypothesisFilter(parameters, ratio, image_size, self._rng)
 
-    def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
+    def _estimate(
+        self, summary: BeliefSummary, dt: float, event: str, scale: float
+    ) -> CableEstimate:
         assert self._frame is not None
-        converged = self._has_converged(summary.covariance, self._frame.size[0])
-        if not summary.follows_given:
+        converged = self._has_converged(summary.covariance, scale)
+        if self._status.is_given_with_certainty and not summary.follows_given:
             self._status = self._status.without_given()
         self._status = self._status.after(
             supports_claim=converged and self._supports_claim(summary),
@@ -268,8 +271,7 @@ class CableTracker:
             return summary.supports_new_claim
         return summary.supports_claim
 
-    def _has_converged(self, covariance: FloatArray, image_width: int) -> bool:
-        scale = pixel_scale(image_width)
+    def _has_converged(self, covariance: FloatArray, scale: float) -> bool:
         sigma_distance = math.sqrt(covariance[StateColumn.DISTANCE, StateColumn.DISTANCE])
         sigma_angle = math.sqrt(covariance[StateColumn.ANGLE, StateColumn.ANGLE])
         return (

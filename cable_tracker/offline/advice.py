@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.weigh.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.first_claim import needed_clearness
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
@@ -100,7 +100,7 @@ def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) ->
     """
     tracked, found = parameters.evidence_to_track, parameters.evidence_to_find
     if width is not None and parameters.looks == "borders":
-        found = needed_clearness(width, parameters, REFERENCE_WIDTH)
+        found = needed_clearness(width, parameters, 1.0)
     if parameters.filter == "multi_hypothesis" and found > tracked:
         return "evidence_to_find", found
     return "evidence_to_track", tracked

@@ -67,17 +67,6 @@ def multinomial_positions(count: int, rng: np.random.Generator) -> FloatArray:
     return positions
 
 
-def stratified_positions(count: int, rng: np.random.Generator) -> FloatArray:
-    """Draw one position at random in each of `count` equal strata."""
-    return (np.arange(count) + rng.random(count)) / count
-
-
-def systematic_positions(count: int, rng: np.random.Generator) -> FloatArray:
-    """Return equally spaced positions with one random offset."""
-    positions: FloatArray = (np.arange(count) + rng.random()) / count
-    return positions
-
-
 def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw independently, by search in the cumulative weights (thesis, section 3.3.3)."""
     return _invert_cumulative_weights(weights, multinomial_positions(count, rng))
@@ -85,12 +74,12 @@ def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Gener
 
 def stratified_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw one position at random from each of `count` equal strata (Kitagawa, 1996)."""
-    return _invert_cumulative_weights(weights, stratified_positions(count, rng))
+    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random(count)) / count)
 
 
 def systematic_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw equally spaced positions with one random offset (Carpenter et al., 1999)."""
-    return _invert_cumulative_weights(weights, systematic_positions(count, rng))
+    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random()) / count)
 
 
 def residual_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:

@@ -744,7 +744,7 @@ class NotToBeAsked:
     def moved(self, states):
         pytest.fail("a state given of this frame has not moved")
 
-    def sigmas(self):
+    def scales(self):
         pytest.fail("a state given of this frame has not moved")
 
 

@@ -25,7 +25,6 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState
 from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 FAMILIAR = 2.0
 """Largest difference from the remembered cable, in scales of its place and spreads of its width."""
@@ -67,14 +66,15 @@ LEAST_WIDTH_SHARE = 0.6
 """Minimum width of a cable as a share of the width that is seen."""
 
 
-def belief_summary(
-    belief: Belief, parameters: TrackerParameters, image_width: int
-) -> BeliefSummary:
-    """Return what a belief says about the frame that it came from, `image_width` pixels wide."""
+def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) -> BeliefSummary:
+    """Return what a belief says about the frame that it came from.
+
+    `scale`: pixels of the frame per pixel of an image of the reference width.
+    """
     hypotheses = belief.hypotheses
-    mean, covariance = leading_estimate(hypotheses, parameters, image_width)
+    mean, covariance = leading_estimate(hypotheses, parameters, scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
-    familiar = is_familiar(belief, parameters, image_width)
+    familiar = is_familiar(belief, parameters, scale)
     is_present = belief.presence >= parameters.presence_to_lose
     is_acceptable = visible and (belief.is_clear or familiar)
     is_claimable = (
@@ -95,11 +95,11 @@ def belief_summary(
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         follows_given=belief.is_given,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters, parameters, image_width),
+        hypotheses=_reported(hypotheses.clusters, parameters, scale),
     )
 
 
-def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int) -> bool:
+def is_familiar(belief: Belief, parameters: TrackerParameters, scale: float) -> bool:
     """Tell whether the leader may be the cable that was tracked.
 
     It is the one of the frames before, or lies where that may be by now, and is about as wide.
@@ -113,11 +113,11 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int)
     width = float(leader[WIDTH])
     if abs(memory.width_deviation(width, parameters)) > FAMILIAR:
         return False
-    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(image_width))
+    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(scale))
 
 
 def leading_estimate(
-    hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
+    hypotheses: Hypotheses, parameters: TrackerParameters, scale: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
     leader = hypotheses.clusters.means[0]
@@ -126,32 +126,32 @@ def leading_estimate(
         hypotheses.leading_mean_borders,
         float(leader[WIDTH]),
         parameters,
-        image_width,
+        scale,
     )
-    return wrapped_estimate(_unsmoothed(leader, parameters, image_width), displaced)
+    return wrapped_estimate(_unsmoothed(leader, parameters, scale), displaced)
 
 
-def _unsmoothed(mean: FloatArray, parameters: TrackerParameters, image_width: int) -> FloatArray:
+def _unsmoothed(mean: FloatArray, parameters: TrackerParameters, scale: float) -> FloatArray:
     """Return a cluster's mean (8,) with the width that the cable has, not its smoothed borders."""
     state = mean.copy()
     width = float(state[WIDTH])
-    state[WIDTH] = width_before_smoothing(width, parameters, image_width)
+    state[WIDTH] = width_before_smoothing(width, parameters, scale)
     return state
 
 
 def _reported(
-    clusters: Clusters, parameters: TrackerParameters, image_width: int
+    clusters: Clusters, parameters: TrackerParameters, scale: float
 ) -> tuple[Hypothesis, ...]:
     """Return the clusters that are worth mention, and the first whatever its mass."""
     reported = []
     for index, mass in enumerate(clusters.masses.tolist()):
         if index == 0 or mass >= SMALLEST_HYPOTHESIS:
-            state = _unsmoothed(clusters.means[index], parameters, image_width)
+            state = _unsmoothed(clusters.means[index], parameters, scale)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)
 
 
-def width_before_smoothing(width: float, parameters: TrackerParameters, image_width: int) -> float:
+def width_before_smoothing(width: float, parameters: TrackerParameters, scale: float) -> float:
     """Return the width of a cable that the likelihood sees `width` wide [px].
 
     Parameters
@@ -160,10 +160,10 @@ def width_before_smoothing(width: float, parameters: TrackerParameters, image_wi
         Width W between the borders that the likelihood sees [px].
     parameters : TrackerParameters
         `filter_sigma`.
-    image_width : int
-        Width of the frames [px].
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
     """
-    sigma = math.hypot(parameters.filter_sigma, BLUR) * pixel_scale(image_width)
+    sigma = math.hypot(parameters.filter_sigma, BLUR) * scale
     widening = WIDENING * sigma * math.exp(-((width / (THIN_WIDTH * sigma)) ** 2))
     return max(width - widening, LEAST_WIDTH_SHARE * width)
 
@@ -173,7 +173,7 @@ def displaced_covariance(
     border_means: FloatArray,
     width: float,
     parameters: TrackerParameters,
-    image_width: int,
+    scale: float,
 ) -> FloatArray:
     """Return the covariance (8, 8) of an estimate whose borders may be displaced.
 
@@ -191,12 +191,11 @@ def displaced_covariance(
         Width of the cable [px].
     parameters : TrackerParameters
         `border_displacement` and `tempering`.
-    image_width : int
-        Width of the frames [px].
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
     """
-    unit = pixel_scale(image_width)
-    factors = displacement_factors(border_means, width / unit)
-    border = parameters.border_displacement * unit
+    factors = displacement_factors(border_means, width / scale)
+    border = parameters.border_displacement * scale
     turn = parameters.border_displacement * BORDER_TURN
     sigmas = np.concatenate((factors * border, factors * turn))
     displaced: FloatArray = covariance * _tempering_of_covariances(parameters.tempering)

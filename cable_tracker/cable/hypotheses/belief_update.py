@@ -25,6 +25,7 @@ def updated_belief(
     dt: float,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
+    scale: float,
 ) -> Belief:
     """Return the belief after a frame.
 
@@ -40,18 +41,21 @@ def updated_belief(
         The tracker's parameters.
     image_size : (int, int)
         Width and height of the frames [px].
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
     """
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and before.is_known(parameters.known_after)
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size[0])
+    is_clear = is_new_clear(hypotheses, before.memory, parameters, scale)
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
     is_learnt_from = is_known or is_clear
     believed = presence if is_learnt_from else 0.0
     memory = before.memory
     if believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
-        memory = remember(memory, hypotheses.clusters.means[0], image_size, dt, parameters)
+        leader = hypotheses.clusters.means[0]
+        memory = remember(memory, leader, image_size, dt, parameters, scale)
     p_bright = updated_p_bright(
         before.p_bright, conclusion.p_bright, believed, parameters.polarity_memory, dt
     )

@@ -1,6 +1,8 @@
 """Whether the leading hypothesis is clear enough for a first claim: by its borders, or by a map.
 
-Its score for a claim is the clearness of its weaker border, and what its appearance is worth.
+Its score for a claim is the clearness of its weaker border, and what its appearance is worth. A
+thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_strips`,
+unless a map of the frame says that it looks like a cable.
 """
 
 from __future__ import annotations
@@ -9,13 +11,11 @@ from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.weigh.thin_strips import (
-    needed_clearness,
     trusted_appearance,
     trusted_share,
 )
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 APPEARANCE_SHARE = 0.5
 """Claim score that one nat of appearance by the borders is worth [nats per point]."""
@@ -33,16 +33,24 @@ MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
 weight."""
 
+USUAL_WIDTH = 2.0
+"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
+
+LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
+"""Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
+worlds to tune on (`tune_*`) and on crisp strips."""
+
 
 def is_new_clear(
     hypotheses: Hypotheses,
     memory: RememberedCable | None,
     parameters: TrackerParameters,
-    image_width: int,
+    scale: float,
 ) -> bool:
     """Tell whether the leader is clear enough to claim it where nothing was known of it.
 
-    What is much narrower or wider than the cable that was tracked has to be clearer.
+    What is much narrower or wider than the cable that was tracked has to be clearer. `scale`:
+    pixels of the frame per pixel of an image of the reference width.
     """
     if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
         return False
@@ -55,8 +63,8 @@ def is_new_clear(
         # A threshold below 0 must not be lowered.
         return score >= max(needed, needed * factor)
 
-    by_borders = claim_score_by_borders(hypotheses, parameters, image_width)
-    if is_enough(by_borders, needed_clearness(width, parameters, image_width)):
+    by_borders = claim_score_by_borders(hypotheses, parameters, scale)
+    if is_enough(by_borders, needed_clearness(width, parameters, scale)):
         return True
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
     by_map = claim_score_by_map(hypotheses)
@@ -75,12 +83,31 @@ def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> f
     return max(by_border, min(claim_score_by_map(hypotheses), parameters.evidence_to_find))
 
 
+def needed_clearness(width: float, parameters: TrackerParameters, scale: float) -> float:
+    """Return the clearness that the first claim of a cable needs [nats per point].
+
+    Parameters
+    ----------
+    width : float
+        Width of the cable [px].
+    parameters : TrackerParameters
+        `evidence_to_find` and `thin_width`.
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
+    """
+    needed = parameters.evidence_to_find
+    if needed <= 0.0:
+        return needed
+    usual = USUAL_WIDTH * parameters.thin_width * scale
+    return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)
+
+
 def claim_score_by_borders(
-    hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
+    hypotheses: Hypotheses, parameters: TrackerParameters, scale: float
 ) -> float:
     """Return clearness plus worth of the looks, if borders are looked at [nats per point]."""
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
-    thin_width = parameters.thin_width * pixel_scale(image_width)
+    thin_width = parameters.thin_width * scale
     # What is thin has no looks that speak for it, see `trusted_appearance`.
     ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
     above = trusted_appearance(hypotheses.appearance, width, thin_width) - ordinary

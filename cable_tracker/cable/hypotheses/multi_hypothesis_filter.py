@@ -106,6 +106,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._movement = CableMovement(parameters, image_size[0])
         self._box = search_box(parameters, image_size[0])
+        self._uses_map = parameters.uses_map
         self._refined = refined_counts(parameters)
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._known_config = beside_a_known_cable(self._config, parameters)
@@ -138,11 +139,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether there is more likely no cable than one, or the search begins anew."""
-        return belief.presence < LIKELY_PRESENCE or self._begins_anew(belief)
-
-    def _begins_anew(self, belief: Belief) -> bool:
-        """Tell whether a cable was present but too faint to claim for `search_time`."""
-        return belief.faint_time >= self._parameters.search_time
+        return (
+            belief.presence < LIKELY_PRESENCE or belief.faint_time >= self._parameters.search_time
+        )
 
     def step(
         self,
@@ -153,7 +152,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion: MotionAid | None = None,
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
-        if self._begins_anew(belief):
+        if belief.faint_time >= self._parameters.search_time:
             belief = _new_search(self.first_belief(), belief)
         if belief.memory is not None:
             belief = replace(belief, memory=belief.memory.aged(dt))
@@ -173,13 +172,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             # Every particle is impossible.
             states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        return updated_belief(belief, conclusion, dt, self._parameters, self._image_size)
+        return updated_belief(
+            belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale
+        )
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
         """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
-        parameters = self._parameters
-        is_clear = belief.hypotheses.weaker_border_mean >= parameters.evidence_to_find
-        return parameters.uses_map and not (is_known and is_clear)
+        is_clear = belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
+        return self._uses_map and not (is_known and is_clear)
 
     def _inputs(
         self,
@@ -216,7 +216,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
-        return belief_summary(belief, self._parameters, self._image_size[0])
+        return belief_summary(belief, self._parameters, image.frame_scale)
 
 
 def _new_search(first: Belief, before: Belief) -> Belief:

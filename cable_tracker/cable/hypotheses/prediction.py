@@ -32,7 +32,7 @@ from cable_tracker.particle_filter.existence import PredictedExistence, predict_
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
-from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import event_probability
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability, survival_rates
 
@@ -127,7 +127,8 @@ class Predictor:
         self._rng = rng
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._survival_rates = survival_rates(parameters, width)
-        self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
+        self._scale = pixel_scale(width)
+        self._smallest_kernel = SMALLEST_KERNEL * pose_units(self._scale)
         limits = possible_limits(parameters, width)
         self._widths = float(limits.lower[WIDTH]), float(limits.upper[WIDTH])
 
@@ -180,9 +181,11 @@ class Predictor:
             mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
-            births=birth_density_of(self._box, memory, parameters.memory_time, self._image_size),
+            births=birth_density_of(
+                self._box, memory, parameters.memory_time, self._image_size, self._scale
+            ),
             mass_switched=max(switched, LEAST_PROBABILITY),
-            border_switch=switch_from(leader, *self._widths, float(self._image_size[0])),
+            border_switch=switch_from(leader, *self._widths, self._scale),
         )
 
     def _draw_ancestors(

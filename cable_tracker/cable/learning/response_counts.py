@@ -19,7 +19,6 @@ from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import image_reaches
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 RANDOM_CABLES = 20
 """Cables drawn through each frame for what is not a border; a few meet one by chance."""
@@ -134,7 +133,7 @@ class ResponseCounts:
         self._background.add(chosen if is_bright else chosen.negative())
 
     def _random_cables(self, image: WorkingImage) -> FloatArray:
-        scale = pixel_scale(image.frame_size[0])
+        scale = image.frame_scale
         states = np.zeros((RANDOM_CABLES, STATE_SIZE))
         angles = self._rng.uniform(-np.pi / 2, np.pi / 2, RANDOM_CABLES)
         reach = image_reaches(angles, image.frame_size)

@@ -17,6 +17,7 @@ from cable_tracker.cable.model.state import (
     pose_units,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 LEAST_EXTENT = np.array([0.0, 0.0, 0.8, math.radians(0.5)])
 """Smallest extent of `possible_limits`: d, alpha, w, beta [px at the reference width, rad]. Of what
@@ -40,7 +41,7 @@ def state_limits(parameters: TrackerParameters, image_width: int) -> StateLimits
     """Return the limits for frames of a given width [px]."""
     skew = np.deg2rad(parameters.skew_limit)
     distance = parameters.distance_limit
-    units = pose_units(image_width)
+    units = pose_units(pixel_scale(image_width))
     return StateLimits(
         lower=units * [-distance, -np.inf, parameters.width_minimum, -skew],
         upper=units * [distance, np.inf, parameters.width_maximum, skew],
@@ -53,7 +54,7 @@ def possible_limits(parameters: TrackerParameters, image_width: int) -> StateLim
     Those of particles, but never so narrow that nothing which is drawn at random is possible.
     """
     lower, upper = state_limits(parameters, image_width)
-    missing = np.maximum(LEAST_EXTENT * pose_units(image_width) - (upper - lower), 0.0)
+    missing = np.maximum(LEAST_EXTENT * pose_units(pixel_scale(image_width)) - (upper - lower), 0.0)
     return StateLimits(lower - 0.5 * missing, upper + 0.5 * missing)
 
 

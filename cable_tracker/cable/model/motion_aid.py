@@ -17,6 +17,6 @@ class MotionAid(Protocol):
         """
         ...
 
-    def sigmas(self) -> FloatArray:
+    def scales(self) -> FloatArray:
         """Return the scales of the diffusion over what is still unknown, shape (8,)."""
         ...

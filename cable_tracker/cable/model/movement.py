@@ -149,7 +149,7 @@ class CableMovement:
         Odometry leaves less unknown, never more.
         """
         scales: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
-        return scales if motion is None else np.minimum(scales, motion.sigmas())
+        return scales if motion is None else np.minimum(scales, motion.scales())
 
 
 def variances_per_frame(

@@ -8,7 +8,6 @@ from enum import IntEnum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 
 class StateColumn(IntEnum):
@@ -36,12 +35,11 @@ DISTANCE, ANGLE, WIDTH, SKEW = range(POSE_SIZE)
 """Their columns for kernels: Numba 0.59 takes no enumeration for an index beside a slice."""
 
 
-def pose_units(image_width: float) -> FloatArray:
-    """Return what pixels of the reference width are in frames of a width [px], shape (4,).
+def pose_units(scale: float) -> FloatArray:
+    """Return factors that bring d, alpha, w, beta from the reference width to a scale, shape (4,).
 
-    Factors for d, alpha, w, beta; angles stay as they are.
+    `scale` is that of lengths, see `pixel_scale`; angles stay as they are.
     """
-    scale = pixel_scale(image_width)
     return np.array([scale, 1.0, scale, 1.0])
 
 

@@ -26,7 +26,7 @@ from cable_tracker.metric.odometry.sea_bed_texture import SeaBedTexture, Texture
 from cable_tracker.metric.odometry.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.succession import is_out_of_order
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
@@ -180,7 +180,7 @@ class MotionAiding:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])
         covariance = prediction_covariance(before.state.to_array(), flight, change)
         frames = change.seconds * REFERENCE_RATE
-        floor = UNMODELLED * pose_units(before.image_size[0]) * np.sqrt(frames)
+        floor = UNMODELLED * pose_units(pixel_scale(before.image_size[0])) * np.sqrt(frames)
         sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)
         self._sigmas = (change.seconds, sigmas)
         return PlaneMotion(mapping, change.seconds, sigmas)
@@ -204,5 +204,5 @@ class MotionAiding:
 
 def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotion:
     """Count by how much the picture shows a prediction to be off as unknown."""
-    more = excess * UNKNOWN_PER_PIXEL * pose_units(image_width)
+    more = excess * UNKNOWN_PER_PIXEL * pose_units(pixel_scale(image_width))
     return replace(motion, place_sigmas=np.hypot(motion.place_sigmas, more))

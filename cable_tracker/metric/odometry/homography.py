@@ -151,6 +151,6 @@ class PlaneMotion:
         after[:, POSE_SIZE:] = (after[:, :POSE_SIZE] - states[:, :POSE_SIZE]) / self.seconds
         return after
 
-    def sigmas(self) -> FloatArray:
+    def scales(self) -> FloatArray:
         """Return the standard deviations of what is unknown, shape (8,)."""
         return np.concatenate((self.place_sigmas, self.place_sigmas / self.seconds))

@@ -28,7 +28,7 @@ from cable_tracker.cable.parameters.presets import preset
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
 CLEAR, FAINT = 100.0, -100.0
-MEMORY = replace(remember(None, LEADER, (320, 240), 0.0, PARAMETERS), tracked_time=60.0)
+MEMORY = replace(remember(None, LEADER, (320, 240), 0.0, PARAMETERS, 1.0), tracked_time=60.0)
 
 
 def summary(
@@ -42,10 +42,10 @@ def summary(
         appearance=ORDINARY_APPEARANCE,
         visible_length=length,
     )
-    is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, 320)
+    is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, 1.0)
     evidence = leading_evidence(hypotheses, PARAMETERS)
     belief = replace(belief, hypotheses=hypotheses, evidence=evidence, is_clear=is_clear)
-    return belief_summary(belief, PARAMETERS, 320)
+    return belief_summary(belief, PARAMETERS, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def displaced(left, right, covariance=None, width=80.0, **changes):
     """Return what is stated for two mean log-ratios, in frames of twice the reference width."""
     parameters = preset("default").replaced({"border_displacement": 1.0, **changes})
     before = np.zeros((8, 8)) if covariance is None else covariance
-    return displaced_covariance(before, np.array([left, right]), width, parameters, 640)
+    return displaced_covariance(before, np.array([left, right]), width, parameters, 2.0)
 
 
 def test_a_border_is_displaced_twice_as_far_for_each_step_of_less_evidence():
@@ -159,18 +159,18 @@ def test_the_width_is_about_that_of_the_strip_whose_smoothed_borders_are_steepes
     x = np.linspace(0.0, width, 20001)
     left, right = (np.exp(-0.5 * ((x + side * width / 2) / sigma) ** 2) for side in (1.0, -1.0))
     steepest = 2.0 * x[np.argmax(right - left)]
-    assert width_before_smoothing(steepest, parameters, 320) == pytest.approx(width, rel=0.1)
+    assert width_before_smoothing(steepest, parameters, 1.0) == pytest.approx(width, rel=0.1)
 
 
 @given(narrow=st.floats(0.0, 300.0), more=st.floats(0.01, 100.0))
 def test_what_is_seen_wider_is_wider(narrow, more):
     widths = [
-        width_before_smoothing(each, preset("default"), 320) for each in (narrow, narrow + more)
+        width_before_smoothing(each, preset("default"), 1.0) for each in (narrow, narrow + more)
     ]
     assert widths[0] < widths[1]
 
 
 @given(width=st.floats(0.0, 500.0))
 def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
-    left = width_before_smoothing(width, preset("default"), 320)
+    left = width_before_smoothing(width, preset("default"), 1.0)
     assert LEAST_WIDTH_SHARE * width <= left <= width

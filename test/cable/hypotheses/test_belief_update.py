@@ -35,7 +35,7 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
 
 
 def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
-    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240))
+    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0)
 
 
 def test_a_clear_cable_is_remembered_and_its_time_grows():

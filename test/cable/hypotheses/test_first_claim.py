@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -9,36 +10,40 @@ from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.first_claim import (
     APPEARANCE_SHARE,
     LEAST_APPEARANCE,
+    LEAST_FACTOR,
     MAPPED_SHARE,
     MOST_APPEARANCE,
+    MOST_FACTOR,
     MOST_MAPPED,
     UNLIKE_A_CABLE,
+    USUAL_WIDTH,
     claim_score_by_borders,
     claim_score_by_map,
     is_new_clear,
     leading_evidence,
+    needed_clearness,
 )
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
-from cable_tracker.cable.hypotheses.weigh.thin_strips import needed_clearness
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 PARAMETERS = TrackerParameters()
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
+USUAL = USUAL_WIDTH * PARAMETERS.thin_width
 MEMORY = RememberedCable(LEADER[:4], 0.0, 100.0, math.log(30.0), tracked_time=60.0)
 
 
 @given(st.floats(8.0, 200.0), st.floats(0.0, 100.0))
 def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, seconds):
     hypotheses = initial_belief(CableState(0.0, 0.0, width).to_array()[None], 0.9).hypotheses
-    needed = needed_clearness(width, PARAMETERS, 320)
+    needed = needed_clearness(width, PARAMETERS, 1.0)
 
     def is_clear(factor, memory):
         clear = hypotheses._replace(
             scaled_clearness=factor * needed, appearance=ORDINARY_APPEARANCE
         )
-        return is_new_clear(clear, memory, PARAMETERS, 320)
+        return is_new_clear(clear, memory, PARAMETERS, 1.0)
 
     memory = MEMORY.aged(seconds)
     factor = 1.0 + memory.width_deviation(width, PARAMETERS) ** 2
@@ -53,7 +58,7 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(
     ripples = hypotheses._replace(
         scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
     )
-    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, 320)
+    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, 1.0)
 
 
 @given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(UNLIKE_A_CABLE, 20.0), st.booleans())
@@ -61,13 +66,13 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     leader = CableState(10.0, 0.2, width).to_array()
     hypotheses = initial_belief(leader[None], 0.9).hypotheses
     hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped)
-    by_borders = needed_clearness(width, PARAMETERS, 320)
-    by_borders -= claim_score_by_borders(hypotheses, PARAMETERS, 320)
+    by_borders = needed_clearness(width, PARAMETERS, 1.0)
+    by_borders -= claim_score_by_borders(hypotheses, PARAMETERS, 1.0)
     by_map = PARAMETERS.evidence_to_find - claim_score_by_map(hypotheses)
     needed = min(by_borders, by_map) if is_mapped else by_borders
     for clearness in (needed - 1e-6, needed + 1e-6):
         looked_at = hypotheses._replace(scaled_clearness=clearness)
-        assert is_new_clear(looked_at, None, PARAMETERS, 320) == (clearness > needed)
+        assert is_new_clear(looked_at, None, PARAMETERS, 1.0) == (clearness > needed)
 
 
 @given(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.floats(4.0, 200.0))
@@ -77,7 +82,7 @@ def test_better_looks_are_never_worth_less_and_within_limits(appearance, other, 
 
     def worth(of):
         looked_at = hypotheses._replace(appearance=of)
-        return claim_score_by_borders(looked_at, PARAMETERS, 320), claim_score_by_map(looked_at)
+        return claim_score_by_borders(looked_at, PARAMETERS, 1.0), claim_score_by_map(looked_at)
 
     (low, low_mapped), (high, high_mapped) = (worth(each) for each in sorted((appearance, other)))
     assert APPEARANCE_SHARE * LEAST_APPEARANCE - 1e-9 <= low <= high
@@ -104,5 +109,31 @@ def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
     looks = initial_belief(leader[None], 0.9).hypotheses._replace(
         appearance=ORDINARY_APPEARANCE, scaled_clearness=PARAMETERS.evidence_to_find
     )
-    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, 320)
-    assert not is_new_clear(looks, None, PARAMETERS, 320)
+    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, 1.0)
+    assert not is_new_clear(looks, None, PARAMETERS, 1.0)
+
+
+def test_a_cable_of_the_usual_width_needs_what_the_parameter_says():
+    assert needed_clearness(USUAL, PARAMETERS, 1.0) == PARAMETERS.evidence_to_find
+    assert needed_clearness(2 * USUAL, PARAMETERS, 2.0) == PARAMETERS.evidence_to_find
+
+
+def test_one_half_as_wide_needs_twice_as_much():
+    needed = needed_clearness(USUAL / 2, PARAMETERS, 1.0)
+    assert needed == pytest.approx(2 * PARAMETERS.evidence_to_find)
+
+
+@given(st.floats(0.0, 1e4), st.floats(0.0, 1e4))
+def test_a_wider_one_never_needs_more_and_there_are_limits(width, other):
+    needed = [needed_clearness(each, PARAMETERS, 1.0) for each in sorted((width, other))]
+    assert needed[0] >= needed[1]
+    least, most = LEAST_FACTOR, MOST_FACTOR
+    for each in needed:
+        assert least <= each / PARAMETERS.evidence_to_find * (1 + 1e-9)
+        assert each / PARAMETERS.evidence_to_find <= most * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("evidence", [0.0, -1.0])
+def test_who_asks_for_nothing_gets_any_width(evidence):
+    parameters = TrackerParameters(evidence_to_find=evidence)
+    assert needed_clearness(4.0, parameters, 1.0) == evidence

@@ -24,7 +24,7 @@ class Shift:
         moved[:, 0] += self._pixels
         return moved
 
-    def sigmas(self):
+    def scales(self):
         return np.full(8, self._sigma)
 
 

@@ -139,7 +139,7 @@ def test_longer_steps_leave_more_unknown(drive):
         drive._frame += skipped - 1
         drive.hears(Drive.SWAY)
         motion = drive.sees()
-        sigmas.append(motion.sigmas()[0])
+        sigmas.append(motion.scales()[0])
     assert sigmas[1] == pytest.approx(sigmas[0] * math.sqrt(4), rel=0.1)
 
 

@@ -140,7 +140,7 @@ def test_the_aid_of_the_filters_gives_rates_and_their_doubt(overflight):
     moved = aid.moved(states)
     assert moved.shape == (3, 8)
     np.testing.assert_allclose(moved[:, :4] - STATES, 0.1 * moved[:, 4:])
-    np.testing.assert_allclose(aid.sigmas(), [0.5, 0.01, 0.4, 0.002, 5.0, 0.1, 4.0, 0.02])
+    np.testing.assert_allclose(aid.scales(), [0.5, 0.01, 0.4, 0.002, 5.0, 0.1, 4.0, 0.02])
 
 
 def test_a_camera_in_the_ground_has_still_a_homography(overflight):

@@ -107,6 +107,7 @@ def birth_density_of(
     memory: RememberedCable | None,
     memory_time: float,
     image_size: tuple[int, int],
+    scale: float,
 ) -> BirthDensity:
     """Return the density of births, without a map.
 
@@ -120,8 +121,10 @@ def birth_density_of(
         Time constant of the share of births about the remembered cable [s].
     image_size : (int, int)
         Width and height of the frames [px].
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
     """
-    scales = memory.scales(image_size[0]) if memory is not None else np.ones(POSE_SIZE)
+    scales = memory.scales(scale) if memory is not None else np.ones(POSE_SIZE)
     return BirthDensity(
         lower=box.lower,
         upper=box.upper,
@@ -135,7 +138,7 @@ def birth_density_of(
         width=float(image_size[0]),
         height=float(image_size[1]),
         map_strips=np.empty((0, STATE_SIZE)),
-        map_scales=MAP_SCALES * pose_units(image_size[0]),
+        map_scales=MAP_SCALES * pose_units(scale),
     )
 
 

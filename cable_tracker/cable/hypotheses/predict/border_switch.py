@@ -23,7 +23,6 @@ from cable_tracker.cable.model.state import (
     WIDTH,
 )
 from cable_tracker.compilation import compiled_inside, compiled_loop
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 BORDER_SWITCH_RATE = 0.7
 """Rate at which a hypothesis turns out to have one border wrong [1/s]."""
@@ -62,10 +61,11 @@ class BorderSwitch(NamedTuple):
     offset_sigma: float
 
 
-def switch_from(
-    leader: FloatArray, narrowest: float, widest: float, image_width: float
-) -> BorderSwitch:
-    """Return the density of border switches from a hypothesis, shape (4 or more,), in its chart."""
+def switch_from(leader: FloatArray, narrowest: float, widest: float, scale: float) -> BorderSwitch:
+    """Return the density of border switches from a hypothesis, shape (4 or more,), in its chart.
+
+    `scale`: pixels of the frame per pixel of an image of the reference width.
+    """
     distance, angle, width, skew = leader[:POSE_SIZE].tolist()
     return BorderSwitch(
         np.array([distance - 0.5 * width, distance + 0.5 * width]),
@@ -73,7 +73,7 @@ def switch_from(
         skew,
         narrowest,
         widest,
-        OFFSET_SIGMA * pixel_scale(image_width),
+        OFFSET_SIGMA * scale,
     )
 
 

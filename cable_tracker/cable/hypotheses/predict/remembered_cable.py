@@ -18,7 +18,6 @@ from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
 from cable_tracker.particle_filter.student_t import relative_log_density
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
 """Scales of the search about the last place, at first: d, alpha, w, beta [px at the reference
@@ -74,10 +73,13 @@ class RememberedCable:
         """Return the same memory `dt` seconds later."""
         return replace(self, seconds=self.seconds + dt)
 
-    def scales(self, image_width: int) -> FloatArray:
-        """Return how far from there the cable is looked for, shape (4,) [px, rad]."""
+    def scales(self, scale: float) -> FloatArray:
+        """Return how far from there the cable is looked for, shape (4,) [px, rad].
+
+        `scale`: pixels of the frame per pixel of an image of the reference width.
+        """
         scales = np.minimum(SPREAD + SPREADING * self.seconds, WIDEST)
-        scaled: FloatArray = scales * pose_units(image_width)
+        scaled: FloatArray = scales * pose_units(scale)
         return scaled
 
     def width_spread(self, parameters: TrackerParameters) -> float:
@@ -115,6 +117,7 @@ def remember(
     image_size: tuple[int, int],
     dt: float,
     parameters: TrackerParameters,
+    scale: float,
 ) -> RememberedCable:
     """Return the memory after a frame in which a cable is tracked.
 
@@ -130,6 +133,8 @@ def remember(
         Time since the frame before [s].
     parameters : TrackerParameters
         The tracker's parameters.
+    scale : float
+        Pixels of the frames per pixel of an image of the reference width.
     """
     state = wrap_state(leader)
     log_width, tracked_time = math.log(max(float(state[StateColumn.WIDTH]), NARROWEST)), 0.0
@@ -138,7 +143,7 @@ def remember(
         log_width = before.log_width + share * (log_width - before.log_width)
         tracked_time = before.tracked_time + dt
     within = inset(state, image_size)
-    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * pixel_scale(image_size[0])
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * scale
     return RememberedCable(
         pose=state[:POSE_SIZE].copy(),
         side=float(np.sign(state[StateColumn.DISTANCE])) if is_leaving else 0.0,

@@ -71,7 +71,8 @@ def proposal_config(
 ) -> ProposalConfig:
     """Return what the parameters make of it for frames of a size [px]."""
     width, height = image_size
-    units, rounds = pose_units(width), range(parameters.refinement_rounds)
+    scale = pixel_scale(width)
+    units, rounds = pose_units(scale), range(parameters.refinement_rounds)
     return ProposalConfig(
         image_size=(float(width), float(height)),
         limits=possible_limits(parameters, width),
@@ -84,14 +85,14 @@ def proposal_config(
         evidence_limits=EvidenceLimits(
             parameters.evidence_limit,
             parameters.evidence_repeated,
-            parameters.thin_width * pixel_scale(width),
+            parameters.thin_width * scale,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         shadows=ShadowRules(
             parameters.shadow_evidence,
             parameters.evidence_limit,
             SAME_HYPOTHESIS_RADII * units,
-            pixel_scale(width),
+            scale,
         ),
         is_known=False,
     )

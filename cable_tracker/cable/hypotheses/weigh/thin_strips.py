@@ -1,32 +1,21 @@
 """What a strip's width asks of its evidence.
 
 Any bottom has thin lines, and few wide ones: what is claimed where there is no cable is thin more
-often than cables are. So evidence for thin strips counts less, and a thin hypothesis of which
-nothing was known has to be clearer than a wide one to be claimed, unless a map of the frame says
-that it looks like a cable.
+often than cables are. So evidence for thin strips counts less.
 """
 
 from __future__ import annotations
 
 import math
 
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 THINNEST_FACTOR = 0.5
 """Lower bound of `thin_factor`."""
 
-USUAL_WIDTH = 2.0
-"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
-
 LEAST_TRUSTED, MOST_TRUSTED = 4.0 / 3.0, 2.0
 """Widths, in units of `thin_width`, up to which what speaks for a strip in its appearance does not
 count, and from which it counts fully; linear between."""
-
-LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
-"""Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
-worlds to tune on (`tune_*`) and on crisp strips."""
 
 
 @compiled_inside
@@ -53,22 +42,3 @@ def trusted_appearance(appearance: float, width: float, thin_width: float) -> fl
     """
     share = trusted_share(width, thin_width)
     return share * appearance + (1.0 - share) * min(appearance, 0.0)
-
-
-def needed_clearness(width: float, parameters: TrackerParameters, image_width: float) -> float:
-    """Return the clearness that the first claim of a cable needs [nats per point].
-
-    Parameters
-    ----------
-    width : float
-        Width of the cable [px].
-    parameters : TrackerParameters
-        `evidence_to_find` and `thin_width`.
-    image_width : float
-        Width of the frames [px].
-    """
-    needed = parameters.evidence_to_find
-    if needed <= 0.0:
-        return needed
-    usual = USUAL_WIDTH * parameters.thin_width * pixel_scale(image_width)
-    return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)

@@ -188,23 +188,9 @@ class BorderLikelihoodRatio:
 
     def model_for(self, image: WorkingImage) -> RatioModel:
         """Return the model for a frame."""
-        power = power_of_a_point(self._tempering, image.line_spacing, image.scale)
-        return self._model._replace(tempering=power)
-
-
-def power_of_a_point(tempering: float, line_spacing: float, scale: float) -> float:
-    """Return the power of the ratio of one point, at most 1: that of independent points.
-
-    Parameters
-    ----------
-    tempering : float
-        The parameter, for points `TEMPERED_SPACING` apart.
-    line_spacing : float
-        Distance of the scan lines [working px].
-    scale : float
-        Working pixels per pixel of an image of the reference width.
-    """
-    return min(tempering * line_spacing / scale / TEMPERED_SPACING, 1.0)
+        # The parameter is for points `TEMPERED_SPACING` apart; independent points have power 1.
+        power = self._tempering * image.line_spacing / image.scale / TEMPERED_SPACING
+        return self._model._replace(tempering=min(power, 1.0))
 
 
 @compiled

@@ -99,6 +99,8 @@ class WorkingImage:
         Width and height of the frame [px].
     size : (int, int)
         Width and height of the picture, at most those of the frame [px].
+    frame_scale : float
+        Pixels of the frame per pixel of an image of the reference width.
     reduction : float
         Working pixels per frame pixel, at most 1.
     scale : float
@@ -124,6 +126,7 @@ class WorkingImage:
     frame: Image
     frame_size: tuple[int, int]
     size: tuple[int, int]
+    frame_scale: float
     reduction: float
     scale: float
     line_spacing: int
@@ -281,11 +284,12 @@ def make_working_image(
         image = amplified(image, gain)
     image = without_dead_margins(image)
     height, width = image.shape
-    size, reduction, scale = _working_size((width, height), working_width)
+    size, frame_scale, reduction, scale = _working_size((width, height), working_width)
     return WorkingImage(
         image,
         (width, height),
         size,
+        frame_scale,
         reduction,
         scale,
         max(1, round(sample_spacing * scale)),
@@ -299,12 +303,12 @@ def make_working_image(
 @cache
 def _working_size(
     frame_size: tuple[int, int], working_width: int
-) -> tuple[tuple[int, int], float, float]:
-    """Return `size`, `reduction` and `scale` of the working images of frames of a size [px]."""
+) -> tuple[tuple[int, int], float, float, float]:
+    """Return `size`, `frame_scale`, `reduction` and `scale` of all `WorkingImage` of a size."""
     width, height = size = frame_size
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
-    return size, size[0] / width, pixel_scale(size[0])
+    return size, pixel_scale(width), size[0] / width, pixel_scale(size[0])
 
 
 def working_image_for(

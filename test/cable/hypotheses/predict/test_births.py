@@ -42,7 +42,8 @@ def remembered(state, side=0.0, seconds=0.0) -> RememberedCable:
 
 
 def births(memory=None, parameters=PARAMETERS, size=SIZE) -> BirthDensity:
-    return birth_density_of(search_box(parameters, size[0]), memory, parameters.memory_time, size)
+    box = search_box(parameters, size[0])
+    return birth_density_of(box, memory, parameters.memory_time, size, size[0] / 320)
 
 
 def density_at(state, density) -> float:
@@ -149,7 +150,7 @@ def test_the_density_of_births_does_not_depend_on_how_a_line_is_written(d, alpha
 
 @pytest.mark.parametrize("angle", [-0.5, 0.0, 0.7])
 def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle, rng):
-    memory = remember(None, cable(155.0, 0.05), SIZE, 0.0, PARAMETERS).aged(0.3)
+    memory = remember(None, cable(155.0, 0.05), SIZE, 0.0, PARAMETERS, 1.0).aged(0.3)
     density = births(memory)
     at_the_edge = image_reaches(np.array([angle]), SIZE)[0] - 5.0
     here, there, across = (
@@ -165,14 +166,14 @@ def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle
 
 
 def test_a_cable_that_vanished_in_the_middle_is_looked_for_there(rng):
-    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS).aged(0.1)
+    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS, 1.0).aged(0.1)
     draws = draw_births(births(memory), 3000, rng)
     near = (np.abs(draws[:, 0] - 20.0) < 40.0) & (np.abs(draws[:, 1] - 0.3) < 0.3)
     assert 0.5 < near.mean() < 0.75
 
 
 def test_the_longer_it_is_gone_the_farther_it_is_looked_for(rng):
-    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS)
+    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS, 1.0)
     spreads = [
         np.median(np.abs(draw_births(births(memory.aged(seconds)), 4000, rng)[:, 0] - 20.0))
         for seconds in (0.0, 0.5, 2.0, 60.0)

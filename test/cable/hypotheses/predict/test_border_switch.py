@@ -15,7 +15,7 @@ from cable_tracker.cable.hypotheses.predict.border_switch import (
 from cable_tracker.cable.model.geometry import project_borders
 
 LEADER = np.array([20.0, 0.3, 40.0, 0.05])
-SWITCH = switch_from(LEADER, 3.0, 240.0, 320.0)
+SWITCH = switch_from(LEADER, 3.0, 240.0, 1.0)
 
 
 def drawn(rng, count) -> np.ndarray:

@@ -25,7 +25,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 
 PARAMETERS = TrackerParameters()
 CENTRES = np.array([[-40.0, 0.0, 30.0, 0.0], [40.0, 0.1, 30.0, 0.0]])
-SWITCH = switch_from(CENTRES[0], 3.0, 240.0, 320.0)
+SWITCH = switch_from(CENTRES[0], 3.0, 240.0, 1.0)
 RATES = np.array([[-100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]])
 SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
@@ -41,7 +41,7 @@ def make_predicted(
         mass_born=mass_born,
         log_width=log_width,
         width_spread=width_spread,
-        births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240)),
+        births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240), 1.0),
         mass_switched=mass_switched,
         border_switch=SWITCH,
     )

@@ -26,7 +26,7 @@ def cable(distance=20.0, width=30.0) -> np.ndarray:
 
 
 def remembered(before=None, state=None, dt=0.04) -> RememberedCable:
-    return remember(before, cable() if state is None else state, SIZE, dt, PARAMETERS)
+    return remember(before, cable() if state is None else state, SIZE, dt, PARAMETERS, 1.0)
 
 
 def as_wide_as(width) -> RememberedCable:
