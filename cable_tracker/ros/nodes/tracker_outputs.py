@@ -49,8 +49,10 @@ class TrackerOutputs:
 
     def publish_centreline(self, header: Message, estimate: CableEstimate) -> None:
         """Publish where the cable runs, if one is claimed."""
+        if not self._centreline.get_subscription_count():
+            return
         claimed = estimate.claimed_state
-        if claimed is not None and self._centreline.get_subscription_count():
+        if claimed is not None:
             self._centreline.publish(
                 make_centreline(self._factory, header, claimed, estimate.covariance)
             )
