@@ -84,8 +84,8 @@ ORDER_WITHIN = {
     ],
     "cable/measure": ["gradients", "map", "picture", "borders"],
     "cable/hypotheses": [
-        "frame_noise", "predict", "weigh", "propose", "background", "conclusion", "belief",
-        "first_claim", "belief_summary", "belief_update", "prediction", "multi_hypothesis_filter",
+        "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
+        "multi_hypothesis_filter",
     ],
 }  # fmt: skip
 """Folders and modules of a folder, lowest first: each may import those before it."""

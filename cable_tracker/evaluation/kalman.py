@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import states_in_chart, wrapped_estimate
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
-from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import states_in_chart, turned_covariance
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
-from cable_tracker.cable.model.statistics import turned_covariance
 from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
 from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.stamps import NANOSECONDS

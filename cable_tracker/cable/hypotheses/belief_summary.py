@@ -16,14 +16,13 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.weigh.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.cable.model.geometry import wrap_state, wrapped_estimate
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState
-from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 FAMILIAR = 2.0

@@ -41,12 +41,16 @@ from cable_tracker.cable.filter_interface import (
     ParticleBelief,
     resampled_states,
 )
-from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.belief import (
+    Belief,
+    initial_belief,
+    resampled_belief,
+    updated_belief,
+)
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
-from cable_tracker.cable.hypotheses.belief_update import updated_belief
-from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.conclude.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.predict.births import draw_births
+from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor, with_births_by_map
 from cable_tracker.cable.hypotheses.propose.proposal_config import (
     beside_a_known_cable,

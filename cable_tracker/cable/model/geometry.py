@@ -30,6 +30,9 @@ from cable_tracker.compilation import compiled, compiled_inside
 
 Number = TypeVar("Number", float, FloatArray)
 
+TURNED_SIGNS: FloatArray = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+"""Factors of the components of a state whose normal is turned round: d, beta and their rates."""
+
 LEAST_SLOPE = 1e-12
 """A line that comes nearer to a side of the image by less, over a pixel, never meets it [px]."""
 
@@ -190,6 +193,19 @@ def wrap_state(state: FloatArray) -> FloatArray:
         return state.copy()
     wrapped: FloatArray = wrap_states(state[None, :])[0]
     return wrapped
+
+
+def wrapped_estimate(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Write an estimate, shapes (8,) and (8, 8), with its normal angle in (-pi/2, pi/2]."""
+    wrapped = wrap_state(mean)
+    half_turns = round(float(mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / math.pi)
+    return wrapped, turned_covariance(covariance) if half_turns % 2 else covariance
+
+
+def turned_covariance(covariance: FloatArray) -> FloatArray:
+    """Return the covariance (8, 8) of a cable whose normal is turned round."""
+    turned: FloatArray = covariance * np.outer(TURNED_SIGNS, TURNED_SIGNS)
+    return turned
 
 
 def project_borders(states: FloatArray) -> Borders:

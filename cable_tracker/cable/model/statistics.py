@@ -7,17 +7,12 @@ cables are averaged as vectors.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import states_in_chart, wrap_angles, wrap_state
+from cable_tracker.cable.model.geometry import states_in_chart, wrap_angles, wrapped_estimate
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
-
-TURNED_SIGNS: FloatArray = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
-"""Factors of the components of a state whose normal is turned round: d, beta and their rates."""
 
 
 def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
@@ -39,16 +34,3 @@ def cable_mean_and_covariance(
     mean = weighted_mean(chart, weights)
     covariance = weighted_covariance(chart, weights, mean)
     return wrapped_estimate(mean, covariance)
-
-
-def wrapped_estimate(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Write an estimate, shapes (8,) and (8, 8), with its normal angle in (-pi/2, pi/2]."""
-    wrapped = wrap_state(mean)
-    half_turns = round(float(mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / math.pi)
-    return wrapped, turned_covariance(covariance) if half_turns % 2 else covariance
-
-
-def turned_covariance(covariance: FloatArray) -> FloatArray:
-    """Return the covariance (8, 8) of a cable whose normal is turned round."""
-    turned: FloatArray = covariance * np.outer(TURNED_SIGNS, TURNED_SIGNS)
-    return turned

@@ -1,12 +1,33 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.belief import initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.belief import (
+    POLARITY_DOUBT,
+    Belief,
+    initial_belief,
+    resampled_belief,
+    updated_belief,
+    updated_p_bright,
+)
+from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
+from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+PARAMETERS = TrackerParameters()
+LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
+YOUNG = 0.5 * PARAMETERS.known_after
+BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, faint_time=0.3)
+CLEAR, FAINT = 100.0, -100.0
+SHARES = st.floats(0.0, 1.0)
 
 
 def test_states_that_are_given_count_alike_and_are_wrapped(rng):
@@ -59,3 +80,85 @@ def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):
     assert drawn.log_odds is belief.log_odds
     np.testing.assert_array_equal(drawn.particles.states[3], belief.particles.states[44])
     np.testing.assert_allclose(drawn.particles.weights, 0.2)
+
+
+def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) -> Conclusion:
+    hypotheses = BEFORE.hypotheses._replace(
+        scaled_clearness=clearness, weaker_border_mean=border_mean
+    )
+    return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0, goes_on)
+
+
+def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
+    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0)
+
+
+def test_a_clear_cable_is_remembered_and_its_time_grows():
+    belief = updated(concluded())
+    assert belief.known_time == pytest.approx(YOUNG + 0.1)
+    assert belief.faint_time == 0.0
+    assert belief.p_bright > BEFORE.p_bright
+    np.testing.assert_array_equal(belief.memory.pose, LEADER[:4])
+    assert math.exp(belief.memory.log_width) == pytest.approx(30.0)
+
+
+def test_from_what_could_not_be_claimed_nothing_is_learnt():
+    belief = updated(concluded(clearness=FAINT))
+    assert belief.known_time == YOUNG
+    assert belief.faint_time == pytest.approx(0.4)
+    assert belief.p_bright == BEFORE.p_bright
+    assert belief.memory is None
+
+
+def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
+    known = replace(BEFORE, known_time=PARAMETERS.known_after)
+    kept, lost = (updated(concluded(FAINT, mean), known) for mean in (CLEAR, FAINT))
+    assert (kept.faint_time, lost.faint_time) == (0.0, pytest.approx(0.4))
+    assert kept.memory is not None
+
+
+def test_another_hypothesis_or_an_absent_one_is_not_known():
+    assert updated(concluded(goes_on=False)).known_time == 0.0
+    assert updated(concluded(log_odds=-2.0)).known_time == 0.0
+
+
+def test_what_was_given_stays_so_while_frames_hold_it_for_a_cable():
+    given = replace(BEFORE, is_given=True)
+    assert updated(concluded(), given).is_given
+    assert not updated(concluded(goes_on=False), given).is_given
+    assert not updated(concluded(log_odds=-2.0), given).is_given
+    assert not updated(concluded()).is_given
+
+
+def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_is_clear():
+    known = replace(BEFORE, known_time=PARAMETERS.known_after)
+    faint, clear = (updated(concluded(c, goes_on=False), known) for c in (FAINT, CLEAR))
+    assert faint.memory is None
+    assert faint.faint_time == pytest.approx(0.4)
+    assert clear.memory is not None
+
+
+def test_a_leader_that_is_clear_as_a_new_one_stays_so_although_its_width_is_learnt_from():
+    """After a long time without a cable, any width may come; it is not judged by itself."""
+    narrow = RememberedCable(LEADER[:4], 0.0, 100.0, math.log(12.0), tracked_time=60.0)
+    forgotten = replace(BEFORE, memory=narrow.aged(100.0 * PARAMETERS.width_memory))
+    belief = updated(concluded(1.5), forgotten)
+    assert belief.memory.seconds == 0.0
+    assert belief.is_clear
+    assert not updated(concluded(1.5), replace(BEFORE, memory=narrow)).is_clear
+
+
+@given(SHARES, SHARES, SHARES, SHARES, st.floats(0.0, 100.0))
+def test_the_polarity_is_never_beyond_doubt(before, found, presence, memory, dt):
+    after = updated_p_bright(before, found, presence, memory, dt)
+    assert POLARITY_DOUBT <= after <= 1.0 - POLARITY_DOUBT
+
+
+def test_a_frame_without_a_cable_says_nothing_of_its_polarity():
+    assert updated_p_bright(0.8, 0.0, 0.0, 1.0, 0.04) == pytest.approx(0.8)
+    assert updated_p_bright(0.8, 0.1, 1.0, 1.0, 0.04) == pytest.approx(0.1)
+
+
+def test_what_was_known_is_forgotten_with_time():
+    soon, late = (updated_p_bright(0.9, 0.9, 0.0, 0.9, dt) for dt in (0.04, 4.0))
+    assert 0.5 < late < soon < 0.9

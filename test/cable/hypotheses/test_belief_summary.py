@@ -17,7 +17,7 @@ from cable_tracker.cable.hypotheses.belief_summary import (
     displacement_factors,
     width_before_smoothing,
 )
-from cable_tracker.cable.hypotheses.first_claim import is_new_clear, leading_evidence
+from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH

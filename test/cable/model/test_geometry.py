@@ -20,6 +20,7 @@ from cable_tracker.cable.model.geometry import (
     wrap_angle,
     wrap_angles,
     wrap_states,
+    wrapped_estimate,
     wraps_between,
 )
 
@@ -230,3 +231,12 @@ def test_a_direction_is_written_within_a_quarter_turn_of_its_reference(angle, re
     assert -np.pi / 2 <= difference <= np.pi / 2
     normals = np.array([[np.cos(a), np.sin(a)] for a in (angle, reference + difference)])
     np.testing.assert_allclose(sign * normals[0], normals[1], atol=1e-12)
+
+
+@pytest.mark.parametrize(("turns", "sign"), [(-1, -1.0), (0, 1.0), (1, -1.0), (2, 1.0)])
+def test_an_estimate_that_is_turned_round_has_its_covariances_turned_too(turns, sign):
+    mean = np.array([20.0, 0.3 + turns * np.pi, 30.0, 0.1, 4.0, 0.1, 1.0, 0.03])
+    wrapped, covariance = wrapped_estimate(mean, np.ones((8, 8)))
+    np.testing.assert_allclose(wrapped[:4], [sign * 20.0, 0.3, 30.0, sign * 0.1])
+    assert covariance[0, 1] == sign
+    assert covariance[0, 3] == covariance[1, 2] == 1.0

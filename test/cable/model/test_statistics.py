@@ -5,11 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.statistics import (
-    cable_mean_and_covariance,
-    mean_line_angle,
-    wrapped_estimate,
-)
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance, mean_line_angle
 
 DEGREE = np.pi / 180
 
@@ -119,12 +115,3 @@ def test_mean_directions(degrees, expected):
 def test_directions_all_round_still_give_finite_numbers():
     angles = np.array([0.0, np.pi / 2])
     assert np.isfinite(mean_line_angle(angles, np.array([0.5, 0.5])))
-
-
-@pytest.mark.parametrize(("turns", "sign"), [(-1, -1.0), (0, 1.0), (1, -1.0), (2, 1.0)])
-def test_an_estimate_that_is_turned_round_has_its_covariances_turned_too(turns, sign):
-    mean = np.array([20.0, 0.3 + turns * np.pi, 30.0, 0.1, 4.0, 0.1, 1.0, 0.03])
-    wrapped, covariance = wrapped_estimate(mean, np.ones((8, 8)))
-    np.testing.assert_allclose(wrapped[:4], [sign * 20.0, 0.3, 30.0, sign * 0.1])
-    assert covariance[0, 1] == sign
-    assert covariance[0, 3] == covariance[1, 2] == 1.0

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
+from cable_tracker.cable.hypotheses.predict.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import (
     image_reach,

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.births import (
     BirthDensity,
     birth_density,
     drawn_birth_density,
 )
 from cable_tracker.cable.hypotheses.predict.border_switch import BorderSwitch, switch_density
+from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.remembered_cable import width_penalty
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
 from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
 from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior

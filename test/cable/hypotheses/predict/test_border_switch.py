@@ -3,7 +3,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predict.border_switch import (
     ANGLE_SIGMA,
     COMBINATIONS,
@@ -12,6 +11,7 @@ from cable_tracker.cable.hypotheses.predict.border_switch import (
     switch_density,
     switch_from,
 )
+from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.model.geometry import project_borders
 
 LEADER = np.array([20.0, 0.3, 40.0, 0.05])

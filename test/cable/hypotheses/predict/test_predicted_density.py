@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predict.births import (
     birth_density,
     birth_density_of,
     drawn_birth_density,
 )
 from cable_tracker.cable.hypotheses.predict.border_switch import switch_density, switch_from
+from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predict.predicted_density import (
     DensityValues,
     PredictedDensity,

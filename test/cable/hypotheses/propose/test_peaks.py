@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.propose.peaks import (
     MOST_REFINED,
     Peaks,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.first_claim import (
+from cable_tracker.cable.hypotheses.conclude.first_claim import (
     APPEARANCE_SHARE,
     LEAST_APPEARANCE,
     LEAST_FACTOR,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.background import (
+from cable_tracker.cable.hypotheses.conclude.background import (
     BEST_OF_ANY,
     Background,
     background_of,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.weigh.shared_borders import is_within_shared_border_limits

@@ -3,7 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.background import SMALLEST_DEVIATION, Background, background_of
+from cable_tracker.cable.hypotheses.conclude.background import (
+    SMALLEST_DEVIATION,
+    Background,
+    background_of,
+)
 from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.picture.working_image import make_working_image

@@ -7,7 +7,7 @@ unless a map of the frame says that it looks like a cable.
 
 from __future__ import annotations
 
-from cable_tracker.cable.hypotheses.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.weigh.thin_strips import (

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 
 COUNTS = st.integers(0, 40)
 TAILS = st.sampled_from([4.0, 1.0, 30.0, math.inf])

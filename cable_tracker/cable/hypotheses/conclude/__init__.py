@@ -1,0 +1,1 @@
+"""What the weighed particles of a frame say, and what they are held against."""
