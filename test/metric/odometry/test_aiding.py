@@ -187,6 +187,19 @@ class TestWithTexture:
         assert [motion is not None for motion in used] == [False, True, True, True]
         assert drive.aiding.seen.error < 0.3
 
+    def test_no_picture_is_looked_at_before_odometry_has_come_but_the_last_is_kept(
+        self, drive, bottom, monkeypatch
+    ):
+        with monkeypatch.context() as without:
+            without.delattr(SeaBedTexture, "compare")
+            for frame in range(3):
+                assert drive.sees(TrackingStatus.LOST, bottom=bottom(frame)) is None
+        assert drive.aiding.unaided.why == "no odometry has come"
+        # Twists of before, late on the way: the first frame after them is compared already.
+        (used,) = self.driven(drive, bottom, Drive.SWAY, 1, first=3)
+        assert used is not None
+        assert drive.aiding.seen.error < 0.3
+
     @pytest.mark.parametrize("said", [-Drive.SWAY, 1.0])
     def test_wrong_odometry_is_never_used_and_told(self, drive, bottom, said):
         assert self.driven(drive, bottom, said, 12) == [None] * 12
