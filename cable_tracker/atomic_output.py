@@ -186,7 +186,7 @@ def holds(marker: str) -> Callable[[Path], bool]:
 
 @contextmanager
 def output_folder(
-    path: Path, marker: str, *, overwrite: bool, is_own_name: Callable[[str], bool] = any_name
+    path: Path, marker: str, *, overwrite: bool, is_own_name: Callable[[str], bool]
 ) -> Iterator[Path]:
     """Give a folder to write into, which appears at its path when the context ends well.
 

@@ -11,6 +11,7 @@ import pytest
 from cable_tracker.atomic_output import (
     AtomicFile,
     PartialOutput,
+    any_name,
     atomic_file,
     output_folder,
     write_bytes,
@@ -76,19 +77,22 @@ def test_discarding_leaves_nothing(tmp_path):
 
 
 def fill(path, text="1", overwrite=False):
-    with output_folder(path, "mark", overwrite=overwrite) as folder:
+    with output_folder(path, "mark", overwrite=overwrite, is_own_name=any_name) as folder:
         (folder / "mark").write_text(text)
 
 
 def test_the_folder_appears_when_all_went_well(tmp_path):
-    with output_folder(tmp_path / "out", "mark", overwrite=False) as folder:
+    with output_folder(tmp_path / "out", "mark", overwrite=False, is_own_name=any_name) as folder:
         (folder / "mark").write_text("x")
         assert not (tmp_path / "out").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
 def test_nothing_is_left_after_a_failure(tmp_path):
-    with pytest.raises(RuntimeError), output_folder(tmp_path / "out", "mark", overwrite=False):
+    with (
+        pytest.raises(RuntimeError),
+        output_folder(tmp_path / "out", "mark", overwrite=False, is_own_name=any_name),
+    ):
         raise RuntimeError
     assert not any(tmp_path.iterdir())
 
@@ -210,7 +214,7 @@ def test_a_signal_while_the_folder_is_made_leaves_nothing_behind(tmp_path, monke
     monkeypatch.setattr(Path, "mkdir", make_and_stop)
     with (
         pytest.raises(KeyboardInterrupt),
-        output_folder(tmp_path / "out", "marker", overwrite=False),
+        output_folder(tmp_path / "out", "marker", overwrite=False, is_own_name=any_name),
     ):
         pass
     assert list(tmp_path.iterdir()) == []
@@ -218,7 +222,7 @@ def test_a_signal_while_the_folder_is_made_leaves_nothing_behind(tmp_path, monke
 
 def test_a_second_run_is_refused_while_the_first_one_writes(tmp_path):
     code = f"from pathlib import Path; {SECOND_RUN}"
-    with output_folder(tmp_path / "out", "mark", overwrite=False) as folder:
+    with output_folder(tmp_path / "out", "mark", overwrite=False, is_own_name=any_name) as folder:
         (folder / "mark").write_text("1")
         second = subprocess.run(
             [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -243,7 +247,7 @@ except OutputError as error:
 
 def test_another_output_of_the_same_process_is_refused_too(tmp_path):
     with (
-        output_folder(tmp_path / "out", "mark", overwrite=False),
+        output_folder(tmp_path / "out", "mark", overwrite=False, is_own_name=any_name),
         pytest.raises(OutputError, match="another run is writing"),
     ):
         fill(tmp_path / "out")

@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
@@ -29,6 +29,9 @@ from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.tables import CSV_FILES
 
 TITLE = "How well the cable is followed"
+
+OWN_NAMES = frozenset({REPORT, STORE, *(name for name, _ in CSV_FILES)})
+"""All that is ever written into the folder of an evaluation."""
 
 PRINTED_METRICS = (
     "useful", "wrong_claims", "false_tracking", "longest_loss", "held_rmse_d", "held_rmse_alpha",
@@ -97,7 +100,12 @@ def evaluate_cables(
     header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
     total = campaign.frame_count()
     with (
-        output_folder(output, REPORT, overwrite=force or resume) as folder,
+        output_folder(
+            output,
+            REPORT,
+            overwrite=force or resume,
+            is_own_name=OWN_NAMES.__contains__,
+        ) as folder,
         stored_beside(output, cluster, resume=resume) as settings,
     ):
         with progress_bar("evaluating", total) as progress:

@@ -27,7 +27,12 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopTask, run_loops
+from cable_tracker.commands.loop_campaign import (
+    MOST_WORKERS,
+    LoopTask,
+    is_folder_of_run,
+    run_loops,
+)
 from cable_tracker.commands.options import ForceOption, refuse_without_effect
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
@@ -212,7 +217,9 @@ def _run_several(
     resume: bool,
 ) -> None:
     with (
-        output_folder(path, RUNS, overwrite=force or resume) as folder,
+        output_folder(
+            path, RUNS, overwrite=force or resume, is_own_name=_is_of_several_runs
+        ) as folder,
         stored_beside(path, cluster, resume=resume) as settings,
     ):
         assert settings.store is not None
@@ -238,6 +245,11 @@ def _run_several(
     print_files(path, (RUNS, METHODS_TABLE))
     if any(each.failed for each in totals):
         raise typer.Exit(1)
+
+
+def _is_of_several_runs(name: str) -> bool:
+    """Tell by its name whether several runs write a file or a folder beside each other."""
+    return name in {RUNS, METHODS_TABLE} or is_folder_of_run(name)
 
 
 LABELS = {

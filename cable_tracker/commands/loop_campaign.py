@@ -22,6 +22,7 @@ from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
+from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.ros.process.environment import DOMAIN_VARIABLE
 
 FIRST_DOMAIN, LAST_DOMAIN = 88, 101
@@ -106,6 +107,12 @@ class LoopTask:
         for file in result.iterdir():
             shutil.move(file, folder / file.name)
         result.rmdir()
+
+
+def is_folder_of_run(name: str) -> bool:
+    """Tell by its name whether a run of several has its results in a folder."""
+    method, _, seed = name.rpartition("_")
+    return method in METHODS and seed.isdecimal()
 
 
 def _end_with_parent() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
@@ -33,6 +33,9 @@ from cable_tracker.tracking.parameter_files import read_parameter_file
 
 FIGURES_CSV = "figures.csv"
 TABLE_MARKDOWN = "table.md"
+OWN_NAMES = frozenset({FIGURES_CSV, TABLE_MARKDOWN, STORE})
+"""All that is ever written into the folder of an evaluation."""
+
 FRAMES = 150
 
 NOTHING = "nothing"
@@ -130,7 +133,12 @@ def evaluate_targets(
         for sequence in campaign.sequences
     ]
     with (
-        output_folder(output, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        output_folder(
+            output,
+            TABLE_MARKDOWN,
+            overwrite=force or resume,
+            is_own_name=OWN_NAMES.__contains__,
+        ) as folder,
         stored_beside(output, cluster, resume=resume) as settings,
     ):
         with progress_bar("following", None if None in counts else total) as progress:

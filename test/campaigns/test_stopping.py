@@ -2,7 +2,7 @@ import pytest
 from campaign_tasks import Square
 
 from cable_tracker import __version__
-from cable_tracker.atomic_output import output_folder
+from cable_tracker.atomic_output import any_name, output_folder
 from cable_tracker.campaigns.folder_tasks import is_done
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
@@ -73,7 +73,7 @@ def test_who_meets_a_full_disk_hears_what_is_kept(tmp_path):
 def test_what_is_kept_is_told_too_where_the_folder_of_results_finds_the_disk_full(tmp_path):
     with (
         pytest.raises(OutputError) as stopped,
-        output_folder(tmp_path / "out", "report.html", overwrite=False),
+        output_folder(tmp_path / "out", "report.html", overwrite=False, is_own_name=any_name),
         saying_what_stays(tmp_path, lambda: 2),
     ):
         raise OSError("No space left on device")

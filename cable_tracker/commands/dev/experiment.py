@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
 from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
@@ -81,7 +81,9 @@ def experiment(  # noqa: PLR0917
     note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     with (
-        output_folder(path, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        output_folder(
+            path, TABLE_MARKDOWN, overwrite=force or resume, is_own_name=_is_of_experiment
+        ) as folder,
         stored_beside(path, cluster, resume=resume) as settings,
     ):
         with progress_bar(name, chosen.frame_count()) as progress:
@@ -90,6 +92,11 @@ def experiment(  # noqa: PLR0917
         move_store(settings, folder)
     _print(result)
     print_files(path, result.file_names())
+
+
+def _is_of_experiment(name: str) -> bool:
+    """Tell by its name whether an experiment may have written a file: the names follow from it."""
+    return name in {TABLE_MARKDOWN, STORE} or Path(name).suffix in {".csv", ".png"}
 
 
 def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:

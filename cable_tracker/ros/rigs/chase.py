@@ -86,7 +86,7 @@ def run_chase(
     path : Path
         The folder.
     overwrite : bool
-        Replace an earlier one.
+        Replace an earlier one, but none in which the user has put other files.
     advance : callable
         Called with the number of frames that have come since the last call.
 
@@ -99,7 +99,10 @@ def run_chase(
     """
     use_local_environment()
     namespace = f"/cable_tracker_chase_{os.getpid()}"
-    with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
+    with ExitStack() as stack:
+        folder = stack.enter_context(
+            output_folder(path, TABLE, overwrite=overwrite, is_own_name=file_names().__contains__)
+        )
         recorder, executor = stack.enter_context(
             client_node(lambda context: ChaseRecorder(context, namespace))
         )

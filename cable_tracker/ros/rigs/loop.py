@@ -53,6 +53,9 @@ from cable_tracker.visualisation.video import VideoWriter
 
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 
+OWN_NAMES = frozenset({TABLE, SUMMARY, WAY, ERRORS, VIDEO})
+"""All that is ever written into the folder of a run."""
+
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
 
@@ -134,7 +137,7 @@ def run_loop(
     path : Path
         The folder.
     overwrite : bool
-        Replace an earlier one.
+        Replace an earlier one, but none in which the user has put other files.
     advance : callable
         Called with how far along the vehicle is, after each frame [m].
 
@@ -147,7 +150,10 @@ def run_loop(
     """
     use_local_environment()
     namespace = f"/cable_tracker_loop_{os.getpid()}"
-    with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
+    with ExitStack() as stack:
+        folder = stack.enter_context(
+            output_folder(path, TABLE, overwrite=overwrite, is_own_name=OWN_NAMES.__contains__)
+        )
         recorder, executor = stack.enter_context(
             client_node(
                 lambda context: LoopRecorder(context, namespace, with_images=request.with_video)

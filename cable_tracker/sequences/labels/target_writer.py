@@ -11,7 +11,11 @@ from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_box, write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BOXES_NAME, format_boxes
-from cable_tracker.sequences.pictures.image_writer import picture_name, write_picture
+from cable_tracker.sequences.pictures.image_writer import (
+    picture_name,
+    pictures_beside,
+    write_picture,
+)
 from cable_tracker.target.model.estimate import Box
 
 LabelledFrame = tuple[Frame, Box | None]
@@ -51,10 +55,12 @@ def write_target_pictures(
     Raises
     ------
     OutputError
-        The folder exists, or the disk does not let us write.
+        The folder exists, or holds other files, or the disk does not let us write.
     """
     boxes = []
-    with output_folder(folder, BOXES_NAME, overwrite=overwrite) as content:
+    with output_folder(
+        folder, BOXES_NAME, overwrite=overwrite, is_own_name=pictures_beside(BOXES_NAME)
+    ) as content:
         for frame, box in frames:
             name = picture_name(frame.index)
             write_picture(content / name, frame.image)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from cable_tracker.arrays import Image, eight_bits
@@ -13,12 +14,18 @@ from cable_tracker.sequences.labels.sequence_file import Label, write_labels
 from cable_tracker.sequences.pictures.encoded_pictures import png_bytes
 from cable_tracker.sequences.pictures.image_folder import SEQUENCE_NAME
 
+_PICTURE_NAME = re.compile(r"frame_[0-9]{6,}\.png")
 _GREY_ENCODINGS = ("mono8", "8UC1", "mono16", "16UC1", "32FC1")
 
 
 def picture_name(index: int) -> str:
     """Return the file name of a frame."""
     return f"frame_{index:06d}.png"
+
+
+def pictures_beside(list_name: str) -> Callable[[str], bool]:
+    """Return a test of whether a file is a written frame, or the list of what is in the frames."""
+    return lambda name: name == list_name or _PICTURE_NAME.fullmatch(name) is not None
 
 
 def _picture(image: RawImage | CompressedImage) -> Image:
@@ -63,7 +70,8 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
     frames : iterable of Frame
         Grey encodings become grey pictures, all others blue-green-red.
     overwrite : bool
-        Replace a sequence that lies there, or an empty folder. Anything else is never replaced.
+        Replace a sequence that lies there, or an empty folder. Anything else is never replaced, nor
+        a sequence beside which the user has put other files.
 
     Returns
     -------
@@ -77,5 +85,7 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
     FrameError
         A frame cannot be decoded.
     """
-    with output_folder(folder, SEQUENCE_NAME, overwrite=overwrite) as content:
+    with output_folder(
+        folder, SEQUENCE_NAME, overwrite=overwrite, is_own_name=pictures_beside(SEQUENCE_NAME)
+    ) as content:
         return _write_all(content, frames)
