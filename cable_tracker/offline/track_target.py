@@ -11,8 +11,9 @@ from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_messages import TargetMessages
 from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
-from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
@@ -73,7 +74,7 @@ def _follow(
     if sight is not None:
         sight.advance(frame)
     try:
-        image = decode_bgr(frame.image)
+        image = decode_bgr_levels(frame.image)
         begin = time.perf_counter()
         motion = None
         if sight is not None:
@@ -86,7 +87,8 @@ def _follow(
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     particles = tracker.particles
-    picture = draw_target(image, estimate, particles.states if particles is not None else None)
+    poses = particles.states if particles is not None else None
+    picture = draw_target(shown_levels(image), estimate, poses)
     facts: dict[str, str] = {}
     if sight is not None:
         metres = sight.take(estimate)

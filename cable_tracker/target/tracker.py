@@ -8,7 +8,7 @@ from enum import IntEnum
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.detect.candidates import DETECTORS
@@ -27,6 +27,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.tracking.image_frame import to_pixel
+from cable_tracker.tracking.level_gain import amplified, byte_gain
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, Succession, succession
 
@@ -103,6 +104,7 @@ class TargetTracker:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = self._make_filter()
+        self._gain = 1.0
         self._start: TargetStart | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -166,7 +168,7 @@ class TargetTracker:
         Parameters
         ----------
         image : Image
-            uint8, blue-green-red (H, W, 3) or grey (H, W).
+            Levels 0..255, uint8 or float32, blue-green-red (H, W, 3) or grey (H, W).
         stamp : int
             Time of the frame [ns].
         motion : CameraMotion or None
@@ -189,7 +191,7 @@ class TargetTracker:
         self._has_begun = False
         event = self._leave_behind(step)
         self._frame = frame
-        seen = make_working_frame(image, self._parameters.working_width)
+        seen = make_working_frame(self._in_bytes(image), self._parameters.working_width)
         self._zoom = seen.zoom
         if start is not None:
             try:
@@ -209,6 +211,15 @@ class TargetTracker:
             motion = None
         summary = self._filter.step(seen, dt, motion, apart, counts_for=step.dt)
         return self._estimate(summary, step.dt, event)
+
+    def _in_bytes(self, image: Image) -> Image:
+        """Return a frame in 8 bits, amplified if it is deeper and dim.
+
+        The gain stays while a target is followed, for that is known by its colours.
+        """
+        if self.is_searching:
+            self._gain = byte_gain(image)
+        return eight_bits(amplified(image, self._gain))
 
     def _leave_behind(self, step: Succession) -> str:
         """Forget what cannot be followed into a frame; return what to say of its time and of that.

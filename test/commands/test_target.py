@@ -53,6 +53,18 @@ def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
     }  # fmt: skip
 
 
+def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(first_box, tmp_path):
+    (tmp_path / "dim").mkdir()
+    for index, frame in enumerate(simulate_target("near_surface", 2, 4)):
+        # 10 bits that are sent in 16.
+        cv2.imwrite(str(tmp_path / "dim" / f"{index}.png"), 4 * frame.image.astype(np.uint16))
+    words = ",".join(str(side) for side in first_box)
+    options = ("--no-bag", "--no-video", "--output", tmp_path / "out")
+    result = run(tmp_path / "dim", "--init", words, *options)
+    assert "4 frames: 4 TRACKING" in result.output
+    assert cv2.imread(str(tmp_path / "out" / "overlay.png")).mean() > 60
+
+
 def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeypatch):
     def encode_jpeg(picture):
         raise AssertionError("no picture is encoded where no bag is wanted")

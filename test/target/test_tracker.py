@@ -501,3 +501,36 @@ def test_what_a_detector_proposed_is_not_looked_for_for_ever():
     assert statuses[24] is TrackingStatus.TRACKING
     assert statuses[39] is TrackingStatus.LOST
     assert statuses[-1] is TrackingStatus.TRACKING
+
+
+def dim(image, light=1.0):
+    """Return a picture as a camera of 10 bits gives it that are sent in 16."""
+    return (light * image / 64.0).astype(np.float32)
+
+
+@pytest.mark.parametrize("light", [1.0, 4.0], ids=["even light", "light that grows"])
+def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(draw, light):
+    tracker = TargetTracker(TargetParameters(seed=1))
+    image, mask = draw()
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.process(dim(image), STEP)
+    for number in range(2, 12):
+        image, mask = draw(centre=(160 + 4 * number, 120), seed=number)
+        estimate = tracker.process(dim(image, light ** (number / 11)), number * STEP)
+    assert estimate.status is TrackingStatus.TRACKING
+    assert overlap(estimate.box, box_of(mask)) > 0.7
+
+
+def test_a_deep_camera_that_uses_its_levels_is_measured_as_8_bits(draw):
+    deep, plain = started(draw)[0], started(draw)[0]
+    image = draw(centre=(166, 120), seed=2)[0]
+    assert np.array_equal(
+        deep.process(image.astype(np.float32), 2 * STEP).state, plain.process(image, 2 * STEP).state
+    )
+
+
+def test_levels_that_are_no_numbers_are_refused(draw):
+    picture = dim(draw()[0])
+    picture[3, 3] = np.nan
+    with pytest.raises(FrameError, match="NaN"):
+        TargetTracker().process(picture, STEP)

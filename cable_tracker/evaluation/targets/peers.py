@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.target.model.estimate import Box
@@ -114,12 +114,14 @@ class CamShiftTracker:
 
     @staticmethod
     def _channel(image: Image) -> tuple[Image, int]:
+        image = eight_bits(image)
         if image.ndim == 2:
             return image, 256
         return np.ascontiguousarray(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[..., 0]), 180
 
 
 def _in_colour(image: Image) -> Image:
+    image = eight_bits(image)
     return image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
 
 

@@ -9,7 +9,7 @@ from typing import Protocol
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
-from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.labels.target_labels import find_boxes
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.targets.sequence import simulate_target
@@ -23,7 +23,7 @@ class TargetEvaluationFrame:
     Attributes
     ----------
     image : Image
-        uint8, blue-green-red, shape (H, W, 3).
+        uint8, or float32 in 0..255 of deeper recordings; blue-green-red, shape (H, W, 3).
     stamp : int
         Time of the frame [ns].
     truth : Box or None
@@ -114,7 +114,7 @@ class RecordedTarget(LabelledRecording):
                 box = truth.box(frame)
                 shown += box is not None
                 is_judged = truth.knows(frame) or self.unlabelled_is_empty
-                image = self.decoded(frame, decode_bgr)
+                image = self.decoded(frame, decode_bgr_levels)
                 if image is not None:
                     yield TargetEvaluationFrame(image, frame.stamp, box, is_judged=is_judged)
         if not shown:

@@ -16,9 +16,10 @@ from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BoxTruth
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
@@ -96,7 +97,7 @@ class TargetFollower(Follower):
         return other
 
     def _forget_picture(self) -> None:
-        self._image = stand_in()
+        self._decoded = self._image = stand_in()
 
     def close(self) -> None:
         """Read no more of the recording."""
@@ -116,7 +117,8 @@ class TargetFollower(Follower):
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
-        self._image = decode_bgr(frame.image)
+        self._decoded = decode_bgr_levels(frame.image)
+        self._image = shown_levels(self._decoded)
 
     def follow(self, frame: Frame, number: int) -> TargetSnapshot:
         """Track a frame."""
@@ -126,7 +128,7 @@ class TargetFollower(Follower):
         begin = time.perf_counter()
         height, width = self._image.shape[:2]
         motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
-        estimate = self._tracker.process(self._image, frame.stamp, motion)
+        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
         if sight is not None:
             # Tells it from which frame the next turn of the camera counts.

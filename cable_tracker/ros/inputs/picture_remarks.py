@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.picture.level_gain import amplified, level_gain
+from cable_tracker.tracking.level_gain import amplified, level_gain
 
 BLACK, WHITE = 2.0, 253.0
 """Grey levels up to and from which nothing can be told apart."""

@@ -34,6 +34,7 @@ from cable_tracker.sequences.messages.target import (
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.visualisation.target_overlay import draw_target
 
@@ -170,12 +171,12 @@ class TargetOutputs:
     def publish_pictures(
         self, header: Message, answers: Sequence[TargetAnswer], picture: Picture
     ) -> None:
-        """Publish what people look at; `picture` is blue-green-red."""
+        """Publish what people look at; `picture` is blue-green-red, with levels 0..255."""
         for target, answer in zip(self._targets, answers, strict=True):
             target.publish_pictures(header, answer)
         if not self._overlay.is_wanted:
             return
-        drawn = picture
+        drawn = shown_levels(picture)
         for line, answer in enumerate(answers):
             states = answer.particles.states if answer.particles is not None else None
             drawn = draw_target(drawn, answer.estimate, states, line=line)

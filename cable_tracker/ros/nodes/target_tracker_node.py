@@ -22,7 +22,7 @@ from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import read_start
 from cable_tracker.target.group import TargetGroup
@@ -157,8 +157,8 @@ class TargetTrackerNode(CameraNode):
         return super()._input_profiles() | marks
 
     def _decode(self, image: AnyImage) -> Image:
-        """Return the picture in colour, shape (H, W, 3)."""
-        return decode_bgr(image)
+        """Return the picture in colour with the steps that its levels have, shape (H, W, 3)."""
+        return decode_bgr_levels(image)
 
     def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         begin = time.perf_counter()

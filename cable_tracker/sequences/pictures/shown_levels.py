@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Image, eight_bits
-from cable_tracker.cable.measure.picture.level_gain import (
+from cable_tracker.sequences.encodings import decode_bgr_levels
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.tracking.level_gain import (
     LARGEST_GAIN,
     USUAL,
     amplified,
     level_range,
 )
-from cable_tracker.sequences.encodings import decode_bgr_levels
-from cable_tracker.sequences.frame import CompressedImage, RawImage
 
 EYES = 3.0
 """What is dim is made so many times brighter for people than for measuring."""

@@ -83,14 +83,17 @@ def check_target_frame(image: Image, working_width: int) -> None:
     FrameError
         It cannot.
     """
-    if image.dtype != np.uint8 or image.ndim not in {2, 3}:
+    if image.dtype not in (np.uint8, np.float32) or image.ndim not in {2, 3}:
         raise FrameError(
-            f"frames must be uint8 of shape (H, W) or (H, W, 3), not {image.dtype} {image.shape}"
+            "frames must be uint8 or float32 of shape (H, W) or (H, W, 3), not"
+            f" {image.dtype} {image.shape}"
         )
     if image.ndim == 3 and image.shape[2] != 3:
         raise FrameError(f"a coloured frame has 3 channels, not {image.shape[2]}")
     if min(image.shape[:2]) < SMALLEST_SIDE:
         raise FrameError(f"a frame is at least {SMALLEST_SIDE} px wide and high")
+    if image.dtype == np.float32 and not np.isfinite(image).all():
+        raise FrameError("the picture has pixels that are NaN or infinite")
     height, width = image.shape[:2]
     if _reduced(width, height, working_width)[1] < LEAST_ROWS:
         raise FrameError(

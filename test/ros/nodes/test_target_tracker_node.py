@@ -104,6 +104,20 @@ class TestTopics:
             assert list(state.velocity) == [*estimate.state[4:], 0.0, 0.0]
             assert list(state.effort[:2]) == list(estimate.standard_deviations()[:2])
 
+    def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed_and_shown(
+        self, world: Any, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.target_tracker(initial_target=BOX)
+        boxes = world.listen(PolygonStamped, "box")
+        overlays = world.listen(Image, "target_tracker/overlay")
+        for index in range(3):
+            # 10 bits that are sent in 16.
+            deep = 4 * moving(index).astype(np.uint16)
+            world.show(node, image_message(deep, "bgr16", index=index))
+        world.spin(lambda: len(boxes) == 3 and overlays)
+        assert corners_of(boxes[-1]).mean(axis=0) == pytest.approx([164.5, 118.5], abs=3.0)
+        assert np.mean(overlays[-1].data) > 60
+
     def test_centre_box_and_contour_are_where_the_target_is(
         self, world: Any, follow: Callable[..., list[Any]]
     ) -> None:

@@ -31,9 +31,9 @@ from cable_tracker.cable.measure.picture.burned_in_lines import (
 )
 from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.picture.illumination import evenly_lit
-from cable_tracker.cable.measure.picture.level_gain import amplified, level_gain
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.level_gain import amplified, level_gain
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 DEFAULTS = TrackerParameters()

@@ -7,7 +7,7 @@ sent as mono16 shows the brightest white as 4 of 255 levels, and all of a dim di
 
 from __future__ import annotations
 
-from math import log2
+from math import floor, log2
 
 import numpy as np
 
@@ -20,6 +20,8 @@ what compares one frame with the next compares levels."""
 
 LARGEST_GAIN = 256.0
 """Beyond it, one step of 16 bits would be a whole grey level."""
+
+HALF_OF_WHITE = 127.5
 
 SPREAD = (2.0, 98.0)
 """Percentiles whose difference is the spread: captions have fewer pixels."""
@@ -48,6 +50,29 @@ def level_gain(before: float, picture: Image) -> float:
     return min(max(wanted, 1.0), LARGEST_GAIN)
 
 
+def byte_gain(picture: Image) -> float:
+    """Return a gain as `level_gain` does for a first picture, but for one to be rounded to 8 bits.
+
+    It is no greater than leaves all but the brightest few levels below half of white: the pictures
+    that follow may be brighter, and what is brighter than white is cut off.
+
+    Parameters
+    ----------
+    picture : Image
+        Levels 0..255, uint8 or float32, shape (H, W) or (H, W, 3).
+    """
+    if picture.dtype == np.uint8:
+        return 1.0
+    return min(level_gain(1.0, picture), gain_below_white(level_range(picture)[1]))
+
+
+def gain_below_white(level: float) -> float:
+    """Return the greatest gain that leaves a level below half of white: 1, or a power of two."""
+    if level <= HALF_OF_WHITE / LARGEST_GAIN:
+        return LARGEST_GAIN
+    return max(2.0 ** floor(log2(HALF_OF_WHITE / level)), 1.0)
+
+
 def level_range(picture: Image) -> tuple[float, float]:
     """Return the levels between which those of a picture spread, all but the outermost few."""
     low, high = np.percentile(picture[::STEP, ::STEP], SPREAD)
@@ -55,5 +80,5 @@ def level_range(picture: Image) -> tuple[float, float]:
 
 
 def amplified(picture: Image, gain: float) -> Image:
-    """Return a picture (H, W) with its grey levels times a gain; itself where that is 1."""
+    """Return a picture, grey or in colour, with its levels times a gain; itself where it is 1."""
     return picture if gain == 1.0 else np.multiply(picture, np.float32(gain))

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.picture.level_gain import (
+from cable_tracker.tracking.level_gain import (
     LARGEST_GAIN,
     NARROW,
     WIDE,
     amplified,
+    byte_gain,
     level_gain,
 )
 
@@ -57,3 +58,17 @@ def test_a_mark_burned_into_a_dim_picture_does_not_hide_its_scene():
     picture = spread_over(0.5)
     picture[:8, :16] = 255.0
     assert level_gain(1.0, picture) > 16.0
+
+
+@given(st.floats(0.0, 250.0), SPREADS)
+def test_what_is_rounded_to_bytes_is_not_cut_off(darkest, spread):
+    picture = np.minimum(np.float32(darkest) + spread_over(spread), np.float32(255.0))
+    gain = byte_gain(picture)
+    assert gain in {1.0, *(2.0**power for power in range(9))}
+    assert gain == 1.0 or np.percentile(gain * picture, 98.0) < 128.0
+
+
+def test_a_dim_picture_in_colour_is_amplified_before_it_is_rounded():
+    picture = np.stack([spread_over(0.5)] * 3, axis=2)
+    assert byte_gain(picture) == 64.0
+    assert byte_gain(picture.astype(np.uint8)) == 1.0
