@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import ExitStack
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -36,15 +38,13 @@ from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source import ChosenRecording
 
-COARSE = (
-    "its pictures have more than 8 bits and use less than 1/8 of that range: in 8 bits at most 32"
-    " of their levels are left, too few for a faint cable; leave out --format, which keeps the"
-    " pixels as recorded"
-)
+LOOK_EVERY = 10
+"""Of so many frames one is looked at for the levels of a recording."""
 
 
 def convert(  # noqa: PLR0917
@@ -88,6 +88,7 @@ def convert(  # noqa: PLR0917
             counted(recording.frames(), progress),
             storage=storage.value,
             image_format=image_format,
+            looked_at=_every_tenth(recording),
             skip_bad_frames=skip_bad_frames,
             overwrite=force,
             carried=() if instruments is None else carried_messages(instruments),
@@ -97,12 +98,26 @@ def convert(  # noqa: PLR0917
         write_bytes(output / VEHICLE_FILE, vehicle)
     if instruments is not None:
         print_notes(source, instruments.remarks())
-    if written.is_coarse:
-        print_notes(source, [COARSE])
+    if written.gain > 1.0:
+        print_notes(source, [_words_on(written.gain)])
     skipped = f" ({written.skipped} that cannot be decoded left out)" if written.skipped else ""
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:
         raise written.damage
+
+
+def _every_tenth(recording: Source) -> Iterator[Frame]:
+    """Read some frames of a recording, for a look at their levels."""
+    numbers = count()
+    return recording.chosen_frames(lambda _stamp: next(numbers) % LOOK_EVERY == 0)
+
+
+def _words_on(gain: float) -> str:
+    return (
+        "its pictures have more than 8 bits and use less than 1/8 of that range: for 8 bits the"
+        f" levels of all frames were multiplied by {gain:g}; leave out --format, which keeps the"
+        " pixels as recorded"
+    )
 
 
 def _instruments(recording: Source, choice: InstrumentChoice) -> InstrumentSource | None:

@@ -10,7 +10,7 @@ from cable_tracker.sequences.bags.bag_storage import open_bag
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.encodings import decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source import open_source
@@ -70,12 +70,15 @@ def test_messages_that_cannot_be_read_are_left_out_and_said(command, dive):
     assert notes.startswith("note: torn: /altitude: 3 of its messages cannot be read")
 
 
-def test_a_note_says_that_8_bits_ruin_a_camera_of_12(command):
+def test_what_a_camera_of_12_bits_shows_is_kept_in_8_bits_and_said(command):
     picture = np.linspace(0, 4095, 48 * 64).reshape(48, 64).astype(np.uint16)
     write_bag(Path("deep"), [Frame(0, 10**9, raw_from_array(picture, "mono16"))])
     code, _, notes = command("convert", "deep", "copy", "--format", "jpeg")
     assert code == 0
     assert notes.startswith("note: deep: its pictures have more than 8 bits and use less than 1/8")
+    assert "the levels of all frames were multiplied by 8;" in notes
+    with open_source(Path("copy")) as copy:
+        assert decode_grey(next(copy.frames()).image).max() == pytest.approx(127, abs=3)
     assert notes.count("\n") == 1
     assert command("convert", "deep", "as_it_is")[2] == ""
 

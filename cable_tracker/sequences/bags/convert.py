@@ -11,12 +11,12 @@ from typing import Literal
 
 import numpy as np
 
-from cable_tracker.arrays import eight_bits
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
+from cable_tracker.sequences.encodings import decode_bgr_levels, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.sequences.messages.cable import make_state
@@ -25,11 +25,11 @@ from cable_tracker.sequences.messages.images import make_compressed_image, make_
 from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.target.model.estimate import Box, box_corners
+from cable_tracker.tracking.level_gain import amplified, gain_below_white, level_range
 
 JPEG_QUALITY = 95
 
 _LITTLE_OF_WHITE = 255.0 / 8.0
-_BRIGHT_PERCENTILE = 98.0
 
 
 class ImageFormat(str, Enum):
@@ -40,8 +40,13 @@ class ImageFormat(str, Enum):
     JPEG = "jpeg"
 
 
-def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
+def in_format(frame: Frame, image_format: ImageFormat, gain: float = 1.0) -> Frame:
     """Return the frame with its pixels in another format.
+
+    Parameters
+    ----------
+    gain : float
+        What its levels are multiplied by before they are brought to 8 bits; see `gain_of`.
 
     Raises
     ------
@@ -51,19 +56,51 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     if not frame.has_image:
         raise FrameError("there is no image in it")
     if image_format is ImageFormat.GREY:
-        grey = eight_bits(decode_grey(frame.image))
+        grey = _bytes_of(decode_grey(frame.image), gain)
         return replace(frame, image=raw_from_array(grey, "mono8"))
     if image_format is ImageFormat.JPEG:
-        return replace(frame, image=encode_jpeg(decode_bgr(frame.image), JPEG_QUALITY))
+        colour = _bytes_of(decode_bgr_levels(frame.image), gain)
+        return replace(frame, image=encode_jpeg(colour, JPEG_QUALITY))
     return frame
 
 
-def _uses_little_of_many_bits(frame: Frame) -> bool:
-    """Tell whether a frame has more than 8 bits, but nearly all of it is below 1/8 of white."""
-    levels = decode_grey(frame.image)
-    if levels.dtype == np.uint8:
-        return False
-    return bool(np.percentile(levels, _BRIGHT_PERCENTILE) < _LITTLE_OF_WHITE)
+def _bytes_of(levels: Image, gain: float) -> Image:
+    """Return a picture in 8 bits; one that has been recorded in 8 bits stays as it is."""
+    return levels if levels.dtype == np.uint8 else eight_bits(amplified(levels, gain))
+
+
+def gain_of(frames: Iterable[Frame]) -> float:
+    """Return what the levels of a whole recording are multiplied by before 8 bits are made of them.
+
+    One factor for all frames, so that the brightness of one can be compared with that of the next:
+    1, unless all frames have more than 8 bits and use less than 1/8 of that
+    range, as those of a camera of 12 bits do. Reading ends at the first that is otherwise.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        Frames of the recording, or some of them; those that cannot be decoded are passed over.
+    """
+    brightest = 0.0
+    for frame in _until_damage(frames):
+        try:
+            levels = decode_grey(frame.image)
+        except FrameError:
+            continue
+        if levels.dtype == np.uint8:
+            return 1.0
+        brightest = max(brightest, level_range(levels)[1])
+        if brightest >= _LITTLE_OF_WHITE:
+            return 1.0
+    return gain_below_white(brightest) if brightest > 0.0 else 1.0
+
+
+def _until_damage(frames: Iterable[Frame]) -> Iterator[Frame]:
+    """Yield the frames before the one at which a recording breaks off."""
+    try:
+        yield from frames
+    except RecordingError:
+        return
 
 
 def write_truth(bag: MessageSink, frame: Frame) -> None:
@@ -131,15 +168,14 @@ class WrittenBag:
         Frames left out because they could not be decoded.
     damage : RecordingError or None
         Damage at which the recording broke off; the bag holds the frames before that.
-    is_coarse : bool
-        Whether few of the levels are left: all frames had more than 8 bits, used less than 1/8 of
-        that range, as those of a camera of 12 bits do, and were to be brought to 8 bits.
+    gain : float
+        What the levels of its frames were multiplied by; see `gain_of`.
     """
 
     count: int
     skipped: int
     damage: RecordingError | None
-    is_coarse: bool = False
+    gain: float = 1.0
 
 
 def _in_order(
@@ -156,6 +192,7 @@ def write_bag(
     *,
     storage: Literal["sqlite3", "mcap"] = "mcap",
     image_format: ImageFormat = ImageFormat.AS_IS,
+    looked_at: Iterable[Frame] = (),
     skip_bad_frames: bool = False,
     overwrite: bool = False,
     carried: Iterable[CarriedMessage] = (),
@@ -167,7 +204,8 @@ def write_bag(
     Carried messages are written between them, in the order of their times.
 
     Images that cannot be decoded can be written as they are, but not in another format: there they
-    are left out with `skip_bad_frames`, as are frames without any image in all formats.
+    are left out with `skip_bad_frames`, as are frames without any image in all formats. Where
+    their format changes, all get the gain of the frames that are looked at first; see `gain_of`.
 
     Raises
     ------
@@ -180,16 +218,18 @@ def write_bag(
         There was not a single frame.
     """
     count = skipped = 0
+    gain = 1.0
     damage: RecordingError | None = None
-    is_coarse = image_format is not ImageFormat.AS_IS
     with BagWriter(path, storage, overwrite=overwrite) as bag:
+        if image_format is not ImageFormat.AS_IS:
+            gain = gain_of(looked_at)
         try:
             for item in _in_order(frames, carried):
                 if isinstance(item, CarriedMessage):
                     bag.write(item.topic, item.type_name, item.message, item.bag_time)
                     continue
                 try:
-                    converted = in_format(item, image_format)
+                    converted = in_format(item, image_format, gain)
                 except FrameError as error:
                     if not skip_bad_frames:
                         raise FrameError(f"frame {item.index}: {error}") from error
@@ -199,9 +239,8 @@ def write_bag(
                 if boxes is not None and boxes.knows(item):
                     write_box(bag, item, boxes.box(item))
                 count += 1
-                is_coarse = is_coarse and _uses_little_of_many_bits(item)
         except RecordingError as error:
             damage = error
         if not count:
             raise damage or RecordingError(f"{path}: there are no frames to write")
-    return WrittenBag(count, skipped, damage, is_coarse)
+    return WrittenBag(count, skipped, damage, gain)

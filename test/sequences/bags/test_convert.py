@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.bags.convert import ImageFormat, WrittenBag, in_format, write_bag
+from cable_tracker.sequences.bags import convert
+from cable_tracker.sequences.bags.convert import (
+    ImageFormat,
+    WrittenBag,
+    gain_of,
+    in_format,
+    write_bag,
+)
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.source import open_source
@@ -60,23 +67,47 @@ def deep_frames(*brightest: int) -> list[Frame]:
     ]
 
 
-@pytest.mark.parametrize("image_format", [ImageFormat.GREY, ImageFormat.JPEG])
-def test_few_levels_are_left_of_a_camera_of_12_bits(tmp_path, image_format):
-    written = write_bag(tmp_path / "bag", deep_frames(4095, 4095), image_format=image_format)
-    assert written.is_coarse
+def test_a_camera_of_12_bits_gets_one_gain_for_all_frames():
+    assert gain_of(deep_frames(4095, 300)) == gain_of(deep_frames(300, *[4095] * 20)) == 8.0
+    assert gain_of(deep_frames(1023)) == 32.0
 
 
 @pytest.mark.parametrize(
-    ("frames", "image_format"),
+    "frames",
     [
-        (deep_frames(4095, 65535), ImageFormat.GREY),
-        (deep_frames(4095), ImageFormat.AS_IS),
-        ([Frame(0, 5, raw_from_array(np.zeros((24, 32), np.uint8), "mono8"))], ImageFormat.JPEG),
+        deep_frames(*[4095] * 10, 65535),
+        deep_frames(0),
+        [],
+        [Frame(0, 5, raw_from_array(np.zeros((24, 32), np.uint8), "mono8"))],
     ],
-    ids=["first frame dark", "as it is", "8 bits"],
+    ids=["bright later", "black", "none", "8 bits"],
 )
-def test_otherwise_the_levels_are_kept(tmp_path, frames, image_format):
-    assert not write_bag(tmp_path / "bag", frames, image_format=image_format).is_coarse
+def test_otherwise_levels_stay_as_they_are(frames):
+    assert gain_of(frames) == 1.0
+
+
+def test_frames_without_a_readable_picture_and_what_follows_a_damage_do_not_count():
+    bad = Frame(0, 5, RawImage("mono16", 1, 1, 0, False, memoryview(b"")))
+    assert gain_of(broken_off([bad, *deep_frames(*[4095] * 10)])) == 8.0
+
+
+@pytest.mark.parametrize("image_format", [ImageFormat.GREY, ImageFormat.JPEG])
+def test_frames_are_amplified_before_they_are_rounded_and_decoded_once(
+    tmp_path, monkeypatch, image_format
+):
+    decoded = []
+    for name in ("decode_grey", "decode_bgr_levels"):
+        decode = getattr(convert, name)
+        monkeypatch.setattr(
+            convert, name, lambda image, decode=decode: decoded.append(1) or decode(image)
+        )
+    frames = deep_frames(4095, 300)
+    write_bag(tmp_path / "bag", frames, image_format=image_format, looked_at=frames[:1])
+    assert len(decoded) == 1 + 2
+    one, other = (decode_grey(frame.image) for frame in read(tmp_path / "bag"))
+    assert one.max() == pytest.approx(127, abs=3)
+    assert other.max() == pytest.approx(9, abs=3)
+    assert len(np.unique(one)) > 100
 
 
 def test_frames_and_truths_are_read_back(tmp_path, make_frame, state):
