@@ -72,12 +72,6 @@ class PoseChange:
         sigmas: FloatArray = np.sqrt(self.covariance.diagonal()) / self.seconds
         return sigmas
 
-    def turned_as(self, other: PoseChange) -> PoseChange:
-        """Return the same way with the turn of another one over the same time."""
-        covariance = other.covariance.copy()
-        covariance[:3, :3] = self.covariance[:3, :3]
-        return PoseChange(other.rotation, self.translation, covariance, self.seconds)
-
 
 @dataclass(frozen=True, slots=True)
 class NoMotion:
@@ -144,6 +138,21 @@ class Odometry:
             return NoMotion(f"{self._instrument} is not finite, or as good as infinite")
         return _integrated(knots, seconds)
 
+    def turned_by(self, gyroscope: Odometry, start: int, end: int) -> PoseChange:
+        """Return the way by these velocities, along the turn that another instrument measured.
+
+        Of both, `motion` must be known between the two times [ns]. A way bends as the vehicle
+        turns: with a turn that was not measured, another place would be reached.
+        """
+        stamps = {start, end}
+        for source in (self, gyroscope):
+            stamps |= {stamp for stamp, _ in source._twists.between(start + 1, end)}
+        knots = [
+            (stamp, _with_rates(self._knot(stamp)[1], gyroscope._knot(stamp)[1]))
+            for stamp in sorted(stamps)
+        ]
+        return _integrated(knots, (end - start) / NANOSECONDS)
+
     def _why_unknown(self, start: int, end: int, seconds: float) -> str:
         name = self._instrument
         if not 0.0 < seconds <= LONGEST_STEP:
@@ -162,6 +171,18 @@ class Odometry:
         reading = self._twists.at(stamp)
         assert reading is not None
         return stamp, reading.values
+
+
+def _with_rates(twist: FloatArray, turning: FloatArray) -> FloatArray:
+    """Return velocities of one twist and rates of turn of another, each with its covariance.
+
+    Twists are followed by their covariances, in one row, shape (42,).
+    """
+    joined = turning.copy()
+    joined[:3] = twist[:3]
+    covariance = joined[TWIST:].reshape(TWIST, TWIST)
+    covariance[:3, :3] = twist[TWIST:].reshape(TWIST, TWIST)[:3, :3]
+    return joined
 
 
 def _integrated(knots: list[tuple[int, FloatArray]], seconds: float) -> PoseChange:

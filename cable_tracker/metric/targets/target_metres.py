@@ -125,7 +125,7 @@ class VehicleMotion:
         turned = self._gyroscope.motion(start, end)
         if isinstance(turned, PoseChange):
             if isinstance(moved, PoseChange) and moved.knows_way:
-                return moved.turned_as(turned), True
+                return self._odometry.turned_by(self._gyroscope, start, end), True
             return turned, False
         if isinstance(moved, PoseChange) and moved.measured_turns:
             # Odometry in a plane: to keep level is nearer to the truth than not to turn.

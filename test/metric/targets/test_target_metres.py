@@ -198,6 +198,22 @@ class TestVehicleMotion:
         assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
         assert np.diag(moved[0].covariance).max() < 1.0
 
+    def test_a_way_bends_as_the_gyroscope_says(self):
+        # Odometry says that it turns the other way, and that it does not know.
+        motion = self.with_odometry(turn=UNKNOWN_VARIANCE, angular=-3.0)
+        for stamp in range(0, 3 * STEP, STEP // 4):
+            motion.take_turn(stamp, np.array([0.0, 0.0, 3.0 + 1e-12 * stamp]))
+        change, knows_way = motion.between(0, 2 * STEP)
+        assert knows_way
+        angle = 3.0 * 2 * STEP / 1e9
+        radius = (1.0 + 1e-9 * STEP) / 3.0
+        circle = [radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0]
+        np.testing.assert_allclose(change.translation, circle, atol=1e-3)
+        np.testing.assert_allclose(change.rotation @ [1, 0, 0], [
+            math.cos(angle), math.sin(angle), 0.0,
+        ], atol=1e-3)  # fmt: skip
+        assert change.seconds == pytest.approx(2 * STEP / 1e9)
+
     def test_a_gyroscope_counts_where_odometry_knows_nothing(self):
         motion = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
         self.turns(motion)
