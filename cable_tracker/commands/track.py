@@ -114,6 +114,7 @@ def track(  # noqa: PLR0917
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
+        metres = None if ros else described.metres()
         if ros:
             client = need_ros("clients.track_recording")
             replayed = need_ros("clients.lockstep").replay_parameters(
@@ -131,11 +132,10 @@ def track(  # noqa: PLR0917
             tracker = make_tracker(parameters)
             if given is not None:
                 tracker.initialise(given)
-            metres = described.metres()
             with metres or nullcontext():
                 damage = track_recording(frames, tracker, results, metres)
         need_usable_frames(recording.path, results.rows, damage)
-    print_notes(source, described.remarks())
+    print_notes(source, [*described.remarks(), *(metres.remarks() if metres is not None else ())])
     _print_results(results, wants_metres=described.wants_metres)
     print_taken_rate(recording)
     for line in advice(results.rows, results.widths, parameters):

@@ -197,7 +197,7 @@ def track_forwards(
         if not len(dive.table):
             raise
         dive.notes.append(str(error))
-    dive.notes += vehicle.remarks()
+    dive.notes += [*vehicle.remarks(), *run.remarks()]
     if run.passed_over:
         total = run.passed_over + len(dive.table)
         dive.notes.append(
@@ -239,6 +239,9 @@ class _Run:
 
     def close(self) -> None:
         self._metres.close()
+
+    def remarks(self) -> tuple[str, ...]:
+        return self._metres.remarks()
 
     def wants(self, stamp: int) -> bool:
         """Tell whether the picture of a time [ns] is tracked; each is asked about once."""

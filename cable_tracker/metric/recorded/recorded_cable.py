@@ -82,6 +82,8 @@ class RecordedMetres(RecordedInstruments[CableSight]):
     ) -> None:
         self._vehicle = vehicle
         self._pauses = pauses
+        self._measured = self._stood_in = 0
+        self._stand_in = ""
         super().__init__(InstrumentFeed(source, pauses.of_instruments()))
         self._aids = bool(vehicle.values["motion_aid"]) and (
             source is not None and Instrument.ODOMETRY in source.found.topics
@@ -126,7 +128,19 @@ class RecordedMetres(RecordedInstruments[CableSight]):
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
+        self._measured += 1
+        stand_in = self.instruments.stand_in_at(estimate.stamp)
+        if stand_in:
+            self._stood_in += 1
+            self._stand_in = self._stand_in or stand_in
         return self._sight.measure(estimate)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return a remark where `fixed_altitude` stood in, to be asked for after tracking."""
+        if not self._stood_in:
+            return ()
+        counted = f"in {self._stood_in} of {self._measured} frames"
+        return (f"{counted} {self._stand_in}; metres may jump there",)
 
 
 @dataclass(frozen=True, slots=True)
