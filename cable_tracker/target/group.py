@@ -6,12 +6,12 @@ exclusion; here a target that is claimed keeps the particles of the others away.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.camera_motion import CameraMotion, telling
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -88,26 +88,38 @@ class TargetGroup:
             for a mark that the frame cannot hold: it is dropped.
         """
         tasks = [tracker.task_for(image, stamp) for tracker in self._trackers]
-        before = dict(enumerate(self._estimates))
+        before = self._claimed_before(motion, (image.shape[1], image.shape[0]))
         now: dict[int, TargetEstimate] = {}
         for number in sorted(range(len(tasks)), key=tasks.__getitem__):
             if tasks[number] is FrameTask.SEARCH:
                 # Two of them must not take the same candidate, claimed or not.
-                others = _states(
-                    estimate
+                others = _stacked(
+                    estimate.state
                     for each, estimate in now.items()
                     if not self._trackers[each].is_searching
                 )
             else:
-                known = before | {each: now[each] for each in now if tasks[each] is FrameTask.START}
-                others = _states(
-                    estimate
-                    for each, estimate in known.items()
-                    if each != number and estimate.status is TrackingStatus.TRACKING
-                )
+                started = {each: now[each] for each in now if tasks[each] is FrameTask.START}
+                earlier = {each: before[each] for each in before if each not in started}
+                known = earlier | _claimed(started)
+                others = _stacked(known[each] for each in known if each != number)
             now[number] = self._trackers[number].process(image, stamp, motion, others)
         self._estimates = [now[number] for number in range(len(tasks))]
         return self._estimates
+
+    def _claimed_before(
+        self, motion: CameraMotion | None, image_size: tuple[int, int]
+    ) -> dict[int, FloatArray]:
+        """Return where targets were claimed in the frame before, carried on to this one.
+
+        Otherwise a target that comes, as the camera pans, to where another one was would be kept
+        from its own place.
+        """
+        claimed = _claimed(dict(enumerate(self._estimates)))
+        motion = telling(motion, image_size)
+        if motion is None:
+            return claimed
+        return dict(zip(claimed, motion.moved(_stacked(claimed.values()), 1.0), strict=True))
 
 
 def _with_seed(parameters: TargetParameters, number: int) -> TargetParameters:
@@ -116,7 +128,16 @@ def _with_seed(parameters: TargetParameters, number: int) -> TargetParameters:
     return parameters.replaced({"seed": (parameters.seed + number) % SEEDS})
 
 
-def _states(estimates: Iterable[TargetEstimate]) -> FloatArray:
-    """Return the states of targets, shape (K, 6)."""
-    states = [estimate.state for estimate in estimates]
-    return np.array(states) if states else NO_OTHERS
+def _claimed(estimates: Mapping[int, TargetEstimate]) -> dict[int, FloatArray]:
+    """Return the states of the targets that are claimed, by their numbers."""
+    return {
+        number: estimate.state
+        for number, estimate in estimates.items()
+        if estimate.status is TrackingStatus.TRACKING
+    }
+
+
+def _stacked(states: Iterable[FloatArray]) -> FloatArray:
+    """Return states of targets, each of shape (6,), as rows of one array (K, 6)."""
+    rows = list(states)
+    return np.array(rows) if rows else NO_OTHERS

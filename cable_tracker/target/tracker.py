@@ -19,7 +19,7 @@ from cable_tracker.target.measure.working_frame import (
     check_target_frame,
     make_working_frame,
 )
-from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.camera_motion import CameraMotion, telling
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, in_frame_pixels, wrap_full_turn
@@ -175,8 +175,8 @@ class TargetTracker:
             Motion of the camera since the frame before. One that does not keep the picture before
             it counts as not known.
         others : FloatArray
-            States of other targets, shape (K, 6), which this one keeps away from: those that are
-            claimed; while it is searched for, all that are followed.
+            States of other targets in this frame, shape (K, 6), which this one keeps away from:
+            those that are claimed; while it is searched for, all that are followed.
 
         Raises
         ------
@@ -206,9 +206,7 @@ class TargetTracker:
             return self._search(seen, event, apart)
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
-        if motion is not None and not motion.keeps_picture(frame.size):
-            # Such a turn says nothing of where the target is.
-            motion = None
+        motion = telling(motion, frame.size)
         summary = self._filter.step(seen, dt, motion, apart, counts_for=step.dt)
         return self._estimate(summary, step.dt, event)
 

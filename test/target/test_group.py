@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.target.group import TargetGroup
+from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 
@@ -73,6 +74,34 @@ def test_a_mark_does_not_keep_others_from_the_middle_of_the_picture():
     group.process(scene(None)[0], STEP)
     group.initialise(1, TargetStart.from_box(38, 106, 83, 135))
     assert group.process(image, 2 * STEP)[0].state[:2] == pytest.approx([0.0, 0.0], abs=3.0)
+
+
+def test_a_panning_camera_does_not_swap_two_of_one_kind():
+    # Where one was is where the other comes.
+    columns, pan = np.array([105, 155]), 50
+    group = TargetGroup(2, TargetParameters())
+    for number, column in enumerate(columns):
+        group.initialise(number, TargetStart.from_box(column - 22, 106, column + 23, 135))
+    for number, step in enumerate([0, 0, 0, pan, pan, -pan, -pan, pan]):
+        columns = columns + step
+        homography = np.array([[1.0, 0.0, step], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        image, _ = pair(number, columns=tuple(columns.tolist()))
+        estimates = group.process(image, (number + 1) * 5 * STEP, CameraMotion(homography))
+        assert [each.status.value for each in estimates] == ["TRACKING"] * 2
+        assert [each.state[0] for each in estimates] == pytest.approx(columns - 159.5, abs=5.0)
+
+
+def test_a_turn_that_leaves_nothing_in_view_does_not_move_what_others_keep_away_from():
+    away = CameraMotion(np.array([[0.0, 0.0, 277.0], [0.0, 1.0, 0.0], [-1.0 / 277.0, 0.0, 0.0]]))
+
+    def states(motion):
+        group = TargetGroup(2, TargetParameters())
+        for number, column in enumerate((90, 230)):
+            group.initialise(number, TargetStart.from_box(column - 22, 106, column + 23, 135))
+        group.process(pair(0)[0], STEP)
+        return [each.state for each in group.process(pair(1)[0], 2 * STEP, motion)]
+
+    np.testing.assert_array_equal(states(away), states(None))
 
 
 def test_after_the_last_seed_comes_the_first():

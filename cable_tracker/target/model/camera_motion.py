@@ -66,3 +66,16 @@ class CameraMotion:
         depths = centre * np.maximum(homogeneous[:, 2:] / centre, LEAST_DEPTH)
         mapped: FloatArray = homogeneous[:, :2] / depths
         return mapped
+
+
+def telling(motion: CameraMotion | None, image_size: tuple[int, int]) -> CameraMotion | None:
+    """Return a motion that says where things are now; None of one that does not keep the picture.
+
+    Parameters
+    ----------
+    motion : CameraMotion or None
+        Motion of the camera since the frame before, where it is known.
+    image_size : (int, int)
+        Width and height of the frame [px].
+    """
+    return motion if motion is not None and motion.keeps_picture(image_size) else None
