@@ -146,7 +146,7 @@ class CableTracker:
         FrameError
             The state is not finite, a sigma is negative, or the width is known and not positive.
         """
-        if not given.state.is_finite() or bool(np.any(given.sigma < 0.0)):
+        if not given.is_acceptable:
             raise FrameError("the initial state must be finite, and its sigmas not negative")
         if given.state.width <= 0.0 and not math.isinf(given.sigma[StateColumn.WIDTH]):
             raise FrameError(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -21,6 +22,32 @@ SMALLEST_RANGE = 1e-6
 """Smallest width of the search box in d, alpha, w, beta [px, rad]."""
 
 
+class GivenPoint(NamedTuple):
+    """A point that a cable passes through, whatever its direction.
+
+    Attributes
+    ----------
+    x, y : float
+        Place in the image frame [px].
+    sigma : float
+        Standard deviation in every direction [px]. NaN means "not said".
+    """
+
+    x: float
+    y: float
+    sigma: float
+
+    @property
+    def is_acceptable(self) -> bool:
+        """Whether its place is finite and its sigma not negative."""
+        return math.isfinite(self.x) and math.isfinite(self.y) and not self.sigma < 0.0
+
+    def distances(self, angles: FloatArray) -> FloatArray:
+        """Return d of the lines through the point with angles (N,), shape (N,) [px]."""
+        distances: FloatArray = self.x * np.cos(angles) + self.y * np.sin(angles)
+        return distances
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GivenState:
     """Where a cable is said to be, and how exactly: by an operator, a planner, or ground truth.
@@ -35,11 +62,14 @@ class GivenState:
         as known well, see `usual_sigma`.
     is_guess : bool
         Whether it may be another thing than the cable, as what a detector finds.
+    point : GivenPoint or None
+        Where the cable passes, if that is all that is known of d and alpha.
     """
 
     state: CableState
     sigma: FloatArray
     is_guess: bool = False
+    point: GivenPoint | None = None
 
     @classmethod
     def around(cls, state: CableState, *, is_guess: bool = False) -> GivenState:
@@ -47,12 +77,18 @@ class GivenState:
         return cls(state, np.full(STATE_SIZE, np.nan), is_guess)
 
     @property
+    def is_acceptable(self) -> bool:
+        """Whether what is given is finite, and no sigma negative."""
+        is_point_acceptable = self.point is None or self.point.is_acceptable
+        return self.state.is_finite() and not bool(np.any(self.sigma < 0.0)) and is_point_acceptable
+
+    @property
     def is_certain(self) -> bool:
         """Whether d, alpha, w and beta are all given, and are those of the cable."""
         return not self.is_guess and not bool(np.isinf(self.sigma[:POSE_SIZE]).any())
 
     def words(self) -> str:
-        """Return what is known of d, alpha, w and beta, for a log."""
+        """Return what is known of d, alpha, w and beta, or of a point, for a log."""
         state = self.state
         known = [
             words
@@ -68,6 +104,8 @@ class GivenState:
             )
             if not np.isinf(sigma)
         ]
+        if self.point is not None:
+            known.insert(0, f"through x {self.point.x:.1f} px, y {self.point.y:.1f} px")
         return ", ".join(known) or "nothing is known"
 
 
@@ -161,6 +199,39 @@ def draw_given_states(
         usual[StateColumn.SKEW_RATE] = 0.0
     sigma = np.where(np.isnan(given.sigma), usual, given.sigma)
     known = np.isfinite(sigma)
-    drawn = given.state.to_array() + noise * np.where(known, sigma, 0.0)
+    mean = given.state.to_array()
+    drawn = mean + noise * np.where(known, sigma, 0.0)
+    limits = state_limits(parameters, image_width)
+    if known[StateColumn.DISTANCE]:
+        drawn[:, StateColumn.DISTANCE] = _possible_distances(
+            drawn[:, StateColumn.DISTANCE], states[:, StateColumn.DISTANCE],
+            mean[StateColumn.DISTANCE], limits.upper[StateColumn.DISTANCE],
+        )  # fmt: skip
     states[:, known] = drawn[:, known]
-    return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))
+    if given.point is not None:
+        states[:, StateColumn.DISTANCE] = _distances_through(
+            given.point, states[:, StateColumn.ANGLE], noise[:, StateColumn.DISTANCE], usual
+        )
+    return clip_to_limits(wrap_states(states), limits)
+
+
+def _possible_distances(
+    drawn: FloatArray, even: FloatArray, mean: float, limit: float
+) -> FloatArray:
+    """Return distances (N,) that were drawn about a mean, without those that only its doubt made.
+
+    Where the doubt is as wide as the picture, many lie beyond the limit, and would be piled up on
+    it. The even ones of a random start take their place. About a mean that is known well, at a
+    limit or beyond it, those are less likely than what was drawn: that is left to the limit.
+    """
+    is_wild = (np.abs(drawn) > limit) & (abs(mean) <= limit)
+    is_nearer = np.abs(even - mean) <= np.abs(drawn - mean)
+    return np.where(is_wild & is_nearer, even, drawn)
+
+
+def _distances_through(
+    point: GivenPoint, angles: FloatArray, noise: FloatArray, usual: FloatArray
+) -> FloatArray:
+    """Return distances of lines with angles (N,) that pass a point, with standard noise (N,)."""
+    sigma = usual[StateColumn.DISTANCE] if math.isnan(point.sigma) else point.sigma
+    return point.distances(angles) + sigma * noise

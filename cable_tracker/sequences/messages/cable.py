@@ -13,7 +13,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import foot_point
-from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.initial_state import GivenPoint, GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
@@ -33,6 +33,10 @@ STATE_NAMES = STATE_SYMBOLS[:4]
 
 NOT_KNOWN = UNKNOWN_VARIANCE * (1.0 - 1e-9)
 """Least variance that counts as not known: a turned covariance loses the last digits."""
+
+COUNTS = 0.1
+"""Least share with which an x or y that is not known leaves d not known, too; from there on even a
+standard deviation of 1000 px for it would say nothing of d within a picture."""
 
 
 def make_state(
@@ -114,7 +118,8 @@ def read_prior(message: Message) -> GivenState:
     """Read an initial state, encoded like `centreline`.
 
     Width, skew and rates are not part of it and count as not known. So does a variance of
-    `UNKNOWN_VARIANCE` or more. A variance of zero means "not said".
+    `UNKNOWN_VARIANCE` or more. A variance of zero means "not said". If x and y are known and the
+    yaw is not, they are a point that the cable passes.
 
     Raises
     ------
@@ -128,14 +133,43 @@ def read_prior(message: Message) -> GivenState:
     covariance = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
     normal = np.array([math.cos(angle), math.sin(angle)])
     distance = float(normal @ [x, y])
-    variances = np.array([normal @ covariance[:2, :2] @ normal, covariance[YAW, YAW]])
+    is_line = bool(covariance[YAW, YAW] < NOT_KNOWN)
+    variances = np.array([
+        _variance_across(covariance[:2, :2], normal if is_line else None), covariance[YAW, YAW]
+    ])  # fmt: skip
     if not (math.isfinite(distance) and bool(np.all(variances >= 0.0))):
         raise FrameError("the initial state has numbers that are not finite, or negative variances")
     state = CableState(distance, angle, 0.0)
     sigma = np.full(STATE_SIZE, np.inf)
     sigma[:2] = np.where(variances == 0.0, np.nan, np.sqrt(variances))
     sigma[:2][variances >= NOT_KNOWN] = np.inf
-    return GivenState(state, sigma)
+    if is_line:
+        return GivenState(state, sigma)
+    # Without a direction, d is that of no line.
+    point = None if math.isinf(sigma[0]) else GivenPoint(x, y, float(sigma[0]))
+    sigma[0] = np.inf
+    return GivenState(state, sigma, point=point)
+
+
+def _variance_across(covariance: FloatArray, normal: FloatArray | None) -> float:
+    """Return the variance of a place along a normal [px²].
+
+    It is `UNKNOWN_VARIANCE` or more if an x or y that counts there is not known.
+
+    Parameters
+    ----------
+    covariance : FloatArray
+        Covariance of x and y, shape (2, 2).
+    normal : FloatArray or None
+        Shape (2,). None: the mean over all directions.
+    """
+    is_missing = np.diag(covariance) >= NOT_KNOWN
+    counts = np.ones(2, bool) if normal is None else np.abs(normal) > COUNTS
+    if bool((is_missing & counts).any()):
+        return UNKNOWN_VARIANCE
+    if normal is None:
+        return float(np.trace(covariance) / 2)
+    return float(normal @ covariance @ normal)
 
 
 def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.initial_state import (
+    GivenPoint,
     GivenState,
     between,
     draw_given_states,
@@ -120,6 +121,46 @@ def test_a_state_beyond_the_limits_is_brought_inside(rng):
     states = draw_given_states(far, parameters(), 320, rng)
     box = state_limits(parameters(), 320)
     np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
+
+
+def only_distance(distance, sigma):
+    """What is given of a cable of which only d is known, and that with a doubt."""
+    return GivenState(CableState(distance, 0.3, 40.0), np.array([sigma, *[np.inf] * 7]))
+
+
+@pytest.mark.parametrize("mean", [0.0, 60.0])
+def test_a_distance_of_which_hardly_anything_is_known_piles_nothing_up_at_the_limit(mean, rng):
+    distances = draw_given_states(only_distance(mean, 700.0), parameters(), 320, rng)[:, 0]
+    limit = state_limits(parameters(), 320).upper[0]
+    assert np.mean(np.abs(distances) == limit) < 0.01
+    assert distances.std() == pytest.approx(150.0 / np.sqrt(3.0), rel=0.2)
+
+
+def test_a_distance_that_is_known_well_beside_the_limit_stays_there(rng):
+    limit = state_limits(parameters(), 320).upper[0]
+    distances = draw_given_states(only_distance(limit - 1.0, 2.0), parameters(), 320, rng)[:, 0]
+    assert np.mean(distances > limit - 10.0) > 0.99
+
+
+@pytest.mark.parametrize(("sigma", "usual"), [(0.0, 0.0), (5.0, 5.0), (np.nan, 2.0)])
+def test_cables_of_any_direction_pass_a_point_that_is_given(sigma, usual, rng):
+    given = GivenState(
+        CableState(0.0, 0.0, 0.0), np.full(8, np.inf), point=GivenPoint(20, 90, sigma)
+    )
+    states = draw_given_states(given, parameters(), 320, rng)
+    misses = 20 * np.cos(states[:, 1]) + 90 * np.sin(states[:, 1]) - states[:, 0]
+    assert np.sqrt(np.mean(misses**2)) == pytest.approx(usual, rel=0.03, abs=1e-9)
+    assert np.abs(states[:, 1]).max() == pytest.approx(45 * DEGREE, rel=0.01)
+
+
+def test_a_point_is_acceptable_that_is_finite_and_has_no_negative_doubt():
+    def given(*point):
+        return GivenState(KNOWN, np.full(8, np.inf), point=GivenPoint(*point))
+
+    assert given(1.0, 2.0, np.nan).is_acceptable
+    assert not given(np.nan, 2.0, 1.0).is_acceptable
+    assert not given(1.0, np.inf, 1.0).is_acceptable
+    assert not given(1.0, 2.0, -1.0).is_acceptable
 
 
 def test_numbers_from_0_to_1_are_poses_from_one_corner_of_the_box_to_the_other():

@@ -158,6 +158,42 @@ def test_a_place_that_is_not_known_is_so_in_every_direction():
     assert all(np.isinf(read_prior(message).sigma[0]) for message in messages)
 
 
+def prior_of(place, degrees, *, x, y, yaw):
+    """The prior of a place and a direction with these variances."""
+    covariance = np.diag([x, y, 1e6, 1e6, 1e6, yaw])
+    message = make_stamped_pose(FACTORY, HEADER, (*place, 0.0), math.radians(degrees), covariance)
+    return read_prior(message)
+
+
+@pytest.mark.parametrize("degrees", [30, 45, -60, 90, 150])
+def test_a_line_across_what_is_not_known_has_no_distance(degrees):
+    prior = prior_of((30.0, 0.0), degrees, x=4.0, y=1e6, yaw=0.003)
+    assert np.isinf(prior.sigma[0])
+    assert prior.sigma[1] == pytest.approx(math.sqrt(0.003))
+    assert prior.point is None
+
+
+@pytest.mark.parametrize(("degrees", "x", "y"), [(0, 4.0, 1e6), (180, 4.0, 1e6), (90, 1e6, 4.0)])
+def test_a_place_along_the_line_need_not_be_known(degrees, x, y):
+    prior = prior_of((30.0, 30.0), degrees, x=x, y=y, yaw=0.003)
+    assert prior.sigma[0] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("degrees", [0, 40, -40])
+def test_a_place_without_a_direction_is_a_point_and_no_distance(degrees):
+    prior = prior_of((0.0, 90.0), degrees, x=3.0, y=5.0, yaw=1e6)
+    assert np.isinf(prior.sigma).all()
+    assert prior.point == (0.0, 90.0, 2.0)
+    assert prior.words() == "through x 0.0 px, y 90.0 px"
+
+
+def test_without_a_direction_half_a_place_is_nothing():
+    prior = prior_of((0.0, 90.0), 0, x=4.0, y=1e6, yaw=1e6)
+    assert np.isinf(prior.sigma).all()
+    assert prior.point is None
+    assert prior.words() == "nothing is known"
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
