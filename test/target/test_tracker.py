@@ -534,3 +534,30 @@ def test_levels_that_are_no_numbers_are_refused(draw):
     picture[3, 3] = np.nan
     with pytest.raises(FrameError, match="NaN"):
         TargetTracker().process(picture, STEP)
+
+
+def velocities(draw, times):
+    """The published v_x of a target that moves at 40 px/s, in all frames but the first six."""
+    tracker = TargetTracker(TargetParameters())
+    published = []
+    for number, time in enumerate(times):
+        column = 60 + 40 * time
+        picture, _ = draw(centre=(round(column), 120), seed=number)
+        if number == 0:
+            tracker.initialise(TargetStart.from_box(38, 106, 83, 135))
+        estimate = tracker.process(picture, 1_000_000_000 + round(time * 1e9))
+        assert estimate.is_claimed
+        published.append(estimate.state[4])
+    return np.array(published[6:])
+
+
+@pytest.mark.parametrize(("rate", "seconds"), [(5, 4.0), (10, 3.0), (25, 2.0)])
+def test_a_steady_movement_is_published_at_every_frame_rate(draw, rate, seconds):
+    published = velocities(draw, np.arange(int(rate * seconds)) / rate)
+    assert published.mean() == pytest.approx(40.0, rel=0.2)
+
+
+def test_frames_that_follow_one_another_closely_make_no_absurd_velocity(draw):
+    beginnings = np.arange(20) * 0.1
+    times = np.sort(np.concatenate((beginnings, beginnings + 1e-3)))
+    assert velocities(draw, times) == pytest.approx(40.0, abs=30.0)

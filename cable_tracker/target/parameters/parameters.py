@@ -59,7 +59,11 @@ class TargetParameters(ParameterSet):
         0.25, "", 0.0, 0.9, "Share of the movements that no diffusion explains: jerks, lost frames."
     )
     rate_gain: float = number(
-        0.35, "", 0.0, 1.0, "Share of an unforeseen movement that goes into the rates."
+        0.35,
+        "per frame",
+        0.0,
+        1.0,
+        "Share of an unforeseen movement that goes into the rates.",
     )
     rate_damping: float = number(
         0.92, "per frame", 0.0, 1.0, "Factor on the rates per frame; 1 keeps them for ever."

@@ -18,6 +18,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.peak_poses import PeakPoses
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE
+from cable_tracker.tracking.rates import share_over_time
 
 PEAK_SPREAD = (0.25, 0.15, 0.12)
 """Scales of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
@@ -236,6 +237,8 @@ class FrameSampler:
         # A jump that no movement explains says nothing about the rates.
         limit = 0.5 * self.belief.size
         reach = np.hypot(unforeseen[:, 0], unforeseen[:, 1])
-        gain = self.parameters.rate_gain * np.where(reach > limit, 0.0, 1.0)
+        # Rates fade by their damping over time, so they must be learnt over time as well.
+        share = share_over_time(self.parameters.rate_gain, self.dt)
+        gain = share * np.where(reach > limit, 0.0, 1.0)
         gain *= self.belief.rivals.gain_factor
         states[:, POSE_SIZE:] = self.forecast.rates[parents] + gain[:, None] * unforeseen / self.dt
