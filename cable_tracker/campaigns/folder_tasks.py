@@ -11,7 +11,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
-from cable_tracker.atomic_output import output_file
+from cable_tracker.atomic_output import holds, output_file
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -89,6 +89,17 @@ def _facts_of_files(path: Path) -> Iterator[str]:
         yield f"{file.relative_to(path.parent)} {found.st_size} {found.st_mtime_ns}"
 
 
+def is_result(folder: Path) -> bool:
+    """Tell whether a task has left a folder, whether or not what it holds still counts."""
+    return (folder / MARKER).is_file()
+
+
+def forget(folder: Path) -> None:
+    """Let the results in a folder count no more; they stay results, which may be replaced."""
+    if is_result(folder):
+        (folder / MARKER).write_text("", encoding="utf-8")
+
+
 def is_done(task: FolderTask, folder: Path, version: str) -> bool:
     """Tell whether a folder holds the results of this very task, by this very version."""
     return is_marked(folder, task.fingerprint(), version)
@@ -112,7 +123,8 @@ def run_in_folder(
 ) -> str:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
-    Where it fails, the earlier one is removed.
+    Where it fails, the earlier one is removed. A folder that no task has left, one without a
+    marker, is neither replaced nor removed: it may be the recording itself.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
@@ -125,16 +137,17 @@ def run_in_folder(
     Raises
     ------
     OutputError
-        The results cannot be written.
+        The results cannot be written, or something else lies in their place.
     """
-    fingerprint = task.fingerprint()
-    with output_file(root / task.name, lambda _earlier: True, overwrite=True) as folder:
+    fingerprint, place = task.fingerprint(), root / task.name
+    with output_file(place, holds(MARKER), overwrite=True) as folder:
         folder.mkdir()
         try:
             task.run(folder, advance)
         except Exception:
             # Only here: a run that another one has kept out must not take its results away.
-            shutil.rmtree(root / task.name, ignore_errors=True)
+            if is_result(place):
+                shutil.rmtree(place, ignore_errors=True)
             raise
         marker = json.dumps(_marker(fingerprint, version))
         (folder / MARKER).write_text(marker, encoding="utf-8")

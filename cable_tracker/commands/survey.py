@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -36,7 +37,7 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
-from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
+from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, holds_survey, run_survey
 from cable_tracker.survey.events import Limits
 from cable_tracker.survey.forward_pass import MOST_RATE, ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
@@ -106,7 +107,7 @@ def survey(  # noqa: PLR0917
     )
     limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)
     settings = SurveySettings(forward, limits, parse_datum(datum), pictures)
-    _check_output(output, resume, force)
+    _check_output(recordings, output, resume, force)
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     begin = time.monotonic()
     with progress_bar("surveying", None) as progress:
@@ -145,11 +146,18 @@ def parse_datum(text: str | None) -> tuple[float, float] | None:
     return latitude, longitude
 
 
-def _check_output(output: Path, resume: bool, force: bool) -> None:
+def _check_output(recordings: Sequence[Path], output: Path, resume: bool, force: bool) -> None:
     """See that nothing but an earlier survey is written over, and that only if it is wanted."""
+    results = (output / RECORDINGS).resolve()
+    for path in recordings:
+        if path.resolve().is_relative_to(results):
+            raise OutputError(
+                f"{path}: lies where the results in {output} go, and would be replaced by them;"
+                " choose another folder for --output"
+            )
     if not output.exists() or (output.is_dir() and not any(output.iterdir())):
         return
-    if not (output / RECORDINGS).is_dir():
+    if not holds_survey(output):
         raise OutputError(f"{output}: is no earlier survey and is not overwritten; choose another")
     if not (resume or force):
         raise OutputError(

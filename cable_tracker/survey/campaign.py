@@ -10,11 +10,12 @@ from pathlib import Path
 from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file
 from cable_tracker.campaigns.folder_tasks import (
-    MARKER,
     Outcome,
     TaskState,
     fingerprint_of_files,
+    forget,
     is_done,
+    is_result,
 )
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
@@ -81,6 +82,18 @@ class SurveyResult:
     routes: tuple[MergedRoute, ...]
     outcomes: tuple[Outcome, ...]
     rows: tuple[RecordingRow, ...]
+
+
+def holds_survey(output: Path) -> bool:
+    """Tell whether a survey has written a folder, be it that no recording could be surveyed.
+
+    Recordings too may lie in a folder of that name.
+    """
+    root = output / RECORDINGS
+    if not root.is_dir():
+        return False
+    found = [each for each in root.iterdir() if not each.name.startswith(".")]
+    return not found or any(map(is_result, found))
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:
@@ -169,7 +182,7 @@ def _put_together(
             except RecordingError as error:
                 row = RecordingRow(outcome.name, f"failed: {printable(str(error))}")
                 # What is damaged is not kept: the next `--resume` does it again.
-                (root / outcome.name / MARKER).unlink(missing_ok=True)
+                forget(root / outcome.name)
         rows.append(row)
     try:
         routes = _write_all(output, list(dives.values()), rows, datum)

@@ -8,10 +8,11 @@ from campaign_tasks import Failing, Square
 from cable_tracker.campaigns.folder_tasks import (
     MARKER,
     fingerprint_of_files,
+    forget,
     is_done,
     run_in_folder,
 )
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import OutputError, RecordingError
 
 
 def run(task, root):
@@ -52,3 +53,21 @@ def test_a_file_that_is_written_to_has_another_fingerprint(tmp_path):
     assert fingerprint_of_files(tmp_path) == before
     (tmp_path / "a").write_text("12")
     assert fingerprint_of_files(tmp_path) != before
+
+
+@pytest.mark.parametrize("task", [Square(3), Failing(3)])
+def test_a_folder_that_no_task_has_left_is_neither_replaced_nor_removed(tmp_path, task):
+    recording = tmp_path / "number_3" / "dive.mcap"
+    recording.parent.mkdir()
+    recording.write_text("raw")
+    with pytest.raises(OutputError, match="not overwritten"):
+        run(task, tmp_path)
+    assert recording.read_text() == "raw"
+
+
+def test_results_that_count_no_more_are_done_again(tmp_path):
+    run(Square(3), tmp_path)
+    forget(tmp_path / "number_3")
+    assert not is_done(Square(3), tmp_path / "number_3", "1.0")
+    run(Square(3), tmp_path)
+    assert is_done(Square(3), tmp_path / "number_3", "1.0")

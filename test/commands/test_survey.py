@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -99,6 +100,18 @@ def test_a_folder_that_is_no_survey_is_never_written_over(tmp_path, dives, run):
     code, said = run("survey", dives[0], "--output", tmp_path, "--force")
     assert code == USER_ERROR
     assert "no earlier survey" in said
+
+
+def test_recordings_in_a_folder_of_that_name_are_never_written_over(tmp_path, dives, run):
+    day = tmp_path / "day"
+    bag = shutil.copytree(dives[0], day / "recordings/dive")
+    before = sorted(file.name for file in bag.iterdir())
+    for path in (bag, dives[1]):
+        for how in ("--resume", "--force"):
+            code, said = run("survey", path, "--output", day, how)
+            assert code == USER_ERROR
+            assert "choose another" in said
+    assert sorted(file.name for file in bag.iterdir()) == before
 
 
 def test_a_recording_that_cannot_be_read_is_a_row_and_the_others_are_done(tmp_path, dives, run):

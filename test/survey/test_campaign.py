@@ -10,7 +10,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
-from cable_tracker.survey.campaign import SurveyTask, run_survey
+from cable_tracker.survey.campaign import SurveyTask, holds_survey, run_survey
 from cable_tracker.survey.events import Limits
 from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
@@ -149,6 +149,23 @@ def test_a_kept_dive_whose_frames_are_damaged_is_a_row_that_failed(surveyed, tmp
     assert result.outcomes[0].state is TaskState.KEPT and not result.routes
     assert "survey the recording again" in result.rows[0].state
     assert "survey the recording again" in (output / "report.html").read_text()
+
+
+def test_a_folder_of_recordings_is_no_survey(bag, surveyed, tmp_path):
+    shutil.copytree(bag, tmp_path / "day/recordings/dive")
+    assert not holds_survey(tmp_path / "day")
+    assert not holds_survey(tmp_path)
+    assert holds_survey(surveyed[0])
+    (tmp_path / "none/recordings").mkdir(parents=True)
+    assert holds_survey(tmp_path / "none")
+
+
+def test_a_recording_that_lies_in_the_place_of_its_results_stays(bag, tmp_path):
+    dive = shutil.copytree(bag, tmp_path / "day/recordings/dive")
+    before = {file.name: file.read_bytes() for file in dive.iterdir()}
+    result = run_survey([dive], tmp_path / "day", SurveySettings(), ALONE)
+    assert [outcome.state for outcome in result.outcomes] == [TaskState.FAILED]
+    assert {file.name: file.read_bytes() for file in dive.iterdir()} == before
 
 
 def test_a_kept_dive_without_its_frames_is_a_row_that_failed(surveyed, tmp_path):
