@@ -29,6 +29,10 @@ class RecordingError(CableTrackerError):
     """A recording is missing, empty, damaged, or holds no images."""
 
 
+class UnreachableError(RecordingError):
+    """A recording is not there or cannot be read, perhaps only for now: a disk is not mounted."""
+
+
 class OutputError(CableTrackerError):
     """A result cannot be written where the user asked for it."""
 
@@ -66,8 +70,8 @@ def write_failure(path: Path, error: Exception) -> OutputError:
     return failure
 
 
-def read_failure(path: Path, error: OSError) -> RecordingError:
+def read_failure(path: Path, error: OSError) -> UnreachableError:
     """Return the error that says that a file or folder cannot be read, and why."""
     is_missing = isinstance(error, FileNotFoundError | NotADirectoryError)
     advice = "check the path" if is_missing else "check its permissions"
-    return RecordingError(f"{path}: cannot be read ({error.strerror}); {advice}")
+    return UnreachableError(f"{path}: cannot be read ({error.strerror}); {advice}")

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.atomic_output import holds, output_file
+from cable_tracker.errors import UnreachableError
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -123,7 +124,8 @@ def run_in_folder(
 ) -> str:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
-    Where it fails, the earlier one is removed. A folder that no task has left, one without a
+    Where it fails, the earlier one is removed, unless its input cannot be reached: that may come
+    back. A folder that no task has left, one without a
     marker, is neither replaced nor removed: it may be the recording itself.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
@@ -144,6 +146,12 @@ def run_in_folder(
         folder.mkdir()
         try:
             task.run(folder, advance)
+        except UnreachableError as error:
+            if not is_result(place):
+                raise
+            raise UnreachableError(
+                f"{error}; its earlier results stay in {place} and do not count here"
+            ) from error
         except Exception:
             # Only here: a run that another one has kept out must not take its results away.
             if is_result(place):

@@ -96,7 +96,8 @@ def run_folder_tasks(
 ) -> list[Outcome]:
     """Run tasks, each of which leaves a folder with its name; one that fails ends no other.
 
-    An earlier result stays until the new one is complete; where its task fails now, it is removed.
+    An earlier result stays until the new one is complete; where its task fails now, it is removed,
+    unless the input of the task cannot be reached.
 
     Parameters
     ----------

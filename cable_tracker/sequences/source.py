@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from cable_tracker.errors import ParameterError, RecordingError, read_failure
+from cable_tracker.errors import ParameterError, RecordingError, UnreachableError, read_failure
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.bags.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
@@ -51,7 +51,7 @@ class ChosenRecording:
             raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
         try:
             if not path.exists():
-                raise RecordingError(f"{path}: there is no such file or folder; check the path")
+                raise UnreachableError(f"{path}: there is no such file or folder; check the path")
             folder = path.parent if path.name == METADATA else path
             source = _open_unlabelled(replace(self, path=folder))
         except OSError as error:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, UnreachableError
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,14 @@ class Failing(Square):
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         raise RecordingError(f"{self.name}: holds no frames")
+
+
+@dataclass(frozen=True)
+class Unreachable(Square):
+    """Lies on a disk that is not mounted."""
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        raise UnreachableError(f"{self.name}: no such file")
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 
 import pytest
-from campaign_tasks import Failing, Square
+from campaign_tasks import Failing, Square, Unreachable
 
 from cable_tracker.campaigns.folder_tasks import (
     MARKER,
@@ -12,7 +12,7 @@ from cable_tracker.campaigns.folder_tasks import (
     is_done,
     run_in_folder,
 )
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import OutputError, RecordingError, UnreachableError
 
 
 def run(task, root):
@@ -71,3 +71,18 @@ def test_results_that_count_no_more_are_done_again(tmp_path):
     assert not is_done(Square(3), tmp_path / "number_3", "1.0")
     run(Square(3), tmp_path)
     assert is_done(Square(3), tmp_path / "number_3", "1.0")
+
+
+def test_an_earlier_result_stays_while_the_input_cannot_be_reached(tmp_path):
+    run(Square(3), tmp_path)
+    folder = tmp_path / "number_3"
+    with pytest.raises(UnreachableError, match=rf"no such file; .* results stay in {folder}"):
+        run(Unreachable(3, parameter="gone"), tmp_path)
+    assert is_done(Square(3), folder, "1.0")
+    assert not is_done(Unreachable(3, parameter="gone"), folder, "1.0")
+
+
+def test_without_an_earlier_result_nothing_is_said_to_stay(tmp_path):
+    with pytest.raises(UnreachableError, match=r"no such file$"):
+        run(Unreachable(3), tmp_path)
+    assert not list(tmp_path.iterdir())

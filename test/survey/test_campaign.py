@@ -151,6 +151,19 @@ def test_a_kept_dive_whose_frames_are_damaged_is_a_row_that_failed(surveyed, tmp
     assert "survey the recording again" in (output / "report.html").read_text()
 
 
+def test_a_dive_whose_disk_is_not_mounted_is_a_row_and_keeps_its_results(bag, surveyed, tmp_path):
+    output = shutil.copytree(surveyed[0], tmp_path / "map")
+    away = bag.rename(tmp_path / "away")
+    try:
+        result = run_survey([bag], output, SurveySettings(), ALONE, resume=True)
+    finally:
+        away.rename(bag)
+    assert not result.routes
+    assert "its earlier results stay in" in result.rows[0].state
+    again = run_survey([bag], output, SurveySettings(), ALONE, resume=True)
+    assert [outcome.state for outcome in again.outcomes] == [TaskState.KEPT]
+
+
 def test_a_folder_of_recordings_is_no_survey(bag, surveyed, tmp_path):
     shutil.copytree(bag, tmp_path / "day/recordings/dive")
     assert not holds_survey(tmp_path / "day")
