@@ -23,9 +23,6 @@ LEAST_SLOPE = 0.2
 """Least cosine of the angle between a cable and the look line's own direction: from less it cannot
 be followed to the next look line."""
 
-KNOWN_DIRECTION = math.radians(20.0) ** 2
-"""Variance of the direction below which it is known [rad²]."""
-
 
 class KeyframeClaims(NamedTuple):
     """What is known at S keyframes of the cable, and how one follows the other.
@@ -61,7 +58,8 @@ class CurveStates(NamedTuple):
     means, spreads : FloatArray
         State y, h, kappa, shape (S, 3), and its covariance, shape (S, 3, 3).
     is_new : BoolArray
-        Whether nothing of the state before went into a state, shape (S,).
+        Whether nothing of the state before went into a state, shape (S,): where the keyframe does
+        not go on from the one before, or lies across the cable.
     """
 
     along: FloatArray
@@ -196,24 +194,3 @@ def smooth_backwards(
         means[k] += back @ (means[k + 1] - mean)
         spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
         spreads[k] = 0.5 * (spread + spread.T)
-
-
-@compiled
-def mark_turns(
-    places: FloatArray, breaks: BoolArray, cable: CurveStates, turned: BoolArray
-) -> None:
-    """Mark in `turned`, shape (S,), from where on a cable is followed the other way.
-
-    A vehicle that turns round and comes back sees the same cable again, and its way along it would
-    go on as if there were more.
-    """
-    direction, is_known, is_anew = 0.0, False, False
-    for k in range(len(places)):
-        is_known &= not breaks[k]
-        is_anew |= cable.is_new[k]
-        turned[k] = False
-        if cable.spreads[k, 1, 1] > KNOWN_DIRECTION:
-            continue
-        found = places[k, 2] + cable.means[k, 1]
-        turned[k] = is_known and is_anew and math.cos(found - direction) < 0.0
-        direction, is_known, is_anew = found, True, False

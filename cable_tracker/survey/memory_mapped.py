@@ -96,10 +96,10 @@ class Disk:
             yield slice(first, min(first + self.block, count))
             self.let_go()
 
-    def blocks_back(self, count: int) -> Iterator[slice]:
-        """Yield the blocks of `count` rows from the last to the first."""
-        for last in range(count, 0, -self.block):
-            yield slice(max(last - self.block, 0), last)
+    def blocks_back(self, count: int, start: int = 0) -> Iterator[slice]:
+        """Yield the blocks of rows from the one before `count` back to `start`."""
+        for last in range(count, start, -self.block):
+            yield slice(max(last - self.block, start), last)
             self.let_go()
 
     def filled(

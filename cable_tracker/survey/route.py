@@ -88,9 +88,10 @@ def make_routes(
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
-        count, first, last = _claimed_way(dive, start, end)
-        if count >= FEWEST_KEYFRAMES and last - first > SPACING:
-            routes.append(_Piece(dive, start, end, (first, last)).route())
+        claimed = _claimed_part(dive, start, end)
+        if claimed.count >= FEWEST_KEYFRAMES and claimed.most - claimed.least > SPACING:
+            own = _with_margin(dive, (start, end), claimed)
+            routes.append(_Piece(dive, *own, (claimed.least, claimed.most)).route())
     return routes
 
 
@@ -105,19 +106,69 @@ class _Smoothed:
     disk: Disk
 
 
-def _claimed_way(dive: _Smoothed, start: int, end: int) -> tuple[int, float, float]:
-    """Return number, least and most way of the keyframes from `start` to `end` with claims."""
-    count, first, last = 0, math.inf, -math.inf
+@dataclass(slots=True)
+class _Claimed:
+    """Keyframes with claims of a connected piece: number, first, last, least and most way [m]."""
+
+    count: int = 0
+    first: int = 0
+    last: int = 0
+    least: float = math.inf
+    most: float = -math.inf
+
+
+def _claimed_part(dive: _Smoothed, start: int, end: int) -> _Claimed:
+    """Return where among the keyframes from `start` up to `end` the claims are."""
+    found = _Claimed()
     for part in dive.disk.blocks(end, start):
-        along = dive.cable.along[part][dive.cable.weights[part] > 0.0]
-        if len(along):
-            count += len(along)
-            first, last = min(first, float(along.min())), max(last, float(along.max()))
-    return count, first, last
+        claimed = np.flatnonzero(dive.cable.weights[part] > 0.0) + part.start
+        if len(claimed):
+            along = dive.cable.along[claimed]
+            found.first = found.first if found.count else int(claimed[0])
+            found.last, found.count = int(claimed[-1]), found.count + len(claimed)
+            found.least = min(found.least, float(along.min()))
+            found.most = max(found.most, float(along.max()))
+    return found
+
+
+def _with_margin(dive: _Smoothed, piece: tuple[int, int], claimed: _Claimed) -> tuple[int, int]:
+    """Return the keyframes of a piece from the first to the last claim, and `BEYOND` these.
+
+    Others are of no cable, however far along it they seem to be: the vehicle comes to it, or has
+    left it.
+    """
+    start, end = piece
+
+    def away(part: slice, claim: int) -> IndexArray:
+        apart = _cable_points(dive, part) - _cable_points(dive, slice(claim, claim + 1))
+        far: IndexArray = np.flatnonzero(np.hypot(*apart.T) > BEYOND) + part.start
+        return far
+
+    for part in dive.disk.blocks_back(claimed.first, start):
+        if len(far := away(part, claimed.first)):
+            start = int(far[-1]) + 1
+            break
+    for part in dive.disk.blocks(end, claimed.last):
+        if len(far := away(part, claimed.last)):
+            end = int(far[0])
+            break
+    return start, end
+
+
+def _cable_points(dive: _Smoothed, part: slice) -> FloatArray:
+    """Return where the cable crosses the look lines of some keyframes, shape (K, 2) [m]."""
+    aside, yaw = dive.cable.states[part, 0], dive.keyframes.places[part, 2]
+    points: FloatArray = dive.keyframes.places[part, :2].copy()
+    points[:, 0] -= aside * np.sin(yaw)
+    points[:, 1] += aside * np.cos(yaw)
+    return points
 
 
 class _Piece:
-    """Keyframes from `start` up to `end`, which are connected; see `make_routes`."""
+    """Keyframes from `start` up to `end`, which are connected; see `make_routes`.
+
+    `claimed` is the least and the most way of those with claims [m].
+    """
 
     def __init__(self, dive: _Smoothed, start: int, end: int, claimed: tuple[float, float]) -> None:
         self._dive, self._disk = dive, dive.disk
@@ -216,10 +267,7 @@ class _Piece:
         """
         keyframes, cable, earth = self._dive.keyframes, self._dive.cable, self._dive.earth
         own = slice(part.start + self._start, part.stop + self._start)
-        aside, yaw = cable.states[own, 0], keyframes.places[own, 2]
-        points = keyframes.places[own, :2].copy()
-        points[:, 0] -= aside * np.sin(yaw)
-        points[:, 1] += aside * np.cos(yaw)
+        points = _cable_points(self._dive, own)
         frame_variances = np.zeros(len(points))
         if earth is not None:
             points, frame_variances = earth.apply(points, keyframes.stamps[own])
@@ -230,7 +278,7 @@ class _Piece:
         yield frame_variances
         yield cable.states[own, 2]
         yield np.sqrt(cable.covariances[own, 2, 2])
-        yield aside
+        yield cable.states[own, 0]
 
     def _row_blocks(self) -> Iterator[tuple[slice, IndexArray]]:
         """Yield the rows of these keyframes in blocks, and the keyframe of each row; -1: none.

@@ -33,7 +33,6 @@ from cable_tracker.survey.curve_filter import (
     CurveStates,
     KeyframeClaims,
     filter_forwards,
-    mark_turns,
     smooth_backwards,
 )
 from cable_tracker.survey.keyframes import LEAST_SPACING, Keyframes, summed, way_to
@@ -101,7 +100,7 @@ class SmoothedCable:
         Standard deviation of the cable's curvature [1/m].
     piece : IndexArray
         Number of the connected piece that a keyframe belongs to, shape (S,); another one where the
-        vehicle has turned round.
+        vehicle has turned away from the cable, or round.
     """
 
     along: FloatArray
@@ -149,10 +148,10 @@ def smooth(
         for part in disk.blocks_back(count) if way_back else ():
             smooth_backwards(known, cable.bend, part.start, part.stop, states)
         cable = _with_new_weights(keyframes, cable, usual, disk)
-    turned = disk.array(count, np.bool_)
-    mark_turns(keyframes.places, keyframes.breaks, states, turned)
-    ends = disk.filled(count, lambda part: keyframes.breaks[part] | turned[part], np.bool_)
-    return replace(cable, piece=_pieces(ends, disk))
+    # Where the state begins anew, the way along the cable since then is not of the cable before: a
+    # vehicle that has turned away goes on along nothing, and one that has turned round along the
+    # same cable again.
+    return replace(cable, piece=_pieces(is_new, disk))
 
 
 def _usual_claims(keyframes: Keyframes, part: slice) -> BoolArray:

@@ -160,7 +160,7 @@ def test_a_cable_that_is_followed_back_the_other_way_is_another_piece(course):
     table = np.concatenate(rows)
     table["stamp"] = there["stamp"][0] + np.arange(len(table)) * 100_000_000
     cable = smooth(make_keyframes(table, np.concatenate(ways)))
-    assert sorted(set(cable.piece)) == [0, 1]
     claimed = cable.weights > 0.0
-    ends = [np.ptp(cable.along[claimed & (cable.piece == piece)]) for piece in (0, 1)]
+    pieces = np.unique(cable.piece[claimed])
+    ends = [np.ptp(cable.along[claimed & (cable.piece == piece)]) for piece in pieces]
     assert ends == pytest.approx([20.0, 20.0], abs=2.5)
