@@ -93,7 +93,7 @@ class DiveRoute:
     diameters : FloatArray
         [m]; NaN where there was no claim.
     asides : FloatArray
-        Lateral distance of the cable from the vehicle's middle, to the left [m].
+        Distance of the cable from the vehicle's middle, to the left [m].
     profile : Profile
         Visibility of the cable along the route.
     """

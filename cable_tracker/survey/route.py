@@ -84,7 +84,8 @@ def make_routes(
     disk : Disk or None
         Allocator of intermediate arrays; None: temporary files.
     """
-    dive = _Smoothed(keyframes, cable, rows, earth, disk or Disk())
+    disk = disk or Disk()
+    dive = _Smoothed(keyframes, cable, rows, filled(rows["look"], disk), earth, disk)
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
@@ -97,11 +98,12 @@ def make_routes(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Smoothed:
-    """Arguments of `make_routes`."""
+    """Arguments of `make_routes`, and where the camera looks in each row, (N,) [m]."""
 
     keyframes: Keyframes
     cable: SmoothedCable
     rows: Rows
+    look: FloatArray
     earth: Georeference | None
     disk: Disk
 
@@ -263,7 +265,7 @@ class _Piece:
         """Yield what a route says of some of its keyframes, `COLUMNS` columns (K,).
 
         x, y, direction, standard deviation across, what the frame adds to its square, curvature,
-        its standard deviation, lateral distance.
+        its standard deviation, distance from the vehicle.
         """
         keyframes, cable, earth = self._dive.keyframes, self._dive.cable, self._dive.earth
         own = slice(part.start + self._start, part.stop + self._start)
@@ -278,7 +280,17 @@ class _Piece:
         yield frame_variances
         yield cable.states[own, 2]
         yield np.sqrt(cable.covariances[own, 2, 2])
-        yield cable.states[own, 0]
+        yield self._asides(own)
+
+    def _asides(self, own: slice) -> FloatArray:
+        """Return how far to the left of the vehicle's middle the cable runs, (K,) [m].
+
+        Where the camera looks, ahead of it, a vehicle that crabs has the cable elsewhere.
+        """
+        (aside, heading, _), dive = self._dive.cable.states[own].T, self._dive
+        look = dive.look[dive.keyframes.first[own]]
+        asides: FloatArray = aside * np.cos(heading) - look * np.sin(heading)
+        return asides
 
     def _row_blocks(self) -> Iterator[tuple[slice, IndexArray]]:
         """Yield the rows of these keyframes in blocks, and the keyframe of each row; -1: none.

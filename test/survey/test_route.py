@@ -45,15 +45,15 @@ def circle(radius: float) -> np.ndarray:
     )
 
 
-def dive_along(way: np.ndarray) -> ForwardDive:
+def dive_along(way: np.ndarray, look: float = LOOK) -> ForwardDive:
     """Return a dive that claims what its pictures would show of the cable."""
     rng, dive = np.random.default_rng(0), ForwardDive(Path("dive"))
     for number, (x, y, yaw) in enumerate(way.tolist()):
         stamp = START + round(number / RATE * 1e9)
         dive.poses.add(stamp, [x, y, math.remainder(yaw, 2 * math.pi), SPEED])
         row = dive.table.append()
-        row["frame"], row["stamp"], row["look"], row["half_view"] = number, stamp, LOOK, HALF_VIEW
-        aside = -(y + LOOK * math.sin(yaw)) / math.cos(yaw)
+        row["frame"], row["stamp"], row["look"], row["half_view"] = number, stamp, look, HALF_VIEW
+        aside = -(y + look * math.sin(yaw)) / math.cos(yaw)
         if abs(math.cos(yaw)) < 0.5 or abs(aside) > HALF_VIEW:
             row["status"] = 2
             continue
@@ -61,13 +61,13 @@ def dive_along(way: np.ndarray) -> ForwardDive:
         row["aside"] = aside + 0.005 * rng.standard_normal()
         row["heading"] = math.remainder(-yaw, math.pi) + 0.005 * rng.standard_normal()
         row["aside_variance"], row["aside_heading"], row["heading_variance"] = 4e-4, 0.0, 1e-4
-        row["profile_ahead"] = np.linspace(LOOK + 0.8, LOOK - 0.8, PROFILE_BINS)
+        row["profile_ahead"] = np.linspace(look + 0.8, look - 0.8, PROFILE_BINS)
         row["profile_score"] = 3.0
     return dive
 
 
-def routes_along(way: np.ndarray) -> list[DiveRoute]:
-    surveyed, _ = analyse(dive_along(way), SurveySettings())
+def routes_along(way: np.ndarray, look: float = LOOK) -> list[DiveRoute]:
+    surveyed, _ = analyse(dive_along(way, look), SurveySettings())
     return [placed.route for placed in surveyed.routes]
 
 
@@ -94,3 +94,11 @@ def test_a_dive_that_comes_to_the_cable_slantwise_has_a_route_of_what_it_claims(
     (route,) = routes_along(legs([(-8.0, -8.0), (0.0, 0.0), (30.0, 0.0)]))
     assert np.abs(route.places[:, 1]).max() < 0.2
     assert route.places[0, 0] > -3.0
+
+
+@pytest.mark.parametrize("look", [0.0, 0.7, 1.7])
+@pytest.mark.parametrize(("beside", "yaw"), [(0.0, 0.35), (0.8, -0.35), (-0.8, 0.35), (0.5, 0.0)])
+def test_how_far_beside_the_cable_a_vehicle_is_does_not_depend_on_where_it_looks(look, beside, yaw):
+    way = np.column_stack((np.arange(600) * STEP, np.full(600, beside), np.full(600, yaw)))
+    (route,) = routes_along(way, look)
+    assert route.asides == pytest.approx(np.full(len(route.asides), -beside), abs=0.05)
