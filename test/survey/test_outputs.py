@@ -24,7 +24,7 @@ from cable_tracker.survey.outputs.maps import (
     picture_name,
     write_events,
 )
-from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.outputs.report import RecordingRow, _summary, write_report
 from cable_tracker.survey.recording import SurveySettings, analyse
 
 FRAME = LocalFrame(54.25, 7.9)
@@ -230,3 +230,13 @@ def test_a_datum_on_the_other_side_of_the_earth_is_told_and_lays_nothing_there()
     wrong, _ = analyse(dive, SurveySettings(datum=(7.9, 54.25)))
     assert right.on_earth and not wrong.on_earth
     assert any("km from the fixes" in note for note in wrong.notes)
+
+
+@pytest.mark.parametrize(
+    ("shares", "words"),
+    [([1.0, 1.0, 0.5, 0.5], "75.0"), ([0.5, 0.5, np.nan, 0.5], "50.0"), ([np.nan] * 4, "")],
+)
+def test_a_cable_that_one_of_two_dives_sees_is_visible_to_half_of_them(survey, shares, words):
+    count = len(survey.routes[0].along)
+    route = replace(survey.routes[0], visible=np.resize(shares, 4 * (count // 4)))
+    assert _summary("route 1", route)["visible"] == words

@@ -53,6 +53,9 @@
   const toScreen = (x, y, width, height) => [
     width / 2 + (x - view.x) * view.scale, height / 2 - (y - view.y) * view.scale];
 
+  // What as many dives see as do not is seen: one of them shows it.
+  const isSeen = (share) => share >= 0.5;
+
   // The points that a map of this scale can show, in pieces that cross it: none nearer to the one
   // before than a pixel, unless the cable comes or goes there, and none beyond its edges.
   const level = (route, width, height) => {
@@ -62,7 +65,7 @@
     let piece = null, before = 0, last = x.length - 1;
     for (let k = 1; k <= last; k++) {
       const near = Math.hypot(x[k] - x[before], y[k] - y[before]) < reach;
-      if (near && k < last && (visible[k] > 0.5) === (visible[k + 1] > 0.5)) continue;
+      if (near && k < last && isSeen(visible[k]) === isSeen(visible[k + 1])) continue;
       if (side(before) & side(k)) piece = null;
       else if (piece) piece.push(k);
       else pieces.push(piece = [before, k]);
@@ -109,7 +112,7 @@
       for (const piece of shown) {
         let lifted = true;
         for (let n = 1; n < piece.length; n++) {
-          if ((route.visible[piece[n]] > 0.5) !== seen) { lifted = true; continue; }
+          if (isSeen(route.visible[piece[n]]) !== seen) { lifted = true; continue; }
           if (lifted) pen.moveTo(...toScreen(route.x[piece[n - 1]], route.y[piece[n - 1]], width, height));
           pen.lineTo(...toScreen(route.x[piece[n]], route.y[piece[n]], width, height));
           lifted = false;

@@ -111,11 +111,17 @@ def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:
     return {
         "name": name,
         "length": f"{route.along[-1]:.1f}",
-        "visible": f"{100 * float(np.mean(route.visible[np.isfinite(route.visible)] > 0.5)):.1f}",
+        "visible": _percent(route.visible),
         "sigma": f"{float(np.median(route.sigmas)):.3f}",
         "worst": f"{float(np.max(route.sigmas)):.3f}",
         "dives": ", ".join(route.recordings),
     }
+
+
+def _percent(shares: FloatArray) -> str:
+    """Return the mean of those shares (N,) that are known; empty where none is."""
+    known = shares[np.isfinite(shares)]
+    return f"{100.0 * float(known.mean()):.1f}" if len(known) else ""
 
 
 def _route_data(name: str, route: MergedRoute) -> dict[str, Any]:
