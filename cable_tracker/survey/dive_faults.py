@@ -107,6 +107,11 @@ def find_faults(
         notes.append(
             f"readings of odometry with stamps of another time do not count: {poses.strays}"
         )
+    if dive.unusable_poses:
+        notes.append(
+            f"{dive.unusable_poses} readings of odometry have no orientation, a quaternion of"
+            " length 1, or no place, and do not count; let the vehicle's navigation fill them in"
+        )
     if counted.refused:
         notes.append(
             f"{counted.refused} of {len(rows)} pictures could not be used: they are damaged, of a"

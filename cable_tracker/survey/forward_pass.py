@@ -30,7 +30,7 @@ from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoic
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
-from cable_tracker.sequences.messages.poses import yaw_of
+from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.sequences.source import open_source
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
@@ -143,6 +143,8 @@ class ForwardDive:
         Remarks for the user: missing topics, where the recording broke off.
     flight : Overflight or None
         The camera over the cable, when metres were known last; None if they never were.
+    unusable_poses : int
+        Number of readings of odometry without a place or an orientation.
     given_name : str
         Instead of the recording's own name; empty: none.
     recording : Source or None
@@ -153,6 +155,7 @@ class ForwardDive:
     disk: Disk = field(default_factory=Disk)
     notes: list[str] = field(default_factory=list)
     flight: Overflight | None = None
+    unusable_poses: int = 0
     given_name: str = ""
     recording: Source | None = None
     table: FrameTable = field(init=False)
@@ -296,7 +299,9 @@ class _Run:
             if 0 <= given.stamp - self._posed < POSE_PAUSE:
                 return
             pose = read_pose(message)
-            if np.isfinite(pose).all():
+            if pose is None:
+                self._dive.unusable_poses += 1
+            else:
                 self._posed = given.stamp
                 self._dive.poses.add(given.stamp, pose)
         elif given.instrument is Instrument.FIX:
@@ -305,13 +310,20 @@ class _Run:
                 self._dive.fixes.add(given.stamp, fix)
 
 
-def read_pose(message: object) -> list[float]:
-    """Read x, y, yaw of a nav_msgs/Odometry, and its speed [m, rad, m/s]."""
+def read_pose(message: object) -> list[float] | None:
+    """Read a nav_msgs/Odometry as `POSE_WIDTH` numbers; None where it has no place or orientation.
+
+    A speed that is not finite is none, as that of odometry without a twist: 0.
+    """
     odometry: Any = message
     p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
     twist = odometry.twist.twist
+    place = [float(p.x), float(p.y)]
+    # A quaternion that was never filled in would be read as a yaw of 0.
+    if unit_quaternion(q) is None or not np.isfinite(place).all():
+        return None
     speed = math.hypot(float(twist.linear.x), float(twist.linear.y), float(twist.linear.z))
-    return [float(p.x), float(p.y), yaw_of(q), speed]
+    return [*place, yaw_of(q), speed if math.isfinite(speed) else 0.0]
 
 
 def read_fix(message: object) -> list[float] | None:

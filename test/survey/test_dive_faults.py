@@ -103,3 +103,11 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, 
     places = poses.at(dive.table.rows["stamp"])
     (note,) = find_faults(dive, poses, count_rows(dive, places), MAXIMUM_GAP)
     assert words in note
+
+
+def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told(tmp_path):
+    dive = ForwardDive(tmp_path, unusable_poses=7)
+    dive.table.append()["status"] = STATUSES.index("LOST")
+    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
+    said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1]), MAXIMUM_GAP)
+    assert any(note.startswith("7 readings of odometry have no orientation") for note in said)

@@ -12,6 +12,7 @@ from cable_tracker.survey.forward_pass import (
     ForwardSettings,
     _Run,
     read_fix,
+    read_pose,
 )
 
 SECOND = 1_000_000_000
@@ -89,3 +90,30 @@ def test_what_is_no_fix_is_passed_over(none):
 @pytest.mark.parametrize("unsaid", [{"kind": 0}, {"variance": 0.0}, {"variance": math.inf}])
 def test_a_fix_that_does_not_say_how_sure_it_is_counts_little(unsaid):
     assert read_fix(fix(**unsaid))[2:] == [UNSAID_FIX_VARIANCE] * 2
+
+
+def odometry(orientation=(0.0, 0.0, 0.6, 0.8), speed=0.5, x=1.0):
+    pose = SimpleNamespace(
+        position=SimpleNamespace(x=x, y=2.0, z=0.0),
+        orientation=SimpleNamespace(**dict(zip("xyzw", orientation, strict=True))),
+    )
+    twist = SimpleNamespace(linear=SimpleNamespace(x=speed, y=0.0, z=0.0))
+    return SimpleNamespace(pose=SimpleNamespace(pose=pose), twist=SimpleNamespace(twist=twist))
+
+
+def test_odometry_is_read_with_its_yaw_and_speed():
+    assert read_pose(odometry()) == pytest.approx([1.0, 2.0, 2.0 * math.asin(0.6), 0.5])
+
+
+@pytest.mark.parametrize("unfilled", [(0.0, 0.0, 0.0, 0.0), (0.0, 0.0, math.nan, 1.0)])
+def test_odometry_without_an_orientation_has_no_yaw_of_0(unfilled):
+    assert read_pose(odometry(unfilled)) is None
+
+
+def test_odometry_without_a_place_is_none():
+    assert read_pose(odometry(x=math.nan)) is None
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf])
+def test_odometry_whose_twist_is_not_finite_counts_as_that_without_one(speed):
+    assert read_pose(odometry(speed=speed))[3] == 0.0
