@@ -11,19 +11,24 @@ not counted: profilers of Python do not see it.
 from __future__ import annotations
 
 import sys
+import time
 from itertools import pairwise
 from pathlib import Path
 from types import FrameType
 
 import rclpy
 from rclpy.context import Context
+from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker import arrays
+from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
@@ -62,8 +67,11 @@ def serialised(frame: Frame) -> bytes:
 
 
 def walk_of_last(messages: list[bytes], context: Context) -> Walk:
-    """Track on all messages, and follow the last one."""
-    node = TrackerNode(context=context)
+    """Track on all messages, and follow the last one; a controller subscribes to `centreline`."""
+    node, controller = TrackerNode(context=context), Node("controller", context=context)
+    subscription(controller, node_topics.CENTRELINE, lambda _: None, qos.RESULTS)
+    while not node.count_subscribers("centreline"):
+        time.sleep(0.01)
     node.wait_until_warm()
     for message in messages[:-1]:
         node.on_image(message, {})
@@ -73,7 +81,8 @@ def walk_of_last(messages: list[bytes], context: Context) -> Walk:
     sys.setprofile(walk)
     node.on_image(messages[-1], {})
     sys.setprofile(None)
-    node.destroy_node()
+    for each in (node, controller):
+        each.destroy_node()
     return walk
 
 
