@@ -130,6 +130,12 @@ MERGED_BURIALS = 0.6
 USUAL_WAY = 20.0
 """Way over which the usual diameter is taken [m]."""
 
+HIDDEN_WORDS = {
+    EventKind.BURIED: "not to be seen",
+    EventKind.OUT_OF_VIEW: "outside the pictures",
+}
+"""What is said of stretches on which the cable is hidden."""
+
 LEAST_ASIDE_WAY = 1.0
 """Excursions over a shorter way are not reported [m]."""
 
@@ -267,9 +273,13 @@ def _hidden(maker: _Maker, limits: Limits) -> list[Event]:
     events = []
     for start, end, was_in_view in hidden_stretches(maker.route, limits.least_burial):
         kind = EventKind.BURIED if was_in_view else EventKind.OUT_OF_VIEW
-        what = "not to be seen" if was_in_view else "outside the pictures"
-        events.append(maker.at(kind, start, f"{what} over {end - start:.1f} m", end))
+        events.append(maker.at(kind, start, hidden_detail(kind, end - start), end))
     return events
+
+
+def hidden_detail(kind: EventKind, length: float) -> str:
+    """Say of a stretch on which the cable is hidden over what length that is so [m]."""
+    return f"{HIDDEN_WORDS[kind]} over {length:.1f} m"
 
 
 def _without_metres(maker: _Maker) -> list[Event]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.events import Event, EventKind
+from cable_tracker.survey.events import HIDDEN_WORDS, Event, EventKind, hidden_detail
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import SPACING
 
@@ -40,7 +40,10 @@ LEAST_DISAGREEMENT = 2.0
 """Dives that disagree over a shorter way are no event [m]."""
 
 SAME_EVENT = 3.0
-"""Events of one kind in several dives are one if they are so near [m], or overlap."""
+"""Events of one kind in several dives are one if their beginnings and their ends are so near [m],
+or if they share `SAME_SHARE` of the longer one."""
+
+SAME_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -444,9 +447,8 @@ def _joined(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Eve
     groups: list[list[tuple[int, Event]]] = []
     for number, event in events:
         for group in reversed(groups[-4:]):
-            near = event.along - max(each.end for _, each in group) <= SAME_EVENT
             is_other_way = all(number != each for each, _ in group)
-            if group[0][1].kind is event.kind and near and is_other_way:
+            if is_other_way and _is_same(event, [each for _, each in group]):
                 group.append((number, event))
                 break
         else:
@@ -454,13 +456,30 @@ def _joined(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Eve
     return [_one(route, [event for _, event in group]) for group in groups]
 
 
+def _is_same(event: Event, group: Sequence[Event]) -> bool:
+    """Tell whether an event is the one that several dives saw."""
+    if group[0].kind is not event.kind:
+        return False
+    start, end = _span(group)
+    shared = min(end, event.end) - max(start, event.along)
+    off = max(abs(event.along - start), abs(event.end - end))
+    return off <= SAME_EVENT or shared >= SAME_SHARE * max(end - start, event.end - event.along)
+
+
+def _span(group: Sequence[Event]) -> tuple[float, float]:
+    """Return from where to where an event goes that several dives saw [m]."""
+    along = float(np.median([each.along for each in group]))
+    return along, max(along, float(np.median([each.end for each in group])))
+
+
 def _one(route: MergedRoute, group: Sequence[Event]) -> Event:
     """Put an event that several dives saw together; the dive nearest to its beginning shows it."""
     if len(group) == 1:
         return group[0]
-    along = float(np.median([each.along for each in group]))
-    end = float(np.median([each.end for each in group]))
+    along, end = _span(group)
     x, y = interpolated(along, route.along, route.places).tolist()
     nearest = min(group, key=lambda each: abs(each.along - along))
     others = tuple(sorted({each.recording for each in group} - {nearest.recording}))
-    return replace(nearest, along=along, end=max(end, along), place=(x, y), others=others)
+    is_hidden = nearest.kind in HIDDEN_WORDS
+    detail = hidden_detail(nearest.kind, end - along) if is_hidden else nearest.detail
+    return replace(nearest, along=along, end=end, place=(x, y), detail=detail, others=others)

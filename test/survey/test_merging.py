@@ -197,11 +197,46 @@ def test_an_event_that_two_dives_saw_lies_on_the_route_where_it_begins():
     first = straight("a", (0.0, 0.0), (100.0, 0.0))
     second = straight("b", (0.0, 0.0), (100.0, 0.0))
     long = Event(EventKind.BURIED, 0.0, 60.0, (0.0, 0.0), 1, 7, "seen", "a")
-    short = Event(EventKind.BURIED, 50.0, 70.0, (50.0, 0.0), 1, 7, "seen", "b")
+    short = Event(EventKind.BURIED, 30.0, 70.0, (30.0, 0.0), 1, 7, "seen", "b")
     (merged,) = merge([replace(first, events=(long,)), replace(second, events=(short,))])
     (event,) = merged.events
-    assert (event.along, event.end) == pytest.approx((25.0, 65.0), abs=0.1)
+    assert (event.along, event.end) == pytest.approx((15.0, 65.0), abs=0.1)
+    assert event.detail == "not to be seen over 50.0 m"
     assert event.place == pytest.approx((event.along, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("other", "count"),
+    [((10.0, 14.5), 2), ((6.0, 20.0), 1), ((26.0, 44.0), 2), ((8.5, 32.0), 1), ((5.0, 17.9), 2)],
+)
+def test_stretches_of_which_dives_share_less_than_half_are_not_one(other, count):
+    stretches = {"a": (6.0, 30.0), "b": other}
+    dives = [
+        replace(
+            straight(name, (0.0, 0.0), (100.0, 0.0)),
+            events=(Event(EventKind.BURIED, *ends, (ends[0], 0.0), 1, 7, "seen", name),),
+        )
+        for name, ends in stretches.items()
+    ]
+    (merged,) = merge(dives)
+    assert len(merged.events) == count
+    if count == 2:
+        found = {each.recording: (each.along, each.end) for each in merged.events}
+        assert found == {name: pytest.approx(ends) for name, ends in stretches.items()}
+
+
+@pytest.mark.parametrize(("place", "count"), [(22.0, 1), (25.0, 2)])
+def test_points_that_are_near_are_one_event(place, count):
+    dives = [
+        replace(
+            straight(name, (0.0, 0.0), (100.0, 0.0)),
+            events=(Event(EventKind.CROSSING, at, at, (at, 0.0), 1, 7, "seen", name),),
+        )
+        for name, at in (("a", 20.0), ("b", place))
+    ]
+    (merged,) = merge(dives)
+    assert len(merged.events) == count
+    assert {each.detail for each in merged.events} == {"seen"}
 
 
 @pytest.mark.parametrize(
