@@ -24,7 +24,7 @@ from cable_tracker.survey.forward_pass import (
     read_fix,
     track_forwards,
 )
-from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.georeference import Georeference, georeference
 from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.memory_mapped import Disk
@@ -222,7 +222,8 @@ def _events_in_time(dive: ForwardDive) -> list[Event]:
     rows, nowhere = dive.table.rows, (float("nan"), float("nan"))
     events, before = list[Event](), 0
     for part in dive.disk.blocks(len(rows)):
-        some = rows[part]
+        # A picture that could not be used says nothing about the cable.
+        some = rows[part][rows["status"][part] != REFUSED]
         claimed = (some["status"] == TRACKING).astype(np.int8)
         events += [
             Event(
@@ -232,5 +233,5 @@ def _events_in_time(dive: ForwardDive) -> list[Event]:
             )
             for k in np.flatnonzero(np.diff(claimed, prepend=before))
         ]  # fmt: skip
-        before = int(claimed[-1])
+        before = int(claimed[-1]) if len(claimed) else before
     return events

@@ -9,7 +9,7 @@ from survey_dives import Plan, make_dive, poses_of
 from cable_tracker.errors import ParameterError
 from cable_tracker.survey.events import EventKind, Limits, _clusters, hidden_stretches
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import EMPTY, TRACKING, CrossingSight
+from cable_tracker.survey.frame_table import EMPTY, REFUSED, TRACKING, CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.merging import merge
@@ -221,6 +221,20 @@ def test_without_odometry_there_are_times_instead_of_places():
         EventKind.FOUND, EventKind.LOST, EventKind.FOUND,
     ]  # fmt: skip
     assert any("pixels only" in note for note in surveyed.notes)
+
+
+@pytest.mark.parametrize("block", [1, 4096])
+def test_without_odometry_a_picture_that_is_refused_loses_no_cable(block):
+    bare = ForwardDive(Path("dive"), Disk(block=block))
+    for number, status in enumerate(
+        [REFUSED, 0, TRACKING, TRACKING, REFUSED, TRACKING, 2, REFUSED]
+    ):
+        row = bare.table.append()
+        row["frame"], row["stamp"], row["status"] = number, 40_000_000 * number, status
+    surveyed, _ = analyse(bare, SurveySettings())
+    assert [(event.kind, event.frame) for event in surveyed.events] == [
+        (EventKind.FOUND, 2), (EventKind.LOST, 6),
+    ]  # fmt: skip
 
 
 def test_clocks_that_are_far_apart_are_said():
