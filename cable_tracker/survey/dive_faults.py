@@ -32,6 +32,8 @@ class CountedRows:
         Least and largest stamp of the pictures [ns].
     back, ahead : float
         Least and largest step from one picture to the next, as far as beyond 0 [s].
+    seconds : float
+        Length of the recording, without pauses and jumps of the clock [s].
     reasons : ndarray
         Number of claims without metres, by the number of the reason, shape (R,).
     """
@@ -47,10 +49,14 @@ class CountedRows:
     latest: int = -(2**62)
     back: float = 0.0
     ahead: float = 0.0
+    seconds: float = 0.0
 
 
-def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
-    """Go through the rows of a dive, whose vehicle was at places (N, 3)."""
+def count_rows(dive: ForwardDive, places: FloatArray, maximum_gap: float) -> CountedRows:
+    """Go through the rows of a dive, whose vehicle was at places (N, 3).
+
+    After a pause longer than `maximum_gap` [s], a parameter of the tracker, it has started anew.
+    """
     rows, kinds = dive.table.rows, len(dive.table.reasons)
     found = CountedRows(np.zeros(kinds, np.int64))
     before = rows["stamp"][:1]
@@ -69,6 +75,7 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
         steps = np.diff(some["stamp"], prepend=before) / 1e9
         found.back = min(found.back, float(steps.min()))
         found.ahead = max(found.ahead, float(steps.max()))
+        found.seconds += float(steps[(steps >= 0.0) & (steps <= maximum_gap)].sum())
         found.reasons += np.bincount(some["reason"][claimed], minlength=kinds)
         before = some["stamp"][-1:].copy()
     return found
@@ -77,10 +84,7 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
 def find_faults(
     dive: ForwardDive, poses: Poses, counted: CountedRows, maximum_gap: float
 ) -> list[str]:
-    """Say why there is no route, or why it has gaps.
-
-    After a pause longer than `maximum_gap` [s], a parameter of the tracker, it has started anew.
-    """
+    """Say why there is no route, or why it has gaps; `maximum_gap` [s] as for `count_rows`."""
     rows = dive.table.rows
     notes = []
     if len(poses.stamps) < 2:

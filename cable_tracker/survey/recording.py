@@ -158,8 +158,9 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     notes = list(dive.notes)
     poses = joined_poses(dive.poses, disk)
     places = poses_of_rows(rows, poses, disk)
-    counted = count_rows(dive, places)
-    notes += find_faults(dive, poses, counted, settings.forward.parameters.maximum_gap)
+    maximum_gap = settings.forward.parameters.maximum_gap
+    counted = count_rows(dive, places, maximum_gap)
+    notes += find_faults(dive, poses, counted, maximum_gap)
     course, routes, on_earth = None, [], False
     if counted.placed_partly and counted.in_metres:
         course = _course(dive, poses, places)
@@ -175,12 +176,11 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         for each in routes
         if course is not None
     )
-    seconds = float(rows["stamp"][-1] - rows["stamp"][0]) / 1e9
     events = () if placed else tuple(_events_in_time(dive))
     return (
         SurveyedDive(
             name, placed, events, on_earth, tuple(notes), len(rows), counted.tracked,
-            max(seconds, 0.0),
+            counted.seconds,
         ),
         course,
     )  # fmt: skip

@@ -43,7 +43,7 @@ class SurveyedDive:
     frames, tracked : int
         Number of frames, and of those in which the cable is claimed.
     seconds : float
-        Length of the recording.
+        Length of the recording, without pauses and jumps of the clock [s].
     """
 
     name: str

@@ -4,7 +4,9 @@ import pytest
 from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import REFUSED, STATUSES
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses
+from cable_tracker.survey.recording import SurveySettings, analyse
 
 CLAIMS = 20
 NO_PLACES = np.full((CLAIMS, 3), np.nan)
@@ -27,7 +29,7 @@ def faults(tmp_path):
                 row["aside"] = np.nan if reason else 0.1
         none = np.zeros(0, np.int64)
         poses = Poses(none, np.zeros((0, 3)))
-        return find_faults(dive, poses, count_rows(dive, NO_PLACES), MAXIMUM_GAP)[1:]
+        return find_faults(dive, poses, count_rows(dive, NO_PLACES, MAXIMUM_GAP), MAXIMUM_GAP)[1:]
 
     return tell
 
@@ -70,7 +72,7 @@ def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
         row = dive.table.append()
         row["status"], row["stamp"] = STATUSES.index("LOST"), round(stamp * SECOND)
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]), MAXIMUM_GAP)[1:]
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP)[1:]
     assert notes == [] if words is None else (len(notes) == 1 and words in notes[0])
 
 
@@ -81,7 +83,7 @@ def test_pictures_that_could_not_be_used_are_counted(tmp_path):
         row["status"] = REFUSED if index else STATUSES.index("LOST")
         row["stamp"] = index * SECOND
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]), MAXIMUM_GAP)
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP)
     assert any(note.startswith("3 of 4 pictures could not be used") for note in notes)
 
 
@@ -101,7 +103,7 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, 
     stamps = (readings * SECOND).astype(np.int64)
     poses = Poses(stamps, np.zeros((len(stamps), 3)))
     places = poses.at(dive.table.rows["stamp"])
-    (note,) = find_faults(dive, poses, count_rows(dive, places), MAXIMUM_GAP)
+    (note,) = find_faults(dive, poses, count_rows(dive, places, MAXIMUM_GAP), MAXIMUM_GAP)
     assert words in note
 
 
@@ -109,5 +111,22 @@ def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told(tmp_pat
     dive = ForwardDive(tmp_path, unusable_poses=7)
     dive.table.append()["status"] = STATUSES.index("LOST")
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1]), MAXIMUM_GAP)
+    said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1], MAXIMUM_GAP), MAXIMUM_GAP)
     assert any(note.startswith("7 readings of odometry have no orientation") for note in said)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "seconds"),
+    [
+        ([0, 1, 2, 3], 3.0),
+        ([0, 1, -100, -99], 2.0),
+        ([0, 1, 3600, 3601], 2.0),
+        ([5, 4], 0.0),
+    ],
+)
+def test_a_clock_that_jumps_makes_a_recording_neither_longer_nor_shorter(tmp_path, stamps, seconds):
+    dive = ForwardDive(tmp_path, Disk(block=2))
+    for stamp in stamps:
+        dive.table.append()["stamp"] = stamp * SECOND
+    surveyed, _ = analyse(dive, SurveySettings())
+    assert surveyed.seconds == pytest.approx(seconds)

@@ -43,7 +43,7 @@ class RecordingRow:
     frames, tracked : int
         Frames, and in how many the cable is claimed.
     seconds : float
-        Length.
+        Length, without pauses and jumps of the clock.
     notes : tuple of str
         Remarks for the user.
     """
