@@ -191,10 +191,10 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
 
 def _print_routes(result: SurveyResult) -> None:
     rows = []
-    for number, route in enumerate(result.routes, start=1):
+    for name, route in zip(result.names, result.routes, strict=True):
         sigma = sorted(float(value) for value in route.sigmas)[len(route.sigmas) // 2]
         rows.append((
-            f"route {number}", f"{route.along[-1]:.1f}", f"{sigma:.3f}", str(len(route.events)),
+            name, f"{route.along[-1]:.1f}", f"{sigma:.3f}", str(len(route.events)),
             ", ".join(route.recordings),
         ))  # fmt: skip
     headings = ("", "length [m]", "median sigma [m]", "events", "recordings")

@@ -33,6 +33,8 @@ from cable_tracker.survey.recording import SurveySettings, find_datum, survey_re
 from cable_tracker.survey.surveyed_dive import SurveyedDive, read_surveyed
 
 RECORDINGS, REPORT = "recordings", "report.html"
+WITHOUT_PLACE = "without_place"
+"""Folder of the map of routes that are not on the earth, where others are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +74,9 @@ class SurveyResult:
     Attributes
     ----------
     routes : tuple of MergedRoute
-        Routes, longest first.
+        Routes: those on the earth, longest first, then the others.
+    names : tuple of str
+        Names of the routes in the files; of those in a folder of their own with its name before.
     outcomes : tuple of Outcome
         Outcomes, one for each recording.
     rows : tuple of RecordingRow
@@ -80,6 +84,7 @@ class SurveyResult:
     """
 
     routes: tuple[MergedRoute, ...]
+    names: tuple[str, ...]
     outcomes: tuple[Outcome, ...]
     rows: tuple[RecordingRow, ...]
 
@@ -185,10 +190,10 @@ def _put_together(
                 forget(root / outcome.name)
         rows.append(row)
     try:
-        routes = _write_all(output, list(dives.values()), rows, datum)
+        routes, names = _write_all(output, list(dives.values()), rows, datum)
     except OSError as error:
         raise write_failure(output, error) from error
-    return SurveyResult(routes, tuple(outcomes), tuple(rows))
+    return SurveyResult(routes, names, tuple(outcomes), tuple(rows))
 
 
 def _write_all(
@@ -196,21 +201,24 @@ def _write_all(
     dives: Sequence[SurveyedDive],
     rows: Sequence[RecordingRow],
     datum: tuple[float, float] | None,
-) -> tuple[MergedRoute, ...]:
+) -> tuple[tuple[MergedRoute, ...], tuple[str, ...]]:
+    """Merge the routes of dives, and write them; return routes and names of `SurveyResult`."""
     on_earth = [placed for dive in dives if dive.on_earth for placed in dive.routes]
     own = [placed for dive in dives if not dive.on_earth for placed in dive.routes]
     in_time = tuple(event for dive in dives for event in dive.events)
     frame = LocalFrame(*datum) if datum is not None and on_earth else None
     merged = _longest_first(merge(on_earth))
     apart = _longest_first([route for placed in own for route in merge([placed])])
-    beside = output / "without_place"
+    beside = output / WITHOUT_PLACE
     shutil.rmtree(beside, ignore_errors=True)
+    names = (*_names(merged), *_names(apart))
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
     if frame is not None:
         _write_map(output, SurveyMap(tuple(merged), frame, _names(merged), in_time), rows)
         if apart:
             beside.mkdir()
             _write_map(beside, SurveyMap(tuple(apart), None, _names(apart), root="../"), rows)
+            names = (*_names(merged), *(f"{WITHOUT_PLACE}: {name}" for name in _names(apart)))
     else:
         _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
     parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]
@@ -218,7 +226,7 @@ def _write_all(
     if parts:
         with atomic_file(output / FRAMES) as part:
             join_frames(parts, part)
-    return (*merged, *apart)
+    return (*merged, *apart), names
 
 
 def _longest_first(routes: Iterable[MergedRoute]) -> list[MergedRoute]:

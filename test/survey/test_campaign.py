@@ -3,6 +3,7 @@ import os
 import shutil
 
 import pytest
+from rewriting import rewritten
 
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
@@ -54,6 +55,21 @@ def test_routes_are_numbered_from_the_longest(bag, tmp_path):
     lengths = [route.along[-1] for route in result.routes]
     assert len(lengths) == 2
     assert lengths[0] > lengths[1]
+
+
+def test_routes_have_the_names_of_their_files(bag, tmp_path):
+    def change(topic, message, time):
+        if topic != "/fix":
+            yield topic, message, time
+
+    other = rewritten(bag, tmp_path / "without_fix", change)
+    output = tmp_path / "map"
+    result = run_survey([other, bag], output, SurveySettings(pictures=False), ALONE)
+    assert result.names == ("route 1", "without_place: route 1")
+    assert [route.recordings for route in result.routes] == [("dive",), ("without_fix",)]
+    for folder, recording in ((output, "dive"), (output / "without_place", "without_fix")):
+        rows = list(csv.DictReader((folder / "events.csv").read_text().splitlines()))
+        assert {(row["route"], row["recording"]) for row in rows} == {("route 1", recording)}
 
 
 def test_a_survey_without_routes_leaves_no_map_of_an_earlier_one(bag, tmp_path):
