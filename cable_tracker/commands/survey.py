@@ -186,6 +186,12 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
         for note in (row.state, *row.notes):
             if note != "done":
                 console.print(f"{row.name}: {note}", soft_wrap=True)
+    if result.left_out:
+        console.print(
+            f"not in this map, for they were not named: {', '.join(result.left_out)}, of which"
+            f" {output / RECORDINGS} holds earlier results; name these recordings too",
+            soft_wrap=True,
+        )
     console.print(f"  {output / REPORT}", soft_wrap=True)
 
 

@@ -81,12 +81,16 @@ class SurveyResult:
         Outcomes, one for each recording.
     rows : tuple of RecordingRow
         Rows of the table of recordings, with the remarks about each.
+    left_out : tuple of str
+        Names of earlier results beside these, of recordings that were not given this time: they are
+        not in the map.
     """
 
     routes: tuple[MergedRoute, ...]
     names: tuple[str, ...]
     outcomes: tuple[Outcome, ...]
     rows: tuple[RecordingRow, ...]
+    left_out: tuple[str, ...]
 
 
 def holds_survey(output: Path) -> bool:
@@ -193,7 +197,13 @@ def _put_together(
         routes, names = _write_all(output, list(dives.values()), rows, datum)
     except OSError as error:
         raise write_failure(output, error) from error
-    return SurveyResult(routes, names, tuple(outcomes), tuple(rows))
+    left_out = _results_in(root) - {outcome.name for outcome in outcomes}
+    return SurveyResult(routes, names, tuple(outcomes), tuple(rows), tuple(sorted(left_out)))
+
+
+def _results_in(root: Path) -> set[str]:
+    """Return the names of the recordings whose results lie in a folder."""
+    return {printable(folder.name) for folder in root.iterdir() if is_result(folder)}
 
 
 def _write_all(

@@ -95,6 +95,15 @@ def test_an_earlier_survey_is_kept_unless_it_is_to_go_on(surveyed, dives, run):
     assert "2 recordings (2 kept from before)" in said
 
 
+def test_dives_of_an_earlier_survey_that_are_not_in_the_map_are_named(
+    surveyed, dives, run, tmp_path
+):
+    output = shutil.copytree(surveyed, tmp_path / "out")
+    code, said = run("survey", dives[1], "--output", output, "--resume")
+    assert code == 0
+    assert "not in this map, for they were not named: first" in said
+
+
 def test_a_folder_that_is_no_survey_is_never_written_over(tmp_path, dives, run):
     (tmp_path / "letter.txt").write_text("precious")
     code, said = run("survey", dives[0], "--output", tmp_path, "--force")

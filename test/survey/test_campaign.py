@@ -167,6 +167,14 @@ def test_a_kept_dive_whose_frames_are_damaged_is_a_row_that_failed(surveyed, tmp
     assert "survey the recording again" in (output / "report.html").read_text()
 
 
+def test_earlier_dives_that_are_not_named_again_are_told(bag, surveyed, tmp_path):
+    output = shutil.copytree(surveyed[0], tmp_path / "map")
+    assert surveyed[1].left_out == ()
+    again = shutil.copytree(bag, tmp_path / "another")
+    result = run_survey([again], output, SurveySettings(pictures=False), ALONE, resume=True)
+    assert result.left_out == ("dive",)
+
+
 def test_a_dive_whose_disk_is_not_mounted_is_a_row_and_keeps_its_results(bag, surveyed, tmp_path):
     output = shutil.copytree(surveyed[0], tmp_path / "map")
     away = bag.rename(tmp_path / "away")
