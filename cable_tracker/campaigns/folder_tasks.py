@@ -125,8 +125,8 @@ def run_in_folder(
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
     Where it fails, the earlier one is removed, unless its input cannot be reached: that may come
-    back. A folder that no task has left, one without a
-    marker, is neither replaced nor removed: it may be the recording itself.
+    back. A folder without a marker, which no task has left, is neither replaced nor removed: it may
+    be the recording itself.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
