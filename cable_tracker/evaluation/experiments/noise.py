@@ -5,15 +5,44 @@ Tables 4.2 and 4.3 of the thesis list these variances for its sequences.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
+from cable_tracker.stamps import NANOSECONDS
 
 UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))
 """Turns px² and rad² of d, alpha, w, beta into px² and deg²."""
+
+LONGEST_STEP = 1.5
+"""Longest time from one frame to the next one, as a multiple of the usual: after more than that
+frames are missing, the clock has jumped, or another recording begins."""
+
+
+def usual_step(stamps: IndexArray) -> float:
+    """Return the usual time from one frame to the next of stamps (N,) [s]; NaN: there is none."""
+    steps = np.diff(stamps)
+    forwards = steps[steps > 0]
+    return float(np.median(forwards)) / NANOSECONDS if len(forwards) else math.nan
+
+
+def parted_at_gaps(states: FloatArray, stamps: IndexArray) -> FloatArray:
+    """Return states with a row of NaN, a frame without a label, wherever frames do not go on.
+
+    Parameters
+    ----------
+    states : FloatArray
+        One row for each frame, shape (N, C).
+    stamps : IndexArray
+        Times of the frames, shape (N,) [ns].
+    """
+    steps = np.diff(stamps) / NANOSECONDS
+    gaps = np.flatnonzero((steps <= 0.0) | (steps > LONGEST_STEP * usual_step(stamps))) + 1
+    return np.insert(states, gaps, np.nan, axis=0)
 
 
 def increment_variances(states: FloatArray) -> FloatArray:

@@ -1,3 +1,5 @@
+import cv2
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -25,7 +27,7 @@ def labels(tmp_path, frames):
 def test_the_variances_of_a_labelled_sequence_are_printed(labels):
     result = run(labels)
     assert result.exit_code == 0
-    assert "6 of 6 frames labelled, 5 steps" in result.stdout
+    assert "6 of 6 frames labelled, 5 steps of 0.04 s" in result.stdout
     assert all(unit in result.stdout for unit in ("w [px²]", "beta [deg²]", "alpha [deg²]"))
 
 
@@ -49,3 +51,25 @@ def test_steps_across_frames_without_a_label_do_not_count(labels, tmp_path):
     some = tmp_path / "some.txt"
     some.write_text("\n".join(lines[:4] + lines[5:]) + "\n")
     assert "5 of 6 frames labelled, 3 steps" in run(pictures, "--truth", some).stdout
+
+
+def write_video(path, count):
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 25.0, (64, 48))
+    for _ in range(count):
+        writer.write(np.full((48, 64, 3), 90, np.uint8))
+    writer.release()
+
+
+def test_a_step_from_one_recording_of_a_list_to_the_next_does_not_count(tmp_path):
+    lines = []
+    for name in ("one.avi", "other.avi"):
+        write_video(tmp_path / name, 6)
+        lines += [f"{number} 0 12 0 # {name}:{number}" for number in range(6)]
+    (tmp_path / "both.txt").write_text("\n".join(lines) + "\n")
+    assert "12 of 12 frames labelled, 10 steps of 0.04 s" in run(tmp_path / "both.txt").stdout
+
+
+def test_a_step_over_frames_that_are_missing_does_not_count(labels):
+    lines = labels.read_text().splitlines()
+    labels.write_text("\n".join(lines[:4] + lines[5:]) + "\n")
+    assert "5 of 5 frames labelled, 3 steps of 0.04 s" in run(labels).stdout

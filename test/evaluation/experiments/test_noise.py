@@ -6,7 +6,11 @@ from hypothesis.extra.numpy import arrays
 
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.experiments.noise import increment_variances
+from cable_tracker.evaluation.experiments.noise import (
+    increment_variances,
+    parted_at_gaps,
+    usual_step,
+)
 from cable_tracker.simulation.scenario import scenario_states
 from cable_tracker.simulation.scenarios import SCENARIOS
 
@@ -68,6 +72,24 @@ def test_steps_to_and_from_unlabelled_frames_do_not_count():
     rows = [(0, 0, 30, 0), (1, 0, 30, 0), (3, 0, 30, 0)]
     states = _states(*rows, gap, (90, 1, 50, 0.1), gap, (5, 0, 30, 0), (6, 0, 30, 0))
     assert increment_variances(states)[0] == pytest.approx(np.var((1, 2, 1), ddof=1))
+
+
+@pytest.mark.parametrize(
+    "times", [[0, 1, 2, 8, 9, 10], [0, 1, 2, 1e5, 1e5 + 1, 1e5 + 2], [5, 6, 7, 0, 1, 2]]
+)
+def test_steps_over_gaps_and_clocks_that_jump_do_not_count(times):
+    states = _states(*((place, 0, 30, 0) for place in (0, 1, 3, 90, 91, 93)))
+    stamps = (np.array(times) * 40_000_000).astype(np.int64)
+    parted = parted_at_gaps(states, stamps)
+    assert np.flatnonzero(np.isnan(parted).any(axis=1)).tolist() == [3]
+    assert increment_variances(parted)[0] == pytest.approx(np.var((1, 2, 1, 2), ddof=1))
+    assert usual_step(stamps) == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_frames_that_go_on_are_not_parted(count):
+    states = np.zeros((count, 4))
+    np.testing.assert_array_equal(parted_at_gaps(states, np.arange(count) * 10**9), states)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
