@@ -216,9 +216,6 @@ def spread_points(
 ) -> tuple[FloatArray, FloatArray]:
     """Return points spread evenly inside a shape, and in a ring around it, in units.
 
-    Where both fit, a point comes with its mirror image through the centroid: a few points of the
-    sequence alone have their middle beside it, and so would the target's.
-
     Parameters
     ----------
     distances : array
@@ -237,14 +234,13 @@ def spread_points(
         if found_inside == count and found_around == count:
             break
         first, second = (first + GOLDEN[0]) % 1.0, (second + GOLDEN[1]) % 1.0
-        x, y = (first - 0.5) * (side - 1) / UNIT, (0.5 - second) * (side - 1) / UNIT
-        for sign in (1.0, -1.0):
-            column, row = middle + sign * x * UNIT, middle - sign * y * UNIT
-            distance = distances[int(row + 0.5), int(column + 0.5)]
-            if distance < 0.0 and found_inside < count:
-                inside[found_inside] = (sign * x, sign * y)
-                found_inside += 1
-            elif nearest <= distance <= farthest and found_around < count:
-                around[found_around] = (sign * x, sign * y)
-                found_around += 1
+        column, row = first * (side - 1), second * (side - 1)
+        distance = distances[int(row + 0.5), int(column + 0.5)]
+        x, y = (column - middle) / UNIT, (middle - row) / UNIT
+        if distance < 0.0 and found_inside < count:
+            inside[found_inside] = (x, y)
+            found_inside += 1
+        elif nearest <= distance <= farthest and found_around < count:
+            around[found_around] = (x, y)
+            found_around += 1
     return inside[:found_inside], around[:found_around]

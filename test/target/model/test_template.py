@@ -38,13 +38,6 @@ def test_its_points_lie_inside_and_in_the_ring(draw):
     assert ((around > RING[0] - 0.06) & (around < RING[1] + 0.06)).all()
 
 
-@pytest.mark.parametrize("axes", [(18, 13), (40, 30)])
-def test_its_points_lie_evenly_about_the_centroid(draw, axes):
-    template = template_of_mask(draw(axes=axes)[1], 60, 1.0)
-    for points in (template.inside, template.around):
-        assert points.mean(axis=0) == pytest.approx([0.0, 0.0], abs=0.01)
-
-
 def test_a_turned_shape_is_turned_back(draw):
     flat, turned = draw(tilt=0)[1], draw(tilt=30)[1]
     size = math.sqrt(flat.sum())
