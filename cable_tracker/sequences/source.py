@@ -137,6 +137,11 @@ def _open_unlabelled(chosen: ChosenRecording) -> Source:
 
 def _folder_source(chosen: ChosenRecording) -> Source:
     path = chosen.path
+    if not any(path.iterdir()):
+        # As the place of a disk looks that is not mounted.
+        raise UnreachableError(
+            f"{path}: the folder is empty: no pictures and no bag; is its disk mounted?"
+        )
     bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
     if bags and not find_pictures(path):
         raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")

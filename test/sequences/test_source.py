@@ -7,7 +7,7 @@ import cv2
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.errors import ParameterError, RecordingError, UnreachableError
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.frame_source import Source
@@ -90,7 +90,13 @@ def test_an_unknown_kind_says_what_is_known(tmp_path):
         open_source(tmp_path / "x.pdf")
 
 
-def test_an_empty_folder_is_refused(tmp_path):
+def test_an_empty_folder_may_be_the_place_of_a_disk_that_is_not_mounted(tmp_path):
+    with pytest.raises(UnreachableError, match=r"the folder is empty: .*mounted"):
+        open_source(tmp_path)
+
+
+def test_a_folder_without_pictures_is_refused(tmp_path):
+    (tmp_path / "x.pdf").write_text("x")
     with pytest.raises(RecordingError, match="holds no pictures"):
         open_source(tmp_path)
 
