@@ -44,6 +44,7 @@ SAME_EVENT = 3.0
 or if they share `SAME_SHARE` of the longer one."""
 
 SAME_SHARE = 0.5
+"""See `SAME_EVENT`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

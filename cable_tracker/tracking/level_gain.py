@@ -22,6 +22,7 @@ LARGEST_GAIN = 256.0
 """Beyond it, one step of 16 bits would be a whole grey level."""
 
 HALF_OF_WHITE = 127.5
+"""Half of the brightest level."""
 
 SPREAD = (2.0, 98.0)
 """Percentiles whose difference is the spread: captions have fewer pixels."""
@@ -40,8 +41,11 @@ def level_gain(before: float, picture: Image) -> float:
     before : float
         The gain of the picture before; 1 for the first.
     picture : Image
-        Grey levels, float32, shape (H, W). Those of uint8 have no finer steps: their gain is 1.
+        Grey levels, uint8 or float32, shape (H, W). Those of uint8 have no finer steps: their gain
+        is 1.
     """
+    if picture.dtype == np.uint8:
+        return 1.0
     low, high = level_range(picture)
     spread = high - low
     if spread == 0.0 or NARROW <= before * spread <= WIDE:
@@ -61,9 +65,8 @@ def byte_gain(picture: Image) -> float:
     picture : Image
         Levels 0..255, uint8 or float32, shape (H, W) or (H, W, 3).
     """
-    if picture.dtype == np.uint8:
-        return 1.0
-    return min(level_gain(1.0, picture), gain_below_white(level_range(picture)[1]))
+    gain = level_gain(1.0, picture)
+    return min(gain, gain_below_white(level_range(picture)[1])) if gain > 1.0 else gain
 
 
 def gain_below_white(level: float) -> float:

@@ -106,7 +106,7 @@ class Belief:
 
         What no frame has held for a cable is not, however soon that may be.
         """
-        return self.is_given or (self.known_time > 0.0 and self.known_time >= known_after)
+        return self.is_given or (self.is_followed and self.known_time >= known_after)
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:

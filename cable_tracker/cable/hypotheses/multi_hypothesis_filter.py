@@ -143,9 +143,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether there is more likely no cable than one, or the search begins anew."""
-        return (
-            belief.presence < LIKELY_PRESENCE or belief.faint_time >= self._parameters.search_time
-        )
+        return belief.presence < LIKELY_PRESENCE or self._begins_anew(belief)
+
+    def _begins_anew(self, belief: Belief) -> bool:
+        """Tell whether a cable was present but too faint to claim for `search_time`."""
+        return belief.faint_time >= self._parameters.search_time
 
     def step(
         self,
@@ -156,7 +158,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion: MotionAid | None = None,
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
-        if belief.faint_time >= self._parameters.search_time:
+        if self._begins_anew(belief):
             belief = _new_search(self.first_belief(), belief)
         if belief.memory is not None:
             belief = replace(belief, memory=belief.memory.aged(dt))

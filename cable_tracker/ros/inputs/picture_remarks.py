@@ -31,8 +31,7 @@ def remark_on(picture: Image | None) -> str:
     if low == high:
         return f"all pixels are the same ({low:g} of 255)"
     # Of more than eight bits, a scene can be told apart within a single grey level.
-    gain = level_gain(1.0, picture) if picture.dtype != np.uint8 else 1.0
-    dark = float(np.mean(amplified(picture, gain) <= BLACK))
+    dark = float(np.mean(amplified(picture, level_gain(1.0, picture)) <= BLACK))
     bright = float(np.mean(picture >= WHITE))
     if dark >= MOST:
         return f"black: {100 * dark:.0f} % of the pixels"

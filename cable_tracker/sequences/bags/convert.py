@@ -73,8 +73,8 @@ def gain_of(frames: Iterable[Frame]) -> float:
     """Return what the levels of a whole recording are multiplied by before 8 bits are made of them.
 
     One factor for all frames, so that the brightness of one can be compared with that of the next:
-    1, unless all frames have more than 8 bits and use less than 1/8 of that
-    range, as those of a camera of 12 bits do. Reading ends at the first that is otherwise.
+    1, unless all frames have more than 8 bits and use less than 1/8 of that range, as those of a
+    camera of 12 bits do. Reading ends at the first that is otherwise.
 
     Parameters
     ----------

@@ -278,11 +278,8 @@ def make_working_image(
     gain_before : float
         The gain of the frame before.
     """
-    gain = 1.0
-    if image.dtype != np.uint8:
-        gain = level_gain(gain_before, image)
-        image = amplified(image, gain)
-    image = without_dead_margins(image)
+    gain = level_gain(gain_before, image)
+    image = without_dead_margins(amplified(image, gain))
     height, width = image.shape
     size, frame_scale, reduction, scale = _working_size((width, height), working_width)
     return WorkingImage(
@@ -330,7 +327,7 @@ def working_image_for(
         gradients_alone=parameters.observation == "responses",
         gain_before=history.gain,
     )
-    if history.bend != STRAIGHT and not parameters.uses_map:
+    if not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.
         history = replace(history, bend=STRAIGHT)
     return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)
