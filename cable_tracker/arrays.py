@@ -1,4 +1,4 @@
-"""Array types used in signatures all over the package, and grey levels of eight bits."""
+"""Array types used in signatures all over the package, and what many do with arrays."""
 
 from typing import Any, TypeAlias
 
@@ -38,3 +38,11 @@ def true_runs(mask: BoolArray) -> list[tuple[int, int]]:
     """Return first and last + 1 of each unbroken run of True, in a mask of shape (N,)."""
     edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
     return [(int(first), int(end)) for first, end in edges.reshape(-1, 2)]
+
+
+def interpolated(asked: FloatArray | float, known: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return columns (N, C), known at growing places (N,), at others (M,), shape (M, C).
+
+    At one place the shape is (C,). Before the first and after the last they stay as they are there.
+    """
+    return np.stack([np.interp(asked, known, column) for column in columns.T], axis=-1)

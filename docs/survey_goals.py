@@ -29,12 +29,12 @@ from cable_tracker.simulation.instruments.survey_dive import (
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
-from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.forward_pass import read_pose, track_forwards
+from cable_tracker.survey.frames.forward_pass import read_pose, track_forwards
 from cable_tracker.survey.recording import SurveySettings, analyse
-from cable_tracker.survey.route import Course
-from cable_tracker.survey.smoothing import SmoothedCable, smooth
+from cable_tracker.survey.routes.dive_route import DiveRoute
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.route import Course
+from cable_tracker.survey.smoothing.smoother import SmoothedCable, smooth
 
 TRUTH_TOPIC = "/ground_truth/odometry"
 REGION = 1.96

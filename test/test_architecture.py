@@ -87,6 +87,10 @@ ORDER_WITHIN = {
         "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
         "multi_hypothesis_filter",
     ],
+    "survey": [
+        "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",
+        "dive_faults", "recording", "campaign",
+    ],
 }  # fmt: skip
 """Folders and modules of a folder, lowest first: each may import those before it."""
 ROS_PACKAGES = {

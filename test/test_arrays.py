@@ -2,7 +2,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.arrays import eight_bits, true_runs
+from cable_tracker.arrays import eight_bits, interpolated, true_runs
+
+KNOWN = np.array([0.0, 2.0, 4.0])
+COLUMNS = np.array([[0.0, 10.0], [2.0, 20.0], [2.0, 40.0]])
 
 
 def test_grey_levels_are_rounded_and_clipped():
@@ -26,3 +29,12 @@ def test_runs_cover_the_mask_and_nothing_else(flags):
         covered[start:end] = True
         last_end = end
     assert (covered == mask).all()
+
+
+def test_columns_are_straight_between_what_is_known_and_level_outside():
+    found = interpolated(np.array([-1.0, 1.0, 3.0, 9.0]), KNOWN, COLUMNS)
+    assert found.tolist() == [[0.0, 10.0], [1.0, 15.0], [2.0, 30.0], [2.0, 40.0]]
+
+
+def test_one_place_gives_one_row():
+    assert interpolated(3.0, KNOWN, COLUMNS).tolist() == [2.0, 30.0]

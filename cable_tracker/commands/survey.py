@@ -38,9 +38,9 @@ from cable_tracker.commands.terminal import advance, console, print_table, progr
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, holds_survey, run_survey
-from cable_tracker.survey.events import Limits
-from cable_tracker.survey.forward_pass import MOST_RATE, ForwardSettings
+from cable_tracker.survey.frames.forward_pass import MOST_RATE, ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
+from cable_tracker.survey.routes.events import Limits
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 

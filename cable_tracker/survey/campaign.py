@@ -25,12 +25,12 @@ from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.printable import printable
 from cable_tracker.sequences.recording_files import recording_files
-from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.outputs.surveyed_dive import SurveyedDive, read_surveyed
 from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
-from cable_tracker.survey.surveyed_dive import SurveyedDive, read_surveyed
+from cable_tracker.survey.routes.merging import MergedRoute, merge
 
 RECORDINGS, REPORT = "recordings", "report.html"
 WITHOUT_PLACE = "without_place"

@@ -16,25 +16,25 @@ from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.survey.dive_faults import count_rows, find_faults
-from cable_tracker.survey.dive_pictures import write_pictures
-from cable_tracker.survey.events import Event, EventKind, Limits, find_events
-from cable_tracker.survey.forward_pass import (
+from cable_tracker.survey.frames.forward_pass import (
     ForwardDive,
     ForwardSettings,
     read_fix,
     track_forwards,
 )
-from cable_tracker.survey.frame_table import REFUSED, TRACKING
-from cable_tracker.survey.georeference import Georeference, georeference
-from cable_tracker.survey.keyframes import make_keyframes
+from cable_tracker.survey.frames.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.merging import PlacedRoute
-from cable_tracker.survey.navigation import Poses, joined_poses, poses_of_rows
+from cable_tracker.survey.navigation.georeference import Georeference, georeference
+from cable_tracker.survey.navigation.poses import Poses, joined_poses, poses_of_rows
 from cable_tracker.survey.outputs.frames import FRAMES, write_frames
+from cable_tracker.survey.outputs.pictures import write_pictures
+from cable_tracker.survey.outputs.surveyed_dive import SurveyedDive, write_summary
 from cable_tracker.survey.redetection import redetect_cable
-from cable_tracker.survey.route import Course, make_routes
-from cable_tracker.survey.smoothing import smooth
-from cable_tracker.survey.surveyed_dive import SurveyedDive, write_summary
+from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
+from cable_tracker.survey.routes.merging import PlacedRoute
+from cable_tracker.survey.routes.route import Course, make_routes
+from cable_tracker.survey.smoothing.keyframes import make_keyframes
+from cable_tracker.survey.smoothing.smoother import smooth
 
 PICTURES = "pictures"
 

@@ -23,12 +23,19 @@ from cable_tracker.metric.odometry.homography import Overflight, move_states
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_metres import depth_of_ground, put_profile, to_image
-from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
-from cable_tracker.survey.route import LEAST_WEIGHT, Course
-from cable_tracker.survey.smoothing import SURE_ENOUGH
-from cable_tracker.survey.visibility import border_step_of, find_beside
+from cable_tracker.survey.frames.forward_pass import ForwardDive
+from cable_tracker.survey.frames.frame_metres import depth_of_ground, put_profile, to_image
+from cable_tracker.survey.frames.frame_table import (
+    HIDDEN,
+    NOT_AGAIN,
+    SEEN,
+    TRACKING,
+    FrameRow,
+    Rows,
+)
+from cable_tracker.survey.frames.visibility import border_step_of, find_beside
+from cable_tracker.survey.routes.route import LEAST_WEIGHT, Course
+from cable_tracker.survey.smoothing.smoother import SURE_ENOUGH
 
 REACH = 2.0
 """Distance to either side of its smoothed place within which the cable is looked for [standard

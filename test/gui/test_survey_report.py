@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.merging import MergedRoute
 from cable_tracker.survey.outputs.maps import SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.merging import MergedRoute
 
 EVENTS = 300
 

@@ -20,9 +20,9 @@ from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import names_of, run_survey
-from cable_tracker.survey.events import EventKind
-from cable_tracker.survey.forward_pass import ForwardSettings
+from cable_tracker.survey.frames.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
+from cable_tracker.survey.routes.events import EventKind
 
 pytestmark = pytest.mark.slow
 

@@ -12,10 +12,10 @@ from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, Instr
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import SurveyTask, holds_survey, run_survey
-from cable_tracker.survey.events import Limits
-from cable_tracker.survey.forward_pass import ForwardSettings
+from cable_tracker.survey.frames.forward_pass import ForwardSettings
+from cable_tracker.survey.outputs.surveyed_dive import read_surveyed
 from cable_tracker.survey.recording import SurveySettings
-from cable_tracker.survey.surveyed_dive import read_surveyed
+from cable_tracker.survey.routes.events import Limits
 
 ALONE = ClusterSettings()
 

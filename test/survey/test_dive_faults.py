@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from cable_tracker.survey.dive_faults import count_rows, find_faults
-from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import REFUSED, STATUSES
+from cable_tracker.survey.frames.forward_pass import ForwardDive
+from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation import Poses
+from cable_tracker.survey.navigation.poses import Poses
 from cable_tracker.survey.recording import SurveySettings, analyse
 
 CLAIMS = 20

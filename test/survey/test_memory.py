@@ -10,12 +10,12 @@ import pytest
 from survey_dives import Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import ROW, FrameTable, Samples
+from cable_tracker.survey.frames.forward_pass import ForwardDive
+from cable_tracker.survey.frames.frame_table import ROW, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.routes.dive_route import DiveRoute
 
 WHOLE = 10**6
 """A block that holds all of a dive."""

@@ -11,9 +11,7 @@ import shapely
 from survey_dives import Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.frame_table import HIDDEN, SEEN
-from cable_tracker.survey.merging import merge
+from cable_tracker.survey.frames.frame_table import HIDDEN, SEEN
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.outputs.maps import (
     EARTH,
@@ -26,6 +24,8 @@ from cable_tracker.survey.outputs.maps import (
 )
 from cable_tracker.survey.outputs.report import RecordingRow, _summary, write_report
 from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.merging import merge
 
 FRAME = LocalFrame(54.25, 7.9)
 

@@ -10,10 +10,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import AGAIN, STATUSES
-from cable_tracker.survey.navigation import poses_of_rows
-from cable_tracker.survey.route import Course
+from cable_tracker.survey.frames.forward_pass import ForwardDive
+from cable_tracker.survey.frames.frame_table import AGAIN, STATUSES
+from cable_tracker.survey.navigation.poses import poses_of_rows
+from cable_tracker.survey.routes.route import Course
 
 FRAMES = "frames.parquet"
 """Name of the file."""

@@ -13,14 +13,13 @@ import pyogrio
 import shapely
 from pyogrio.errors import DataLayerError, DataSourceError
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, interpolated
 from cable_tracker.errors import one_line
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.sequences.tables.estimates import format_stamp
-from cable_tracker.survey.events import Event
-from cable_tracker.survey.interpolation import interpolated
-from cable_tracker.survey.merging import MergedRoute
+from cable_tracker.survey.routes.events import Event
+from cable_tracker.survey.routes.merging import MergedRoute
 
 EARTH = "EPSG:4326"
 """Longitude and latitude, WGS 84."""

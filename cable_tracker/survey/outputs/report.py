@@ -14,7 +14,6 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.survey.merging import MergedRoute
 from cable_tracker.survey.outputs.maps import (
     SurveyMap,
     event_rows,
@@ -22,6 +21,7 @@ from cable_tracker.survey.outputs.maps import (
     picture_name,
     rounded,
 )
+from cable_tracker.survey.routes.merging import MergedRoute
 
 MOST_POINTS = 8000
 """Points of a route in the page; a longer one is thinned out."""

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, interpolated
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frame_table import Rows, Samples
-from cable_tracker.survey.interpolation import interpolated
+from cable_tracker.survey.frames.frame_table import Rows, Samples
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, surroundings
 
 LONGEST_GAP = 1.0

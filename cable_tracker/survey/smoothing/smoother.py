@@ -29,14 +29,14 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.curve_filter import (
+from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.survey.smoothing.curve_filter import (
     CurveStates,
     KeyframeClaims,
     filter_forwards,
     smooth_backwards,
 )
-from cable_tracker.survey.keyframes import LEAST_SPACING, Keyframes, summed, way_to
-from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.survey.smoothing.keyframes import LEAST_SPACING, Keyframes, summed, way_to
 
 CORRELATION = 0.7
 """Way over which the errors of claims are correlated [m]."""

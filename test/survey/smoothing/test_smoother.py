@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
 
-from cable_tracker.survey.keyframes import make_keyframes
-from cable_tracker.survey.smoothing import smooth
+from cable_tracker.survey.smoothing.keyframes import make_keyframes
+from cable_tracker.survey.smoothing.smoother import smooth
 
 
 def smoothed(plan: Plan):

@@ -13,8 +13,8 @@ from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.odometry.homography import Overflight
-from cable_tracker.survey.frame_table import FrameRow
-from cable_tracker.survey.visibility import border_profile
+from cable_tracker.survey.frames.frame_table import FrameRow
+from cable_tracker.survey.frames.visibility import border_profile
 
 
 def put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:

@@ -8,7 +8,7 @@ from cable_tracker.metric.calibration import CameraModel, DistortionModel
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.odometry.homography import Overflight
-from cable_tracker.survey.frame_metres import on_ground, put_metres, put_view
+from cable_tracker.survey.frames.frame_metres import on_ground, put_metres, put_view
 
 CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
 

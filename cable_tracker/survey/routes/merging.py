@@ -12,11 +12,10 @@ from itertools import compress
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.events import HIDDEN_WORDS, Event, EventKind, hidden_detail
-from cable_tracker.survey.interpolation import interpolated
-from cable_tracker.survey.route import SPACING
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, interpolated, true_runs
+from cable_tracker.survey.routes.dive_route import DiveRoute
+from cable_tracker.survey.routes.events import HIDDEN_WORDS, Event, EventKind, hidden_detail
+from cable_tracker.survey.routes.route import SPACING
 
 REACH = 5.0
 """Routes farther apart are not of one cable [m]; `SIGMAS` standard deviations if these are more."""

@@ -32,9 +32,9 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.sequences.source import open_source
-from cable_tracker.survey.crossing_search import CrossingSearch
-from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
-from cable_tracker.survey.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
+from cable_tracker.survey.frames.crossing_search import CrossingSearch
+from cable_tracker.survey.frames.frame_metres import put_metres, put_profile, put_view
+from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status import TrackingStatus

@@ -8,14 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, interpolated
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frame_table import Samples
-from cable_tracker.survey.interpolation import interpolated
+from cable_tracker.survey.frames.frame_table import Samples
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation import JUMP, Poses, turned
+from cable_tracker.survey.navigation.poses import JUMP, Poses, turned
 from cable_tracker.tracking.robust import GAUSSIAN_MAD, RAYLEIGH_MEDIAN
 
 FEWEST_FIXES = 3

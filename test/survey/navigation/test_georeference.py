@@ -3,9 +3,9 @@ import pytest
 from survey_dives import odometry, way
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.frame_table import Samples
-from cable_tracker.survey.georeference import DRIFT_NOISE, RATE_NOISE, georeference
-from cable_tracker.survey.navigation import joined_poses
+from cable_tracker.survey.frames.frame_table import Samples
+from cable_tracker.survey.navigation.georeference import DRIFT_NOISE, RATE_NOISE, georeference
+from cable_tracker.survey.navigation.poses import joined_poses
 
 SECOND = 1_000_000_000
 

@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
-from cable_tracker.survey.forward_pass import (
+from cable_tracker.survey.frames.forward_pass import (
     UNSAID_FIX_VARIANCE,
     ForwardDive,
     ForwardSettings,

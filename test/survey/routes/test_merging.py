@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from survey_dives import Plan, make_dive
 
-from cable_tracker.survey.dive_route import PROFILE_SPACING, Profile
-from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.merging import PlacedRoute, merge
 from cable_tracker.survey.recording import SurveySettings, analyse
-from cable_tracker.survey.route import SPACING
+from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, Profile
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.merging import PlacedRoute, merge
+from cable_tracker.survey.routes.route import SPACING
 
 
 @cache

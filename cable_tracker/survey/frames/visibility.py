@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.geometry import segment_inside
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.survey.frame_table import PROFILE_BINS
+from cable_tracker.survey.frames.frame_table import PROFILE_BINS
 from cable_tracker.tracking.image_frame import image_to_pixel
 
 COLUMNS, ROWS_PER_BIN = 48, 4

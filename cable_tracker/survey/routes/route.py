@@ -10,13 +10,19 @@ from itertools import pairwise
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute, Profile
-from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed, is_measured, is_withheld
-from cable_tracker.survey.georeference import Georeference
-from cable_tracker.survey.keyframes import Keyframes, filled
+from cable_tracker.survey.frames.frame_table import (
+    HIDDEN,
+    Rows,
+    is_claimed,
+    is_measured,
+    is_withheld,
+)
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
-from cable_tracker.survey.navigation import Poses
-from cable_tracker.survey.smoothing import SmoothedCable
+from cable_tracker.survey.navigation.georeference import Georeference
+from cable_tracker.survey.navigation.poses import Poses
+from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute, Profile
+from cable_tracker.survey.smoothing.keyframes import Keyframes, filled
+from cable_tracker.survey.smoothing.smoother import SmoothedCable
 
 SPACING = 0.5
 """Distance between two points of a route [m]."""

@@ -1,7 +1,7 @@
 import numpy as np
 from survey_dives import Plan, make_dive
 
-from cable_tracker.survey.keyframes import make_keyframes
+from cable_tracker.survey.smoothing.keyframes import make_keyframes
 
 
 def test_a_vehicle_that_stands_still_is_one_look():

@@ -9,14 +9,13 @@ from enum import Enum
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.arrays import BoolArray, FloatArray, interpolated, true_runs
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
-from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import TRACKING, CrossingSight, is_withheld
-from cable_tracker.survey.interpolation import interpolated
-from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
+from cable_tracker.survey.frames.forward_pass import ForwardDive
+from cable_tracker.survey.frames.frame_table import TRACKING, CrossingSight, is_withheld
+from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute
+from cable_tracker.survey.routes.route import LEAST_WEIGHT, SPACING, Course
 
 
 class EventKind(str, Enum):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from survey_dives import odometry, way
 
-from cable_tracker.survey.frame_table import Samples
+from cable_tracker.survey.frames.frame_table import Samples
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation import joined_poses, poses_of_rows
+from cable_tracker.survey.navigation.poses import joined_poses, poses_of_rows
 
 SECOND = 1_000_000_000
 

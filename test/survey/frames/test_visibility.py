@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.survey.visibility import border_profile, border_step_of, find_beside
+from cable_tracker.survey.frames.visibility import border_profile, border_step_of, find_beside
 
 WIDTH, HEIGHT = 320, 240
 

@@ -12,10 +12,10 @@ from zipfile import BadZipFile
 import numpy as np
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.survey.dive_route import DiveRoute, Profile
-from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.outputs.frames import FRAMES, check_frames
+from cable_tracker.survey.routes.dive_route import DiveRoute, Profile
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.merging import PlacedRoute
 
 ROUTES, SUMMARY = "routes.npz", "dive.json"
 

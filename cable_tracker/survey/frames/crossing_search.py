@@ -13,8 +13,8 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frame_metres import on_ground
-from cable_tracker.survey.frame_table import CrossingSight, FrameTable
+from cable_tracker.survey.frames.frame_metres import on_ground
+from cable_tracker.survey.frames.frame_table import CrossingSight, FrameTable
 
 CROSSING_STRIDE = 0.5
 """Interval between two pictures that are searched for lines across the cable [s]."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled
-from cable_tracker.survey.frame_table import Rows, is_claimed
+from cable_tracker.survey.frames.frame_table import Rows, is_claimed
+from cable_tracker.survey.frames.visibility import border_step_of
 from cable_tracker.survey.memory_mapped import Disk, interpolated_locally, running_sum
-from cable_tracker.survey.visibility import border_step_of
 
 LEAST_SPACING = 0.05
 """Smallest distance between keyframes; frames that are nearer together become one [m]."""

@@ -1,0 +1,1 @@
+"""Routes along a cable, what stands out on them, and those of several dives put together."""

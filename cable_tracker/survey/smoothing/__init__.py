@@ -1,0 +1,1 @@
+"""The cable as the whole dive tells of it, from keyframes, by a smoother."""
