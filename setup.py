@@ -45,8 +45,9 @@ setup(
         f"{PACKAGE}.cable.measure.map": ["*.onnx"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
         f"{PACKAGE}.survey.outputs": ["*.j2", "*.js"],
-        f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],
+        f"{PACKAGE}.gui": ["browser/*.js"],
         f"{PACKAGE}.gui.labelling": ["*.js", "*.css"],
+        f"{PACKAGE}.gui.tracking": ["*.js", "*.css"],
     },
     python_requires=">=3.11",
     install_requires=[

@@ -87,6 +87,7 @@ ORDER_WITHIN = {
         "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
         "multi_hypothesis_filter",
     ],
+    "gui": ["subject", "session", "web", "labelling", "tracking"],
     "survey": [
         "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",
         "dive_faults", "recording", "campaign",

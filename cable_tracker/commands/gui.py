@@ -96,11 +96,11 @@ def gui(  # noqa: PLR0917
     It shows a recording, or with --ros what a running node does: `tracker`, or with --target
     `target_tracker`.
     """
-    window = need_gui("tracking_window")
-    desks = need_gui("tracking_desk")
-    server = need_gui("server")
-    requests = need_gui("recording_request")
-    subjects = need_gui("subject")
+    window = need_gui("tracking.window")
+    desks = need_gui("tracking.desk")
+    server = need_gui("web.server")
+    requests = need_gui("session.recording_request")
+    subjects = need_gui("subject.subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
     if ros is not None:

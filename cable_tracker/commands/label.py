@@ -52,7 +52,7 @@ def label(  # noqa: PLR0917
     """
     window = need_gui("labelling.window")
     workspaces = need_gui("labelling.workspace")
-    server = need_gui("server")
+    server = need_gui("web.server")
     chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
     with open_recording(chosen) as recording:
         _count_frames(recording)

@@ -11,10 +11,10 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.targets.metrics import overlap
-from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.recording_session import RecordingSession
-from cable_tracker.gui.subject import TARGET
-from cable_tracker.gui.tracking_desk import TrackingDesk, start_with_box
+from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.session.recording_session import RecordingSession
+from cable_tracker.gui.subject.subject import TARGET
+from cable_tracker.gui.tracking.desk import TrackingDesk, start_with_box
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.offline.results import WantedResults

@@ -8,8 +8,8 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from cable_tracker.gui.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.gui.labelling.labels import FrameLabel
+from cable_tracker.gui.web.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.printable import printable
 from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour, css
 

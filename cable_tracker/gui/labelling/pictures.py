@@ -6,10 +6,9 @@ import threading
 from dataclasses import dataclass
 
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.stand_in import stand_in
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
-from cable_tracker.sequences.pictures.shown_levels import decode_shown
+from cable_tracker.sequences.pictures.shown_levels import decode_shown, stand_in
 from cable_tracker.sequences.recently_used import RecentlyUsed
 
 QUALITY = 92

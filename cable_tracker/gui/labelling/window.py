@@ -13,16 +13,16 @@ from nicegui import background_tasks, core, ui
 from nicegui.events import GenericEventArguments
 
 from cable_tracker.errors import CableTrackerError, ParameterError, RecordingError
-from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.labelling.document import Changes
 from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, places
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Origin, flagged_label, state_from_page
 from cable_tracker.gui.labelling.pictures import Picture
 from cable_tracker.gui.labelling.workspace import Workspace
-from cable_tracker.gui.packet import jpeg_section, pack
-from cable_tracker.gui.server import Channels, Listening, serve
-from cable_tracker.gui.typed_paths import typed_path
+from cable_tracker.gui.web.frame_channel import FrameChannel
+from cable_tracker.gui.web.packet import jpeg_section, pack
+from cable_tracker.gui.web.server import Channels, Listening, serve
+from cable_tracker.gui.web.typed_paths import typed_path
 from cable_tracker.printable import printable
 from cable_tracker.sequences.tables.estimates import format_stamp
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
+from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey

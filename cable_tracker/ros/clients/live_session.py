@@ -24,10 +24,10 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.gui.session import AnyStart
-from cable_tracker.gui.snapshot import AnySnapshot, CableSnapshot
-from cable_tracker.gui.snapshot_feed import SnapshotFeed
-from cable_tracker.gui.subject import CABLE, TARGET, Subject
+from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot
+from cable_tracker.gui.session.snapshot_feed import SnapshotFeed
+from cable_tracker.gui.subject.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics

@@ -17,6 +17,12 @@ from cable_tracker.tracking.level_gain import (
 EYES = 3.0
 """What is dim is made so many times brighter for people than for measuring."""
 
+STAND_IN_SIZE = (320, 240)
+"""Width and height of the picture for a frame that cannot be shown [px]."""
+
+DARK = 40
+"""Its grey level."""
+
 
 def shown_levels(picture: Image) -> Image:
     """Return a picture of eight bits for people to look at.
@@ -50,3 +56,8 @@ def decode_shown(image: RawImage | CompressedImage) -> Image:
         The image cannot be decoded; the message says why.
     """
     return shown_levels(decode_bgr_levels(image))
+
+
+def stand_in() -> Image:
+    """Return the picture for a frame that cannot be shown: dark, uint8, grey, shape (240, 320)."""
+    return np.full((STAND_IN_SIZE[1], STAND_IN_SIZE[0]), DARK, np.uint8)

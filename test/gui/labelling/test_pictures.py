@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.gui.labelling.pictures import Pictures
-from cable_tracker.gui.stand_in import STAND_IN_SIZE
 from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.pictures.shown_levels import STAND_IN_SIZE
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT

@@ -1,0 +1,181 @@
+"""The tracker of a cable in a recording session."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import Self
+
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.errors import ParameterError
+from cable_tracker.gui.session.followers.follower import Follower
+from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.snapshot import CableSnapshot
+from cable_tracker.gui.subject.subject import CABLE
+from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.offline.track_recording import given_state_for
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.messages.cable_particles import cloud_of
+from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.tracking.parameter_table import ParameterSet
+
+UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
+"""Said in place of metres."""
+
+
+class CableFollower(Follower):
+    """Follows a cable.
+
+    Parameters
+    ----------
+    init : str
+        Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start, or the response table cannot be read.
+    """
+
+    subject = CABLE
+    _tracker: CableTracker
+    _parameters: TrackerParameters
+
+    def __init__(
+        self,
+        source: Source,
+        init: str,
+        parameters: TrackerParameters,
+        metres: RecordedMetres | None = None,
+    ) -> None:
+        self._source, self._init = source, init
+        self._limits = pair_limits(parameters)
+        self._start = given_state_for(source, init, self._limits)
+        self._no_start = ""
+        self._parameters = parameters
+        self._tracker = make_tracker(parameters)
+        self._metres = metres
+        self._forget_picture()
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up(self._parameters)
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        self._update_start()
+        self.trouble = self._no_start
+        if self._start is not None:
+            self._tracker.initialise(self._start)
+        if self._metres is not None:
+            self._metres.jump(to_start=True)
+
+    def _update_start(self) -> None:
+        """Find the start anew where other cables may be followed than when it was found."""
+        limits = pair_limits(self._parameters)
+        if limits == self._limits:
+            return
+        self._start, self._no_start = None, ""
+        try:
+            self._start = given_state_for(self._source, self._init, limits)
+        except ParameterError as error:
+            # The user watches: the recording goes on as from `random`.
+            self._no_start = str(error)
+        self._limits = limits
+
+    def reset(self) -> None:
+        """Forget everything."""
+        super().reset()
+        if self._metres is not None:
+            self._metres.jump()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = super().copy()
+        if self._metres is not None:
+            other._metres = self._metres.copy()
+        return other
+
+    def _forget_picture(self) -> None:
+        self._decoded = self._grey = stand_in()
+
+    def close(self) -> None:
+        """Read no more of the recording."""
+        if self._metres is not None:
+            self._metres.close()
+
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from a belief."""
+        assert isinstance(start, GivenState), "a cable is not marked with an outline"
+        self._tracker.initialise(start)
+        self.trouble = ""
+
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TrackerParameters)
+        self._tracker.configure(parameters, make_proposer(parameters))
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._decoded = decode_grey(frame.image)
+        self._grey = shown_levels(self._decoded)
+
+    def follow(self, frame: Frame, number: int) -> CableSnapshot:
+        """Track a frame."""
+        metres = self._metres
+        if metres is not None:
+            metres.advance(frame)
+        begin = time.perf_counter()
+        motion = metres.motion(frame.stamp, self._decoded) if metres is not None else None
+        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
+        ms = (time.perf_counter() - begin) * 1e3
+        snapshot = self._tracked(frame, number, estimate, ms)
+        if metres is None:
+            return snapshot
+        metres.observe(estimate)
+        return replace(snapshot, metres=metres.measure(estimate))
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> CableSnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return CableSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._grey,
+            status=status,
+            reason=reason,
+            truth=frame.truth,
+            metres=None if self._metres is None else UNTRACKED,
+        )
+
+    def _tracked(
+        self, frame: Frame, number: int, estimate: CableEstimate, ms: float
+    ) -> CableSnapshot:
+        particles = self._tracker.particles
+        return CableSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._grey,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=estimate.claimed_state,
+            sigma=estimate.standard_deviations() if estimate.is_claimed else None,
+            cloud=cloud_of(particles) if particles is not None else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
+            n_eff=estimate.effective_sample_size,
+            ms=ms,
+            truth=frame.truth,
+        )

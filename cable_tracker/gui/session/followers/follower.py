@@ -1,0 +1,123 @@
+"""Trackers as a recording session uses them: frame in, snapshot out, whatever is followed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Self
+
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.snapshot import AnySnapshot
+from cable_tracker.gui.subject.subject import Subject
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
+
+
+class Follower(ABC):
+    """A tracker, and what a session wants to know of it.
+
+    Attributes
+    ----------
+    subject : Subject
+        Description of the tracked object for the page.
+    trouble : str
+        Why this run did not start as was asked; empty if it did.
+    """
+
+    subject: Subject
+    trouble: str = ""
+    _tracker: CableTracker | TargetTracker
+    _parameters: ParameterSet
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        return self._tracker.particles
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    @abstractmethod
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Be ready for the first frame of the recording, with the start that was asked for."""
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+        self.trouble = ""
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would, without the frame's picture."""
+        other = self.__new__(type(self))
+        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        other._forget_picture()
+        return other
+
+    @abstractmethod
+    def _forget_picture(self) -> None:
+        """Let go of the picture of the last frame; the next one brings its own."""
+
+    @abstractmethod
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from what the user says.
+
+        Raises
+        ------
+        FrameError
+            It cannot be; nothing has changed.
+        """
+
+    def configure(self, values: Mapping[str, object]) -> bool:
+        """Change parameters, all or none; tell whether any has another value now.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused.
+        """
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return False
+        self._configure_tracker(parameters)
+        self._parameters = parameters
+        return True
+
+    @abstractmethod
+    def close(self) -> None:
+        """Read no more of the recording."""
+
+    @abstractmethod
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        """Let the tracker go on with other parameters."""
+
+    @abstractmethod
+    def look(self, frame: Frame) -> None:
+        """Decode a frame, which is shown from now on.
+
+        Raises
+        ------
+        FrameError
+            It cannot be decoded.
+        """
+
+    @abstractmethod
+    def follow(self, frame: Frame, number: int) -> AnySnapshot:
+        """Track the frame that was looked at last; its snapshot gets a number.
+
+        Raises
+        ------
+        FrameError
+            It cannot be used.
+        """
+
+    @abstractmethod
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> AnySnapshot:
+        """Return a snapshot of a frame that is not tracked."""

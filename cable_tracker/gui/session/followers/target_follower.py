@@ -1,0 +1,186 @@
+"""The tracker of a target in a recording session."""
+
+from __future__ import annotations
+
+import time
+from typing import Self
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import ParameterError
+from cable_tracker.gui.session.followers.follower import Follower
+from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.snapshot import TargetSnapshot
+from cable_tracker.gui.subject.subject import TARGET
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.encodings import decode_bgr_levels
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.labels.target_labels import BoxTruth
+from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.target.warming import warm_up_target
+from cable_tracker.tracking.parameter_table import ParameterSet
+
+
+class TargetFollower(Follower):
+    """Follows a target.
+
+    Parameters
+    ----------
+    init : str
+        Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
+    truth : BoxTruth
+        True boxes of the labelled frames [px].
+    sight : RecordedSight or None
+        The recording's instruments, which tell how the camera turned; None: it has none.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start.
+    """
+
+    subject = TARGET
+    _tracker: TargetTracker
+    _parameters: TargetParameters
+
+    def __init__(
+        self,
+        init: str,
+        parameters: TargetParameters,
+        truth: BoxTruth,
+        sight: RecordedSight | None = None,
+    ) -> None:
+        self._truth = truth
+        self._sight = sight
+        self._start: StartText = parse_start_text(init)
+        if len(self._start.boxes) > 1:
+            raise ParameterError("init: the window follows one target; mark only one")
+        self._parameters = parameters
+        self._tracker = TargetTracker(self._with_detector(parameters))
+        self._forget_picture()
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up_target(self._with_detector(self._parameters))
+
+    def _with_detector(self, parameters: TargetParameters) -> TargetParameters:
+        """Return parameters with a detector where the start needs one; the user's stay as given."""
+        return parameters.with_detector() if self._start.detects else parameters
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        for start in self._start.boxes:
+            self._tracker.initialise(start)
+        if self._sight is not None:
+            self._sight.jump(to_start=True)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        super().reset()
+        if self._sight is not None:
+            self._sight.jump()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = super().copy()
+        if self._sight is not None:
+            other._sight = self._sight.copy()
+        return other
+
+    def _forget_picture(self) -> None:
+        self._decoded = self._image = stand_in()
+
+    def close(self) -> None:
+        """Read no more of the recording."""
+        if self._sight is not None:
+            self._sight.close()
+
+    def initialise(self, start: AnyStart) -> None:
+        """Follow what is marked in the next frame."""
+        assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
+        height, width = self._image.shape[:2]
+        start.check((width, height))
+        self._tracker.initialise(start)
+
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TargetParameters)
+        self._tracker.configure(self._with_detector(parameters))
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._decoded = decode_bgr_levels(frame.image)
+        self._image = shown_levels(self._decoded)
+
+    def follow(self, frame: Frame, number: int) -> TargetSnapshot:
+        """Track a frame."""
+        sight = self._sight
+        if sight is not None:
+            sight.advance(frame)
+        begin = time.perf_counter()
+        height, width = self._image.shape[:2]
+        motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
+        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
+        ms = (time.perf_counter() - begin) * 1e3
+        if sight is not None:
+            # Tells it from which frame the next turn of the camera counts.
+            sight.take(estimate)
+        return self._tracked(frame, number, estimate, ms)
+
+    def _tracked(
+        self, frame: Frame, number: int, estimate: TargetEstimate, ms: float
+    ) -> TargetSnapshot:
+        claimed = estimate.is_claimed
+        state = sigma = None
+        if claimed:
+            state = estimate.state.copy()
+            state[PoseColumn.LOG_SCALE] = estimate.scale
+            sigma = estimate.standard_deviations()[:4]
+            sigma[PoseColumn.LOG_SCALE] *= estimate.scale
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=state,
+            sigma=sigma,
+            box=estimate.box if claimed else None,
+            outline=estimate.outline if claimed else np.empty((0, 2)),
+            area=estimate.area if claimed else None,
+            cloud=_poses_of(self._tracker.particles),
+            score=float(estimate.score),
+            presence=float(estimate.presence),
+            n_eff=float(estimate.effective_sample_size),
+            ms=ms,
+            truth=self._truth.box(frame),
+        )
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> TargetSnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=status,
+            reason=reason,
+            truth=self._truth.box(frame),
+        )
+
+
+def _poses_of(particles: Particles | None) -> FloatArray | None:
+    """Return the columns of `TargetSnapshot.state` and the weight of each particle, (N, 7)."""
+    if particles is None:
+        return None
+    cloud = np.column_stack((particles.states, particles.weights))
+    cloud[:, PoseColumn.LOG_SCALE] = np.exp(cloud[:, PoseColumn.LOG_SCALE])
+    return cloud

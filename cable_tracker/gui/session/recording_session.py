@@ -1,0 +1,281 @@
+"""A recording that is tracked in this process, at any pace, forwards and back."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+
+from cable_tracker.errors import CableTrackerError, RecordingError
+from cable_tracker.gui.session.followers.choice import make_follower, open_for
+from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.snapshot_feed import SnapshotFeed
+from cable_tracker.gui.session.task_thread import TaskThread
+from cable_tracker.gui.session.tracked_recording import TrackedRecording
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.printable import printable
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
+
+LONGEST_PAUSE = 1.0
+"""A longer one between two frames of a recording is shortened to this [s]."""
+
+LARGEST_DELAY = 0.1
+"""A player that is behind by more does not catch up [s]."""
+
+
+class RecordingSession(SnapshotFeed):
+    """Tracks a recording in a thread of its own; a `Session` that can be played.
+
+    Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
+    Going back to a frame that was tracked before under the same parameters gives the same belief
+    again, bit for bit. On the way to one a little further on, the frames between are tracked; at
+    any other one the tracker starts anew.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters or TargetParameters
+        Initial parameters; their type decides between cable and target.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        Remarks on the recording for the user.
+
+    Raises
+    ------
+    RecordingError
+        The recording is missing, empty, damaged before its first frame, or of no known kind.
+    ParameterError
+        There is no start as the request wants it, or the response table or the vehicle file cannot
+        be read.
+    """
+
+    def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
+        super().__init__()
+        self.name = printable(request.path)
+        self.request = request
+        self._resources = ExitStack()
+        with ExitStack() as stack:
+            source = stack.enter_context(open_for(request, parameters))
+            self._frames = FrameAccess(source)
+            vehicle = recorded_vehicle(source, request.choice, request.vehicle)
+            follower = make_follower(source, request, parameters, vehicle)
+            try:
+                self._frames.frame(0)
+            except IndexError as error:
+                raise RecordingError(f"{source.path}: holds no frames; record it again") from error
+            notes = (*([source.note] if source.note else []), *vehicle.notes)
+            self.notes = tuple(map(printable, notes))
+            self._resources = stack.pop_all()
+        self.subject = follower.subject
+        self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
+        self._tracked = TrackedRecording(self._frames, follower, self._publish)
+        self._trouble = ""
+        self._is_playing = False
+        self._speed = 1.0
+        self._due = 0.0
+        self._target: int | None = None
+        self._heading: int | None = None
+        self._lock = threading.Lock()
+        self._thread = TaskThread(
+            "recording", begin=self._begin, next_time=self._next_time, work=self._work
+        )
+        self._thread.start()
+
+    # What can be asked at any time
+
+    @property
+    def trouble(self) -> str:
+        """Trouble that keeps frames from coming, or else with the start; empty if there is none."""
+        return printable(self._trouble or self._tracked.follower.trouble)
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the tracker takes frames."""
+        return self._tracked.is_enabled
+
+    @property
+    def frame_count(self) -> int | None:
+        """Number of frames; None while it is unknown."""
+        return self._frames.count
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether frames follow each other."""
+        return self._is_playing
+
+    @property
+    def speed(self) -> float:
+        """How fast it plays, as a multiple of the recording's own pace."""
+        return self._speed
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._tracked.follower.parameters()
+
+    # Commands
+
+    def play(self) -> None:
+        """Let frames follow each other; from the start again if it stands at the end."""
+        count = self._frames.count
+        with self._lock:
+            if count is not None and self._place() >= count - 1:
+                self._target = 0
+            self._due = 0.0
+            self._is_playing = True
+        self._thread.wake()
+
+    def pause(self) -> None:
+        """Stand still."""
+        self._is_playing = False
+        self._thread.wake()
+
+    def step(self, count: int = 1) -> None:
+        """Pause, and go some frames forwards, or backwards if negative."""
+        with self._lock:
+            self._is_playing = False
+            self._target = self._within(self._place() + count)
+        self._thread.wake()
+
+    def seek(self, frame: int) -> None:
+        """Go to a frame, or to the last one if there are fewer."""
+        with self._lock:
+            self._target = self._within(frame)
+        self._thread.wake()
+
+    def set_speed(self, speed: float) -> None:
+        """Play faster or more slowly; infinity plays as fast as the tracker can."""
+        if speed > 0.0:
+            with self._lock:
+                self._scale_pause(speed)
+                self._speed = speed
+        self._thread.wake()
+
+    def _scale_pause(self, speed: float) -> None:
+        """Scale what is left of the pause before the next frame to another speed."""
+        now = time.monotonic()
+        left = self._due - now
+        if left > 0.0:
+            self._due = now + left * self._speed / speed
+
+    def change(self, values: Mapping[str, object]) -> None:
+        """Change parameters, all of them or none; they count from the next frame on.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused; nothing has changed.
+        """
+        self._thread.call(lambda: self._tracked.change(values))
+
+    def initialise(self, start: AnyStart) -> None:
+        """Start from what the user says: the next frame, or this one if it stands still.
+
+        Raises
+        ------
+        FrameError
+            The state of a cable is not finite, or a target's box lies outside the picture.
+        GuiError
+            The tracker is off.
+        """
+        self._thread.call(lambda: self._tracked.initialise(start, is_still=not self._is_playing))
+
+    def reset(self) -> None:
+        """Forget everything, from the next frame on, or from this one if it stands still."""
+        self._thread.call(lambda: self._tracked.reset(is_still=not self._is_playing))
+
+    def enable(self, wanted: bool) -> None:
+        """Let the tracker take frames, or not. Switching on starts anew, as on the node."""
+        self._thread.call(lambda: self._tracked.enable(wanted, is_still=not self._is_playing))
+
+    def close(self) -> None:
+        """End the thread and close the recording."""
+        self._thread.close()
+        self._tracked.follower.close()
+        self._resources.close()
+
+    def _within(self, frame: int) -> int:
+        count = self._frames.count
+        return max(0, frame if count is None else min(frame, count - 1))
+
+    def _place(self) -> int:
+        """Return the frame that it goes to, or else is at: on the way there it goes by others."""
+        for frame in (self._target, self._heading):
+            if frame is not None:
+                return frame
+        return self._tracked.position
+
+    # In the session's thread
+
+    def _begin(self) -> None:
+        """Show the first frame at once: the first time on a machine, compiling takes a while."""
+        self._tracked.show_first()
+        self._tracked.follower.warm_up()
+        self._go_to(0)
+
+    def _next_time(self) -> float | None:
+        if self._target is not None:
+            return 0.0
+        return self._due if self._is_playing else None
+
+    def _work(self) -> None:
+        with self._lock:
+            target, self._target = self._target, None
+            self._heading = target
+        if target is None:
+            self._play_on()
+            return
+        self._go_to(target)
+        with self._lock:
+            self._heading = None
+
+    def _play_on(self) -> None:
+        if self._has_next():
+            begin = max(self._due, time.monotonic() - LARGEST_DELAY)
+            self._go_to(self._tracked.position + 1)
+            pause = self._pause_before_next()
+            with self._lock:
+                self._due = begin + pause / self._speed
+
+    def _has_next(self) -> bool:
+        """Tell whether there is another frame; if not, stand still."""
+        try:
+            self._frames.frame(self._tracked.position + 1)
+        except IndexError:
+            self._is_playing = False
+            return False
+        except RecordingError as error:
+            self._stop(error)
+            return False
+        return True
+
+    def _pause_before_next(self) -> float:
+        """Return the time from this frame to the next in the recording [s]; 0 at its end."""
+        now = self._frames.frame(self._tracked.position)
+        if not self._has_next():
+            return 0.0
+        pause = (self._frames.frame(self._tracked.position + 1).stamp - now.stamp) / NANOSECONDS
+        return min(max(0.0, pause), LONGEST_PAUSE)
+
+    def _stop(self, error: CableTrackerError) -> None:
+        self._trouble = str(error)
+        self._is_playing = False
+
+    def _go_to(self, target: int) -> None:
+        try:
+            if self._tracked.go_to(target, self._is_interrupted):
+                self._trouble = ""
+        except RecordingError as error:
+            last = (self._frames.count or 0) - 1
+            if 0 <= last < target:
+                # The way to the last frame has shown that the recording breaks off before it.
+                self._tracked.go_to(last, self._is_interrupted)
+            self._stop(error)
+
+    def _is_interrupted(self, is_target: bool) -> bool:
+        """Tell whether another frame is wanted by now than the one on the way."""
+        return self._thread.is_closing or (self._target is not None and not is_target)

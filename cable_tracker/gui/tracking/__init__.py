@@ -1,0 +1,1 @@
+"""The window in which a filter is watched and tuned."""

@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.gui.session.followers.cable_follower import CableFollower
+from cable_tracker.sequences.source import open_source
+
+PARAMETERS = TrackerParameters(particle_count=120, seed=4)
+THIN = {
+    "initial_width_minimum": 4.0,
+    "width_minimum": 4.0,
+    "initial_width_maximum": 20.0,
+    "width_maximum": 25.0,
+}
+NONE_SO_WIDE = {
+    "width_maximum": 190.0,
+    "initial_width_maximum": 180.0,
+    "initial_width_minimum": 170.0,
+    "width_minimum": 160.0,
+}
+
+
+@pytest.fixture
+def source(tmp_path):
+    """An open recording that shows a wide cable beside a thin one."""
+    grain = np.random.default_rng(0).integers(0, 25, (240, 320)).astype(np.uint8)
+    picture = np.full((240, 320), 90, np.uint8) + grain
+    cv2.line(picture, (80, -5), (80, 245), 190, 50)
+    cv2.line(picture, (240, -5), (250, 245), 190, 12)
+    assert cv2.imwrite(str(tmp_path / "0.png"), picture)
+    with open_source(tmp_path) as opened:
+        yield opened
+
+
+def first_snapshot(follower, source):
+    """Begin a run, and track its first frame."""
+    follower.reset()
+    follower.begin()
+    frame = next(source.frames())
+    follower.look(frame)
+    return follower.follow(frame, 1)
+
+
+def test_a_run_starts_from_what_the_detector_sees_under_the_parameters_in_force(source):
+    follower = CableFollower(source, "hough", PARAMETERS)
+    wide = first_snapshot(follower, source)
+    follower.configure(THIN)
+    thin = first_snapshot(follower, source)
+    fresh = CableFollower(source, "hough", PARAMETERS.replaced(THIN))
+    assert np.array_equal(thin.cloud, first_snapshot(fresh, source).cloud)
+    assert np.median(thin.cloud[:, 2]) < 25.0 < np.median(wide.cloud[:, 2])
+
+
+def test_where_the_detector_sees_no_cable_any_more_it_is_said_and_the_run_goes_on(source):
+    follower = CableFollower(source, "hough", PARAMETERS)
+    follower.configure(NONE_SO_WIDE)
+    assert first_snapshot(follower, source).cloud is not None
+    assert "hough sees no cable" in follower.trouble
+    first_snapshot(follower, source)
+    assert "hough sees no cable" in follower.trouble
+    follower.reset()
+    assert not follower.trouble
+    follower.configure(THIN)
+    first_snapshot(follower, source)
+    assert not follower.trouble

@@ -1,0 +1,86 @@
+import math
+
+import pytest
+
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import FrameError, GuiError, RecordingError
+from cable_tracker.gui.session.recording_request import RecordingRequest
+from cable_tracker.gui.tracking.commands import COMMANDS, SPEEDS, command_player, speed_words
+from cable_tracker.gui.tracking.desk import TrackingDesk, drawn_state, start_at
+
+SIZE = (320, 240)
+
+
+@pytest.fixture
+def desk():
+    desk = TrackingDesk(None)
+    yield desk
+    desk.close()
+
+
+def test_a_line_drawn_upwards_through_the_middle_is_the_cable_at_rest():
+    assert drawn_state((160, 200), (160, 40), 30.0, SIZE) == CableState(0.0, 0.0, 30.0)
+
+
+def test_right_of_the_middle_d_is_positive_whichever_way_it_is_drawn():
+    up, down = (drawn_state((200, y), (200, 240 - y), 30.0, SIZE) for y in (200, 40))
+    assert up.distance == pytest.approx(40.0)
+    assert (down.distance, down.angle) == pytest.approx((up.distance, up.angle))
+
+
+def test_a_cable_whose_top_leans_left_has_a_positive_angle():
+    drawn = drawn_state((160, 220), (60, 120), 30.0, SIZE)
+    assert drawn.angle == pytest.approx(math.pi / 4)
+
+
+def test_without_a_recording_there_is_nothing_to_command(desk):
+    with pytest.raises(GuiError, match="open one first"):
+        desk.need_session()
+    assert desk.player is None
+
+
+def test_another_recording_takes_the_place_of_the_first_with_its_parameters(desk, dive):
+    desk.open(RecordingRequest(dive))
+    first = desk.need_session()
+    first.change({"particle_count": 99})
+    version = desk.version
+    desk.open(RecordingRequest(dive))
+    assert desk.version != version
+    assert desk.need_session() is not first
+    assert desk.need_session().parameters()["particle_count"] == 99
+
+
+def test_what_cannot_be_opened_leaves_all_as_it_is(desk, dive, tmp_path):
+    desk.open(RecordingRequest(dive))
+    before = desk.need_session()
+    with pytest.raises(RecordingError):
+        desk.open(RecordingRequest(tmp_path / "none.bag"))
+    assert desk.need_session() is before
+    before.change({"particle_count": 98})
+
+
+def test_speeds_go_up_and_down_and_stay_in_their_range(desk, dive):
+    desk.open(RecordingRequest(dive))
+    player = desk.player
+    for _ in range(2 * len(SPEEDS)):
+        assert command_player(player, "faster")
+    assert player.speed == math.inf
+    for _ in range(2 * len(SPEEDS)):
+        command_player(player, "slower")
+    assert speed_words(player.speed) == "0.1"
+    command_player(player, "speed", "2")
+    assert player.speed == 2.0
+    assert not command_player(player, "dance")
+
+
+def test_a_cable_without_a_width_is_no_start(desk, dive):
+    desk.open(RecordingRequest(dive))
+    with pytest.raises(FrameError, match="no width of a cable"):
+        start_at(desk.need_session(), CableState(0.0, 0.0, 0.0))
+
+
+def test_every_key_does_one_thing():
+    keys = [key for command in COMMANDS for key in command.keys]
+    assert len(keys) == len(set(keys))
