@@ -11,8 +11,8 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.lazy_group import LazyGroup, with_optional_hints
-from cable_tracker.commands.stop_signals import Stopped, StopSignals
+from cable_tracker.commands.console.lazy_group import LazyGroup, with_optional_hints
+from cable_tracker.commands.console.stop_signals import Stopped, StopSignals
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -103,7 +103,7 @@ def root(
 
 def _say(text: str, style: str | None = None) -> None:
     """Print a message on stderr; the console is imported here, for most commands say nothing."""
-    from cable_tracker.commands.terminal import messages  # noqa: PLC0415
+    from cable_tracker.commands.console.terminal import messages  # noqa: PLC0415
 
     messages.print(text, style=style, soft_wrap=True)
 

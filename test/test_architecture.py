@@ -87,6 +87,11 @@ ORDER_WITHIN = {
         "predict", "weigh", "propose", "conclude", "belief", "belief_summary", "prediction",
         "multi_hypothesis_filter",
     ],
+    "commands": [
+        "console", "options", "campaigns", "learning_sources", "chase", "convert", "dds_profile",
+        "dev", "evaluate", "gui", "label", "learn", "loop", "parameters", "simulate", "survey",
+        "target", "track", "warm_up",
+    ],
     "gui": ["subject", "session", "web", "labelling", "tracking"],
     "survey": [
         "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",

@@ -21,9 +21,9 @@ from rosbags.highlevel import AnyReader
 from cable_tracker import __version__, cli
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import dev, parameters
-from cable_tracker.commands.results import folder_beside
-from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.tuning import chosen_parameters
+from cable_tracker.commands.console.results import folder_beside
+from cable_tracker.commands.options.common import parse_size
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
@@ -465,7 +465,7 @@ def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(run, monkeypat
             raise ImportError("pyarrow requires NumPy 2.0 or newer")
         return import_module(name)
 
-    monkeypatch.setattr("cable_tracker.commands.lazy_group.import_module", fails)
+    monkeypatch.setattr("cable_tracker.commands.console.lazy_group.import_module", fails)
     shown = run("--help")
     assert shown.code == 0
     assert "survey (a package that it needs is missing" in " ".join(shown.out.split())

@@ -9,10 +9,9 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.options import ForceOption
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.target import TargetPresetName
-from cable_tracker.commands.terminal import advance, print_facts, print_files, progress_bar
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import advance, print_facts, print_files, progress_bar
+from cable_tracker.commands.options.common import ForceOption, TargetPresetName
 from cable_tracker.simulation.targets.chase import ChaseSettings
 
 SHARES = {"kept", "claimed_in_view", "claimed_while_absent", "range_error", "within_two_sigmas"}

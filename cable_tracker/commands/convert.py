@@ -11,7 +11,8 @@ from typing import Annotated
 import typer
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.terminal import console, counted, progress_bar
+from cable_tracker.commands.options.common import (
     AltitudeOption,
     CameraInfoOption,
     FixOption,
@@ -29,7 +30,6 @@ from cable_tracker.commands.options import (
     open_recording,
     print_notes,
 )
-from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.errors import read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages

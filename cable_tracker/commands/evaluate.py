@@ -9,8 +9,16 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from cable_tracker.commands.cable_campaign import evaluate_cables, tuned_filters
-from cable_tracker.commands.campaign_options import (
+from cable_tracker.commands.campaigns.cables import evaluate_cables, tuned_filters
+from cable_tracker.commands.campaigns.targets import (
+    TargetCampaign,
+    chosen_methods,
+    evaluate_targets,
+    simulated_targets,
+    tuned_targets,
+)
+from cable_tracker.commands.console.terminal import say_left_out
+from cable_tracker.commands.options.campaigns import (
     MEMORY,
     DashboardOption,
     FirstSeedOption,
@@ -22,7 +30,7 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.options import (
+from cable_tracker.commands.options.common import (
     ForceOption,
     OutsideOption,
     RateOption,
@@ -31,15 +39,7 @@ from cable_tracker.commands.options import (
     TruthOption,
     refuse_without_effect,
 )
-from cable_tracker.commands.target_campaign import (
-    TargetCampaign,
-    chosen_methods,
-    evaluate_targets,
-    simulated_targets,
-    tuned_targets,
-)
-from cable_tracker.commands.terminal import say_left_out
-from cable_tracker.commands.tuning import ValueOption
+from cable_tracker.commands.options.parameters import ValueOption
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.options.common import (
     AltitudeOption,
     CameraInfoOption,
     ImuOption,
@@ -26,15 +27,14 @@ from cable_tracker.commands.options import (
     print_notes,
     refuse_without_effect,
 )
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.serving import (
+from cable_tracker.commands.options.parameters import chosen_parameters, chosen_start, chosen_target
+from cable_tracker.commands.options.serving import (
     DEFAULT_PORT,
     HostOption,
     PortOption,
     announce,
     need_gui,
 )
-from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.target.model.start_text import WAIT

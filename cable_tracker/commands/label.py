@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.terminal import console, counted, messages, progress_bar
+from cable_tracker.commands.options.common import (
     OutsideOption,
     RateOption,
     SkipOption,
@@ -16,14 +17,13 @@ from cable_tracker.commands.options import (
     TopicOption,
     open_recording,
 )
-from cable_tracker.commands.serving import (
+from cable_tracker.commands.options.serving import (
     DEFAULT_PORT,
     HostOption,
     PortOption,
     announce,
     need_gui,
 )
-from cable_tracker.commands.terminal import console, counted, messages, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording

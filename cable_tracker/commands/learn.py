@@ -13,6 +13,7 @@ import typer
 from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.response_table import is_table
+from cable_tracker.commands.console.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.learning_sources import (
     LearningPlan,
     count_frames,
@@ -22,7 +23,7 @@ from cable_tracker.commands.learning_sources import (
     simulated_dives,
     total_of,
 )
-from cable_tracker.commands.options import (
+from cable_tracker.commands.options.common import (
     ForceOption,
     OutsideOption,
     PresetOption,
@@ -34,8 +35,7 @@ from cable_tracker.commands.options import (
     open_recording,
     refuse_without_effect,
 )
-from cable_tracker.commands.terminal import console, counted, progress_bar, say_left_out
-from cable_tracker.commands.tuning import chosen_parameters
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS

@@ -18,7 +18,21 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.folder_tasks import MARKER
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.campaign_options import (
+from cable_tracker.commands.campaigns.loops import (
+    MOST_WORKERS,
+    LoopTask,
+    is_folder_of_run,
+    run_loops,
+)
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import (
+    advance,
+    console,
+    print_facts,
+    print_files,
+    progress_bar,
+)
+from cable_tracker.commands.options.campaigns import (
     MEMORY,
     DashboardOption,
     MemoryOption,
@@ -27,16 +41,7 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.loop_campaign import (
-    MOST_WORKERS,
-    LoopTask,
-    is_folder_of_run,
-    run_loops,
-)
-from cable_tracker.commands.options import ForceOption, refuse_without_effect
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import advance, console, print_facts, print_files, progress_bar
+from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,

@@ -13,8 +13,8 @@ from rich.text import Text
 from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.commands.options import ForceOption, PresetName
-from cable_tracker.commands.terminal import console
+from cable_tracker.commands.console.terminal import console
+from cable_tracker.commands.options.common import ForceOption, PresetName
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_files import (
     format_parameter_file,

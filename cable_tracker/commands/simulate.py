@@ -10,9 +10,14 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.options import ForceOption, Storage, refuse_without_effect
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, console, counted, progress_bar
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import advance, console, counted, progress_bar
+from cable_tracker.commands.options.common import (
+    ForceOption,
+    Storage,
+    parse_size,
+    refuse_without_effect,
+)
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
@@ -322,19 +327,3 @@ def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate:
     values = {"seed": seed, "image_width": width, "image_height": height, "rate": rate}
     given = [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
     raise typer.Exit(entry.run("simulator", ["simulator", "--ros-args", *given]))
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Read an image size such as 320x240.
-
-    Raises
-    ------
-    ParameterError
-        It is none.
-    """
-    width, separator, height = text.lower().partition("x")
-    if not separator or not width.isdecimal() or not height.isdecimal():
-        raise ParameterError(
-            f"size: {text!r} is not of the form 320x240; give width x height in px"
-        )
-    return int(width), int(height)

@@ -11,7 +11,8 @@ from typing import Annotated
 import typer
 
 from cable_tracker.campaigns.folder_tasks import TaskState
-from cable_tracker.commands.campaign_options import (
+from cable_tracker.commands.console.terminal import advance, console, print_table, progress_bar
+from cable_tracker.commands.options.campaigns import (
     MEMORY,
     DashboardOption,
     MemoryOption,
@@ -19,7 +20,7 @@ from cable_tracker.commands.campaign_options import (
     SchedulerOption,
     chosen_cluster,
 )
-from cable_tracker.commands.options import (
+from cable_tracker.commands.options.common import (
     AltitudeOption,
     CameraInfoOption,
     FixOption,
@@ -34,8 +35,7 @@ from cable_tracker.commands.options import (
     VehicleOption,
     chosen_instruments,
 )
-from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
-from cable_tracker.commands.tuning import chosen_parameters
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, holds_survey, run_survey
 from cable_tracker.survey.frames.forward_pass import MOST_RATE, ForwardSettings

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, nullcontext, suppress
-from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.results import (
+    folder_beside,
+    need_usable_frames,
+    print_events,
+    print_median_time,
+    print_statuses,
+)
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import counted, print_files, progress_bar
+from cable_tracker.commands.options.common import (
     BagOption,
     CameraInfoOption,
     ForceOption,
@@ -22,6 +30,7 @@ from cable_tracker.commands.options import (
     SeedOption,
     SkipOption,
     SourceArgument,
+    TargetPresetName,
     TimingOption,
     TopicOption,
     VehicleOption,
@@ -32,16 +41,7 @@ from cable_tracker.commands.options import (
     print_notes,
     print_taken_rate,
 )
-from cable_tracker.commands.results import (
-    folder_beside,
-    need_usable_frames,
-    print_events,
-    print_median_time,
-    print_statuses,
-)
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import counted, print_files, progress_bar
-from cable_tracker.commands.tuning import chosen_target
+from cable_tracker.commands.options.parameters import chosen_target, target_values
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.recorded.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.results import WantedResults
@@ -54,15 +54,7 @@ from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
-from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.parameter_files import read_parameter_file
-
-TargetPresetName = Enum(  # type: ignore[misc]
-    "TargetPresetName", {name: name for name in TARGET_PRESETS}, type=str
-)
-NODE = "target_tracker"
-"""Section of parameter files that counts."""
 
 
 def target(  # noqa: PLR0917
@@ -115,7 +107,7 @@ def target(  # noqa: PLR0917
     which direction and how far the target is. The same recording, parameters and seed give the
     same estimates, with --ros and without.
     """
-    values = read_parameter_file(params, NODE) if params is not None else {}
+    values = target_values(params)
     parameters = chosen_target(preset_name.value if preset_name else None, values, seed)
     if init == DETECT:
         parameters = parameters.with_detector()

@@ -11,7 +11,23 @@ import typer
 
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import format_initial_state
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.results import (
+    folder_beside,
+    metres_told,
+    need_usable_frames,
+    print_events,
+    print_median_time,
+    print_statuses,
+)
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import (
+    console,
+    counted,
+    print_files,
+    print_table,
+    progress_bar,
+)
+from cable_tracker.commands.options.common import (
     AltitudeOption,
     BagOption,
     CameraInfoOption,
@@ -38,17 +54,12 @@ from cable_tracker.commands.options import (
     print_notes,
     print_taken_rate,
 )
-from cable_tracker.commands.results import (
-    folder_beside,
-    metres_told,
-    need_usable_frames,
-    print_events,
-    print_median_time,
-    print_statuses,
+from cable_tracker.commands.options.parameters import (
+    ValueOption,
+    chosen_parameters,
+    chosen_start,
+    given_values,
 )
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import console, counted, print_files, print_table, progress_bar
-from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.offline.advice import advice

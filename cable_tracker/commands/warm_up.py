@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable, Iterator
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.commands.terminal import console
+from cable_tracker.commands.console.terminal import console
 from cable_tracker.errors import ParameterError
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.target.warming import warm_up_target

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import typer
 
-from cable_tracker.commands.lazy_group import LazyGroup
+from cable_tracker.commands.console.lazy_group import LazyGroup
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {

@@ -26,10 +26,10 @@ from cable_tracker.benchmark.report import (
 )
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import advance, console, progress_bar
+from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable
 
 PLANS = {False: FULL, True: QUICK}

@@ -12,7 +12,8 @@ import typer
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
-from cable_tracker.commands.options import (
+from cable_tracker.commands.console.terminal import advance, console, print_table, progress_bar
+from cable_tracker.commands.options.common import (
     OutsideOption,
     RateOption,
     SkipOption,
@@ -20,7 +21,6 @@ from cable_tracker.commands.options import (
     TruthOption,
     open_recording,
 )
-from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.experiments.noise import (
     increment_variances,

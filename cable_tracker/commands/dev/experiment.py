@@ -11,7 +11,9 @@ import typer
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
-from cable_tracker.commands.campaign_options import (
+from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.terminal import advance, print_files, print_table, progress_bar
+from cable_tracker.commands.options.campaigns import (
     MEMORY,
     DashboardOption,
     FirstSeedOption,
@@ -23,9 +25,7 @@ from cable_tracker.commands.campaign_options import (
     chosen_cluster,
     seeds_from,
 )
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
-from cable_tracker.commands.terminal import advance, print_files, print_table, progress_bar
+from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES

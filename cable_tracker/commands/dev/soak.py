@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cable_tracker.atomic_output import output_file
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
-from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import console, print_table, progress_bar
+from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.ros_part import need_ros
+from cable_tracker.commands.console.terminal import console, print_table, progress_bar
+from cable_tracker.commands.options.common import ForceOption, parse_size
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate

@@ -1,7 +1,7 @@
 import pytest
 
 from cable_tracker.campaigns.settings import LARGEST_WORKER_COUNT
-from cable_tracker.commands.campaign_options import MEMORY, chosen_cluster
+from cable_tracker.commands.options.campaigns import MEMORY, chosen_cluster
 from cable_tracker.errors import ParameterError
 
 

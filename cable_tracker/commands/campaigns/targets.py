@@ -14,10 +14,15 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.target import NODE
-from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
-from cable_tracker.commands.tuning import chosen_target
+from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.terminal import (
+    advance,
+    console,
+    messages,
+    print_files,
+    progress_bar,
+)
+from cable_tracker.commands.options.parameters import chosen_target, target_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.comparison import (
     TargetTask,
@@ -29,7 +34,6 @@ from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
 from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.parameter_files import read_parameter_file
 
 FIGURES_CSV = "figures.csv"
 TABLE_MARKDOWN = "table.md"
@@ -95,7 +99,7 @@ def tuned_targets(files: Sequence[Path] | None) -> tuple[tuple[str, TargetParame
         name = file.stem
         if name in tuned or name in method_names():
             raise ParameterError(f"params: there are two methods {name!r}; rename {file}")
-        tuned[name] = chosen_target(None, read_parameter_file(file, NODE), None)
+        tuned[name] = chosen_target(None, target_values(file), None)
     return tuple(tuned.items())
 
 

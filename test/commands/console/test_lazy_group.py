@@ -1,7 +1,7 @@
 import sys
 from typing import Annotated, Optional
 
-from cable_tracker.commands.lazy_group import with_optional_hints
+from cable_tracker.commands.console.lazy_group import with_optional_hints
 
 
 def test_type_hints_of_commands_are_in_the_form_that_old_versions_of_typer_read():

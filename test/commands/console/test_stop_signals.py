@@ -10,7 +10,7 @@ import pytest
 
 BEGIN = """
 import ctypes, signal, time
-from cable_tracker.commands.stop_signals import CHECK_INTERVAL, Stopped, StopSignals
+from cable_tracker.commands.console.stop_signals import CHECK_INTERVAL, Stopped, StopSignals
 
 class Destroyed:
     def __del__(self):

@@ -36,7 +36,7 @@ def test_results_stay_where_the_table_cannot_be_written(monkeypatch, tmp_path):
     def failing(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("cable_tracker.commands.target_campaign.write_figures", failing)
+    monkeypatch.setattr("cable_tracker.commands.campaigns.targets.write_figures", failing)
     words = ("--scenario", "near_*", "--frames", 2, "--seeds", 1, "--method", "CamShift")
     result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
     assert isinstance(result.exception, OutputError)

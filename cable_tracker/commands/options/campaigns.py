@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.campaigns.settings import DASHBOARD, LARGEST_WORKER_COUNT, ClusterSettings
-from cable_tracker.commands.terminal import messages
+from cable_tracker.commands.console.terminal import messages
 from cable_tracker.errors import ParameterError
 
 MEMORY = "4 GiB"

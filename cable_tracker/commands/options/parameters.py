@@ -11,7 +11,7 @@ import typer
 from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.commands.terminal import messages
+from cable_tracker.commands.console.terminal import messages
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import (
     METRIC_PARAMETERS,
@@ -125,6 +125,17 @@ def chosen_parameters(
     for remark in parameters.remarks():
         messages.print(f"note: {remark}", soft_wrap=True)
     return parameters
+
+
+def target_values(file: Path | None) -> dict[str, object]:
+    """Return what a parameter file says of the tracker of targets; nothing without a file.
+
+    Raises
+    ------
+    ParameterError
+        The file cannot be read.
+    """
+    return read_parameter_file(file, "target_tracker") if file is not None else {}
 
 
 def chosen_target(

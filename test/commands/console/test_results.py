@@ -1,5 +1,5 @@
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.commands.results import event_notes, metres_told
+from cable_tracker.commands.console.results import event_notes, metres_told
 from cable_tracker.sequences.tables.estimates import EstimateRow, RowMetres
 
 STATE, METRES = CableState(1.0, 0.1, 20.0, 0.0), RowMetres(0.1, 0.0, 0.01, 0.01)

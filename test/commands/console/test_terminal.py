@@ -1,4 +1,4 @@
-from cable_tracker.commands.terminal import counted, progress_bar
+from cable_tracker.commands.console.terminal import counted, progress_bar
 
 
 def test_the_bar_moves_when_a_frame_is_done():

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.terminal import console, messages
+from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.errors import GuiError
 
 DEFAULT_PORT = 8080

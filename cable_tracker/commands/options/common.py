@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.commands.terminal import console, messages
+from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
@@ -18,6 +18,7 @@ from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, Instr
 from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
 
 class Storage(str, Enum):
@@ -28,6 +29,9 @@ class Storage(str, Enum):
 
 
 PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
+TargetPresetName = Enum(  # type: ignore[misc]
+    "TargetPresetName", {name: name for name in TARGET_PRESETS}, type=str
+)
 InitOption = Annotated[
     str | None,
     typer.Option(
@@ -117,6 +121,22 @@ TimingOption = Annotated[
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace an output of the same kind that exists already.")
 ]
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read an image size such as 320x240.
+
+    Raises
+    ------
+    ParameterError
+        It is none.
+    """
+    width, separator, height = text.lower().partition("x")
+    if not separator or not width.isdecimal() or not height.isdecimal():
+        raise ParameterError(
+            f"size: {text!r} is not of the form 320x240; give width x height in px"
+        )
+    return int(width), int(height)
 
 
 def chosen_instruments(

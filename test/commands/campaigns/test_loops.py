@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.loop_campaign import LoopTask, run_loops
+from cable_tracker.commands.campaigns.loops import LoopTask, run_loops
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from cable_tracker.commands.terminal import console, messages
+from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status_words import REFUSED

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.commands.tuning import (
+from cable_tracker.commands.options.parameters import (
     chosen_parameters,
     chosen_target,
     given_values,

@@ -11,9 +11,15 @@ from rich.table import Table
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
-from cable_tracker.commands.tuning import chosen_parameters, given_values
+from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.terminal import (
+    advance,
+    console,
+    messages,
+    print_files,
+    progress_bar,
+)
+from cable_tracker.commands.options.parameters import chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter

@@ -1,4 +1,4 @@
-from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.console.machine import machine, typed_command
 
 
 def test_the_command_can_be_typed_again(monkeypatch):

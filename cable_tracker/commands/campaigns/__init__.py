@@ -1,0 +1,1 @@
+"""Many runs of `evaluate` and `loop`, and what is written of them."""

@@ -1,0 +1,1 @@
+"""What commands say, how they are found and stopped, and what they need beside Python."""
