@@ -38,7 +38,7 @@ def chase(  # noqa: PLR0917
     Clouds of silt hide the target now and then. Simulator, target tracker and follower run in
     lockstep, as fast as the machine can. Needs ROS 2.
     """
-    rigs = need_ros("rigs.chase")
+    rigs = need_ros("rigs.closed_loop.chase")
     world = ChaseSettings(seed=seed, duration=duration, hidden_for=hidden_for)
     request = rigs.ChaseRequest(
         world=world,

@@ -134,7 +134,7 @@ def loop(  # noqa: PLR0917
             "--resume": resume,
         }
         refuse_without_effect(of_several, "can only do something for several runs")
-    ros = need_ros("rigs.loop")
+    ros = need_ros("rigs.closed_loop.loop")
     sand = min(5.0, length / 4) if buried is None else buried
     request = ros.LoopRequest(
         world=LiveSettings(seed, length, sand, altitude, current, parse_size(size), rate),

@@ -21,7 +21,7 @@ from cable_tracker.simulation.setting_checks import check_size
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 if TYPE_CHECKING:
-    from cable_tracker.ros.rigs.soak_record import SoakRecord
+    from cable_tracker.ros.rigs.soak.record import SoakRecord
 
 EXIT_BROKEN_PROMISE = 1
 FRAMES = 100
@@ -58,7 +58,7 @@ def soak(  # noqa: PLR0917
     quality of service; tracker and replay are killed and started again. The report holds faults,
     recoveries, latency and memory over time. Exit code 1 if a promise was broken.
     """
-    module = need_ros("rigs.soak")
+    module = need_ros("rigs.soak.soak")
     settings = module.SoakSettings(
         minutes=minutes,
         seed=seed,

@@ -50,8 +50,12 @@ EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
 A replay has sent them before the frame, so that they always come.
 """
 
-NO_WATCH: Final[Mapping[str, ParameterValue]] = {"input_timeout": 3600.0}
-"""Parameters of a tracker whose frames come when others are ready for them."""
+DRIVEN: Final[Mapping[str, ParameterValue]] = {
+    **EVERY_FRAME,
+    **EVERY_MEASUREMENT,
+    "input_timeout": 3600.0,
+}
+"""Parameters of a tracker in a closed loop in lockstep: frames come when others are ready."""
 
 
 def replay_parameters(

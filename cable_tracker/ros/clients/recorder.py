@@ -16,13 +16,13 @@ from rclpy.serialization import deserialize_message
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
+from cable_tracker.ros.health.told_readiness import ToldReadiness
 from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_status
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.status_words import WARMING_UP
 
 RECORDED = (
     node_topics.STATE,
@@ -98,8 +98,7 @@ class Recorder(Node):  # type: ignore[misc]
 
     def is_warming(self) -> bool:
         """Tell whether the tracker is compiling, and log it now and then."""
-        latest = self._latest_diagnostics()
-        if latest is None or all(status.message != WARMING_UP for status in latest.status):
+        if not self._told().is_warming:
             return False
         self.get_logger().info(
             "waiting: the tracker is WARMING UP; once per installation this takes about half a"
@@ -108,28 +107,24 @@ class Recorder(Node):  # type: ignore[misc]
         )
         return True
 
-    def _latest_diagnostics(self) -> Message | None:
-        diagnostics = self._queues[node_topics.DIAGNOSTICS]
-        if not diagnostics:
-            return None
-        return deserialize_message(
-            diagnostics[-1], message_class(node_topics.DIAGNOSTICS.type_name)
-        )
+    def _told(self) -> ToldReadiness:
+        """Return what the latest diagnostics tell; nothing before the first."""
+        told, diagnostics = ToldReadiness(), self._queues[node_topics.DIAGNOSTICS]
+        if diagnostics:
+            kind = message_class(node_topics.DIAGNOSTICS.type_name)
+            for status in deserialize_message(diagnostics[-1], kind).status:
+                told.hear(status)
+        return told
 
     def is_subscribed(self) -> bool:
         """Tell whether the tracker is ready and has seen all our subscriptions.
 
         Both stand in its diagnostics.
         """
-        latest = self._latest_diagnostics()
-        if latest is None:
-            return False
-        own = {f"subscribers of {self.resolve_topic_name(each.name)}" for each in self.RECORDED}
-        counts = [
-            int(pair.value) for status in latest.status for pair in status.values if pair.key in own
-        ]
-        warm = all(status.message != WARMING_UP for status in latest.status)
-        return warm and bool(counts) and all(counts)
+        told = self._told()
+        own = [self.resolve_topic_name(each.name) for each in self.RECORDED]
+        counts = [told.readers[name] for name in own if name in told.readers]
+        return told.is_warm and bool(counts) and all(counts)
 
     def take(self) -> RecordedFrame | None:
         """Return the next frame if all messages about it have come."""

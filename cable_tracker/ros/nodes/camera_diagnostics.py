@@ -14,6 +14,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
+from cable_tracker.ros.health.told_readiness import READERS_OF
 from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.picture_remarks import remark_on
@@ -84,7 +85,7 @@ class CameraDiagnostics:
         values["several cameras"] = self._camera.several_cameras()
         for result in results:
             readers = result.get_subscription_count()
-            values[f"subscribers of {result.topic_name}"] = str(readers)
+            values[f"{READERS_OF}{result.topic_name}"] = str(readers)
         header = make_header(self._factory, self._node.get_clock().now().nanoseconds, "")
         name = self._node.get_fully_qualified_name()
         self._publisher.publish(make_diagnostics(self._factory, header, name, status, values))

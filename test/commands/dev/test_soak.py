@@ -14,9 +14,9 @@ if importlib.util.find_spec("rclpy") is None:
     pytest.skip("ROS 2 IS MISSING: the soak test is not tested", allow_module_level=True)
 
 from cable_tracker.commands.dev import soak as command
-from cable_tracker.ros.rigs.soak import check_settings
-from cable_tracker.ros.rigs.soak_record import SoakRecord
-from cable_tracker.ros.rigs.soak_rig import SoakSettings
+from cable_tracker.ros.rigs.soak.record import SoakRecord
+from cable_tracker.ros.rigs.soak.rig import SoakSettings
+from cable_tracker.ros.rigs.soak.soak import check_settings
 
 pytestmark = pytest.mark.slow
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import (
     PLOT,
     SUMMARY,
@@ -18,29 +16,22 @@ from cable_tracker.evaluation.targets.chase_table import (
     summarise_chase,
     write_chase,
 )
-from cable_tracker.ros.clients.lockstep import (
-    EVERY_FRAME,
-    EVERY_MEASUREMENT,
-    NO_WATCH,
-    PATIENT,
-    READY_SOON,
-)
+from cable_tracker.ros.clients.lockstep import DRIVEN, PATIENT, READY_SOON
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
-from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import use_local_environment
-from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
-from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
-from cable_tracker.sequences.node_topics import CLOCK
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
+from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
+from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    SETTLE_TIME,
+    closed_loop,
+    need_rows,
+    turn_of,
+)
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
-
-SETTLE_TIME = 60.0
-"""Longest wait of the follower for a place that the tracker's report announces [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,17 +88,12 @@ def run_chase(
     RosError
         The processes do not find each other, or one of them has died.
     """
-    use_local_environment()
-    namespace = f"/cable_tracker_chase_{os.getpid()}"
     with ExitStack() as stack:
         folder = stack.enter_context(
             output_folder(path, TABLE, overwrite=overwrite, is_own_name=file_names().__contains__)
         )
-        recorder, executor = stack.enter_context(
-            client_node(lambda context: ChaseRecorder(context, namespace))
-        )
         video = stack.enter_context(VideoWriter(folder / VIDEO))
-        group = stack.enter_context(NodeGroup(namespace, {CLOCK.global_name: CLOCK.name}))
+        recorder, executor, group = stack.enter_context(closed_loop("chase", ChaseRecorder))
         parameters = _parameters(request)
         for name in ("target_tracker", "follower"):
             group.start(name, parameters[name])
@@ -116,15 +102,9 @@ def run_chase(
         )
         name = "target_simulator"
         simulator = group.start(name, parameters[name], {COMMAND: RELEASED}, may_end=True)
-
-        def spin() -> str:
-            executor.spin_once(timeout_sec=0.02)
-            return group.what_has_died()
-
-        record_to_the_end(recorder, lambda: simulator.running, spin, video, advance)
-        rows = recorder.rows()
-        if not rows:
-            raise RosError("the simulator has sent no frames; run it again on an idle machine")
+        turn = turn_of(executor, group)
+        record_to_the_end(recorder, lambda: simulator.running, turn, video, advance)
+        rows = need_rows(recorder.rows())
         summary = summarise_chase(rows, request.distance)
         write_chase(folder, rows, summary)
     return summary
@@ -140,9 +120,7 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "preset": request.preset,
             "initial_target": ",".join(repr(side) for side in box),
             "target_size": shown_size(),
-            **EVERY_FRAME,
-            **EVERY_MEASUREMENT,
-            **NO_WATCH,
+            **DRIVEN,
             **READY_SOON,
         },
         "follower": {

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from cable_tracker.ros.rigs.soak_record import (
+from cable_tracker.ros.rigs.soak.record import (
     LARGEST_GROWTH,
     MOST_BREACHES,
     WARM_UP,

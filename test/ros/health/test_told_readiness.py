@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.ros.health.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences import node_topics
 from cable_tracker.tracking.status_words import WARMING_UP
 

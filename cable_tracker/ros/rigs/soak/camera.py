@@ -14,15 +14,15 @@ from sensor_msgs.msg import Image
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.rigs.soak_checks import (
+from cable_tracker.ros.rigs.soak.checks import (
     Check,
     markers_are_finite,
     picture_is_whole,
     report_is_finite,
     state_is_finite,
 )
-from cable_tracker.ros.rigs.soak_record import SoakRecord
-from cable_tracker.ros.rigs.soaked_node import CABLE_NODE, SoakedNode
+from cable_tracker.ros.rigs.soak.record import SoakRecord
+from cable_tracker.ros.rigs.soak.soaked_node import CABLE_NODE, SoakedNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of

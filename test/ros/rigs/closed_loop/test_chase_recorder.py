@@ -11,7 +11,7 @@ from rclpy.duration import Duration
 from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header
 
-from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.visualisation.video import VideoWriter
 

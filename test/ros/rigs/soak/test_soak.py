@@ -17,13 +17,15 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.rigs import soak, soak_checks, soak_rig
-from cable_tracker.ros.rigs.soak import check_settings, run_soak
-from cable_tracker.ros.rigs.soak_camera import SoakCamera
-from cable_tracker.ros.rigs.soak_faults import Fault
-from cable_tracker.ros.rigs.soak_record import SoakRecord
-from cable_tracker.ros.rigs.soak_rig import SoakSettings
-from cable_tracker.ros.rigs.soaked_node import TARGET_NODE
+from cable_tracker.ros.rigs.soak import checks as soak_checks
+from cable_tracker.ros.rigs.soak import rig as soak_rig
+from cable_tracker.ros.rigs.soak import soak
+from cable_tracker.ros.rigs.soak.camera import SoakCamera
+from cable_tracker.ros.rigs.soak.faults import Fault
+from cable_tracker.ros.rigs.soak.record import SoakRecord
+from cable_tracker.ros.rigs.soak.rig import SoakSettings
+from cable_tracker.ros.rigs.soak.soak import check_settings, run_soak
+from cable_tracker.ros.rigs.soak.soaked_node import TARGET_NODE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable_particles import make_particles

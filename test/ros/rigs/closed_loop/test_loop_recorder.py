@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, JointState
 from std_msgs.msg import Header
 
-from cable_tracker.ros.rigs.loop_recorder import LoopRecorder
+from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder
 from cable_tracker.tracking.status_words import WARMING_UP
 
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.ros.rigs.soak_frames import SoakFrames
+from cable_tracker.ros.rigs.soak.frames import SoakFrames
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 

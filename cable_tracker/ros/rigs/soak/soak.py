@@ -10,11 +10,11 @@ import rclpy
 from cable_tracker.errors import ParameterError
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.ros_context import started_context
-from cable_tracker.ros.rigs.soak_actions import ACTIONS, inject
-from cable_tracker.ros.rigs.soak_faults import draw_fault
-from cable_tracker.ros.rigs.soak_record import SoakRecord
-from cable_tracker.ros.rigs.soak_rig import SoakRig, SoakSettings
-from cable_tracker.ros.rigs.soaked_node import SOAKED
+from cable_tracker.ros.rigs.soak.actions import ACTIONS, inject
+from cable_tracker.ros.rigs.soak.faults import draw_fault
+from cable_tracker.ros.rigs.soak.record import SoakRecord
+from cable_tracker.ros.rigs.soak.rig import SoakRig, SoakSettings
+from cable_tracker.ros.rigs.soak.soaked_node import SOAKED
 from cable_tracker.sequences.frame import Frame
 
 LOCKSTEP_FRAMES = 100

@@ -8,7 +8,7 @@ import pytest
 
 from cable_tracker.cable.measure.picture.working_image import check_frame
 from cable_tracker.errors import FrameError
-from cable_tracker.ros.rigs.soak_faults import (
+from cable_tracker.ros.rigs.soak.faults import (
     CHANGES,
     COMPRESSED_CHANGES,
     REFUSED,

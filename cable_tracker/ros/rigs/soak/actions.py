@@ -12,9 +12,9 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.ros.health.diagnostics import STALE_INPUT
-from cable_tracker.ros.rigs.soak_faults import REFUSED, Fault
-from cable_tracker.ros.rigs.soak_frames import FIRST_STAMP, REPLAYED_FRAMES
-from cable_tracker.ros.rigs.soak_rig import SoakRig
+from cable_tracker.ros.rigs.soak.faults import REFUSED, Fault
+from cable_tracker.ros.rigs.soak.frames import FIRST_STAMP, REPLAYED_FRAMES
+from cable_tracker.ros.rigs.soak.rig import SoakRig
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue

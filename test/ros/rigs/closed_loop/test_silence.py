@@ -1,6 +1,6 @@
 import time
 
-from cable_tracker.ros.rigs.silence import (
+from cable_tracker.ros.rigs.closed_loop.silence import (
     QUIET_TURNS,
     SILENCE_TIMEOUT,
     QuietWatch,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -15,7 +14,6 @@ from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.errors import RosError
 from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
 from cable_tracker.evaluation.closed_loop.loop_table import (
     SUMMARY,
@@ -28,21 +26,22 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
 )
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.clients.lockstep import (
-    EVERY_FRAME,
-    EVERY_MEASUREMENT,
-    NO_WATCH,
+    DRIVEN,
     PATIENT,
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
-from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
-from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
-from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
-from cable_tracker.sequences.node_topics import CLOCK
+from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder, SeenFrame
+from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
+from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    SETTLE_TIME,
+    closed_loop,
+    listen_to_the_end,
+    need_rows,
+    turn_of,
+)
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.motion.live_world import LiveSettings, cable_course
 from cable_tracker.simulation.rendering.tube import SETTLED
@@ -58,9 +57,6 @@ OWN_NAMES = frozenset({TABLE, SUMMARY, WAY, ERRORS, VIDEO})
 
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
-
-SETTLE_TIME = 60.0
-"""Longest wait of the controller in lockstep for what the tracker's report announces [s]."""
 
 CAMERA_WIDTH = 480
 """Width of the camera's picture in the video [px]."""
@@ -148,19 +144,13 @@ def run_loop(
     RosError
         The processes do not find each other, or one of them has died.
     """
-    use_local_environment()
-    namespace = f"/cable_tracker_loop_{os.getpid()}"
     with ExitStack() as stack:
         folder = stack.enter_context(
             output_folder(path, TABLE, overwrite=overwrite, is_own_name=OWN_NAMES.__contains__)
         )
-        recorder, executor = stack.enter_context(
-            client_node(
-                lambda context: LoopRecorder(context, namespace, with_images=request.with_video)
-            )
-        )
         video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
-        group = stack.enter_context(NodeGroup(namespace, {CLOCK.global_name: CLOCK.name}))
+        make = partial(LoopRecorder, with_images=request.with_video)
+        recorder, executor, group = stack.enter_context(closed_loop("loop", make))
         run = _Run(request, recorder, executor, group, video, advance=advance)
         group.start(request.tracker_node, _tracker_parameters(request))
         group.start("controller", _controller_parameters(request))
@@ -185,7 +175,7 @@ def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         **request.tracker,
     }
     if not request.realtime:
-        values |= {**EVERY_FRAME, **EVERY_MEASUREMENT, **NO_WATCH}
+        values |= DRIVEN
     return values
 
 
@@ -250,27 +240,24 @@ class _Run:
 
     def follow(self, simulator: NodeProcess) -> None:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
-        silence, quiet = SilenceWatch(), QuietWatch()
-        ended: float | None = None
-        while ended is None or not (quiet.is_quiet and self._has_settled(ended)):
-            self._executor.spin_once(timeout_sec=0.02)
-            quiet.turn(self._recorder.heard)
-            frames = self._recorder.take()
-            for frame in frames:
-                self._draw(frame)
-                self._advance(frame.place[0])
-            if frames:
-                silence.hear()
-            if ended is None and not simulator.running:
-                ended, quiet = time.monotonic(), QuietWatch()
-            complaint = self._group.what_has_died() or silence.complaint()
-            if complaint:
-                raise RosError(complaint)
+        listen_to_the_end(
+            self._recorder,
+            lambda: simulator.running,
+            turn_of(self._executor, self._group),
+            self._take,
+            self._has_settled,
+        )
 
-    def _has_settled(self, ended: float) -> bool:
-        is_late = time.monotonic() - ended > SETTLE_TIMEOUT
+    def _take(self) -> bool:
+        frames = self._recorder.take()
+        for frame in frames:
+            self._draw(frame)
+            self._advance(frame.place[0])
+        return bool(frames)
+
+    def _has_settled(self, since_end: float) -> bool:
         if self._request.realtime:
-            return is_late or self._recorder.is_settled()
+            return since_end > SETTLE_TIMEOUT or self._recorder.is_settled()
         return self._recorder.is_settled() and self._recorder.is_steered()
 
     def _draw(self, frame: SeenFrame) -> None:
@@ -291,9 +278,7 @@ class _Run:
 
     def write(self, folder: Path) -> LoopSummary:
         """Write everything but the video."""
-        rows = self._recorder.rows()
-        if not rows:
-            raise RosError("the simulator has sent no frames; run it again on an idle machine")
+        rows = need_rows(self._recorder.rows())
         world, burial = self._request.world, self._request.burial
         summary = summarise_loop(rows, world.seed, world.length, burial)
         write_records(folder / TABLE, LoopRow, rows)

@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.rigs.soak_checks import (
+from cable_tracker.ros.rigs.soak.checks import (
     Check,
     centreline_is_finite,
     cloud_is_finite,

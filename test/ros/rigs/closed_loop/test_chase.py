@@ -3,7 +3,7 @@
 import pytest
 
 from cable_tracker.evaluation.targets.chase_table import TABLE
-from cable_tracker.ros.rigs.chase import ChaseRequest, file_names, run_chase
+from cable_tracker.ros.rigs.closed_loop.chase import ChaseRequest, file_names, run_chase
 from cable_tracker.simulation.targets.chase import ChaseSettings
 
 

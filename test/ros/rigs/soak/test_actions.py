@@ -3,8 +3,8 @@ import pytest
 
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.errors import ParameterError
-from cable_tracker.ros.rigs.soak_actions import ACTIONS, random_value
-from cable_tracker.ros.rigs.soak_faults import CHANGES, COMPRESSED_CHANGES, Fault
+from cable_tracker.ros.rigs.soak.actions import ACTIONS, random_value
+from cable_tracker.ros.rigs.soak.faults import CHANGES, COMPRESSED_CHANGES, Fault
 
 
 def test_every_fault_is_a_spoilt_frame_or_something_done():

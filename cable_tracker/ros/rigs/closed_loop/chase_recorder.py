@@ -9,11 +9,9 @@ from typing import Any
 
 from rclpy.context import Context
 
-from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
 from cable_tracker.ros.messages.announced_topics import target_topics
-from cable_tracker.ros.rigs.run_recorder import RunRecorder
-from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
+from cable_tracker.ros.rigs.closed_loop.run_recorder import RunRecorder, listen_to_the_end
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -120,7 +118,7 @@ def _vector(point: Any) -> tuple[float, float, float]:  # noqa: ANN401
 def record_to_the_end(
     recorder: ChaseRecorder,
     is_running: Callable[[], bool],
-    spin: Callable[[], str],
+    turn: Callable[[], str],
     video: VideoWriter,
     advance: Callable[[int], None],
 ) -> None:
@@ -132,7 +130,7 @@ def record_to_the_end(
         Listens.
     is_running : callable
         Tells whether the simulator is.
-    spin : callable
+    turn : callable
         Runs a callback of the recorder; returns what has gone wrong, or nothing.
     video : VideoWriter
         Takes the overlays.
@@ -144,21 +142,18 @@ def record_to_the_end(
     RosError
         Something has gone wrong, or nothing comes.
     """
-    silence, quiet, seen = SilenceWatch(), QuietWatch(), 0
-    while not (quiet.is_quiet and recorder.is_answered()):
-        complaint = spin()
-        quiet.turn(recorder.heard)
+    seen = 0
+
+    def take() -> bool:
+        nonlocal seen
         recorder.release()
-        if is_running():
-            quiet = QuietWatch()
         overlays, recorder.overlays = recorder.overlays, []
         for message in overlays:
             picture = decode_bgr(read_compressed_image(message))
             video.add(picture, stamp_of(message.header))
-        if len(recorder.states) > seen:
-            advance(len(recorder.states) - seen)
-            seen = len(recorder.states)
-            silence.hear()
-        complaint = complaint or silence.complaint()
-        if complaint:
-            raise RosError(complaint)
+        fresh, seen = len(recorder.states) - seen, len(recorder.states)
+        if fresh:
+            advance(fresh)
+        return bool(fresh)
+
+    listen_to_the_end(recorder, is_running, turn, take, lambda _: recorder.is_answered())

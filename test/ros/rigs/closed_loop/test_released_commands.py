@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import Twist, Vector3
 
-from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED, ReleasedCommands
+from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED, ReleasedCommands
 
 
 @pytest.fixture

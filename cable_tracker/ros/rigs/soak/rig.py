@@ -17,11 +17,11 @@ from rclpy.context import Context
 from cable_tracker.errors import RosError
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.environment import local_environment
-from cable_tracker.ros.rigs.soak_camera import SoakCamera
-from cable_tracker.ros.rigs.soak_faults import CHANGES, COMPRESSED_CHANGES, Fault
-from cable_tracker.ros.rigs.soak_frames import SoakFrames
-from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
-from cable_tracker.ros.rigs.soaked_node import SOAKED
+from cable_tracker.ros.rigs.soak.camera import SoakCamera
+from cable_tracker.ros.rigs.soak.faults import CHANGES, COMPRESSED_CHANGES, Fault
+from cable_tracker.ros.rigs.soak.frames import SoakFrames
+from cable_tracker.ros.rigs.soak.record import MemorySample, SoakRecord, read_memory
+from cable_tracker.ros.rigs.soak.soaked_node import SOAKED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
 

@@ -15,7 +15,14 @@ from sensor_msgs.msg import Image
 
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, TABLE, LoopSummary
-from cable_tracker.ros.rigs.loop import ERRORS, VIDEO, WAY, LoopRequest, file_names, run_loop
+from cable_tracker.ros.rigs.closed_loop.loop import (
+    ERRORS,
+    VIDEO,
+    WAY,
+    LoopRequest,
+    file_names,
+    run_loop,
+)
 from cable_tracker.simulation.motion.live_world import LiveSettings
 
 FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)

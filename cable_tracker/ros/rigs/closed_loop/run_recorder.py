@@ -1,0 +1,172 @@
+"""What closed loops share: nodes that start together, what records them, and when a run ends."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from cable_tracker.errors import RosError
+from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import subscription
+from cable_tracker.ros.health.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.ros.process.client_node import client_node
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.rigs.closed_loop.released_commands import ReleasedCommands
+from cable_tracker.ros.rigs.closed_loop.silence import QuietWatch, SilenceWatch
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import CLOCK, NodeTopic
+
+SETTLE_TIME = 60.0
+"""Longest wait of what steers in lockstep for all that the tracker's report announces [s]."""
+
+Row = TypeVar("Row")
+
+
+class RunRecorder(Node):  # type: ignore[misc]
+    """Records a run of several nodes.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    context : Context
+        rclpy context of this process.
+    namespace : str
+        Namespace of the nodes that it listens to.
+
+    Attributes
+    ----------
+    heard : int
+        Number of messages received that were to be recorded.
+    """
+
+    def __init__(self, name: str, context: Context, namespace: str) -> None:
+        super().__init__(name, context=context, namespace=namespace)
+        self.heard = 0
+        self._told = ToldReadiness()
+        self._commands = ReleasedCommands(self)
+        subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.EVERYTHING)
+
+    def _record(self, topic: NodeTopic, keep: Callable[[int, Message], None]) -> None:
+        """Call `keep` with stamp [ns] and message for all that comes on a topic."""
+
+        # A plain function: rclpy wants to see a callback's signature.
+        def hear(message: Any) -> None:  # noqa: ANN401
+            self.heard += 1
+            keep(stamp_of(message.header), message)
+
+        subscription(self, topic, hear, qos.EVERYTHING)
+
+    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
+        for status in message.status:
+            if is_guidance(status):
+                self._note_mode(stamp_of(message.header), str(status.message))
+            else:
+                self._told.hear(status)
+
+    def _note_mode(self, stamp: int, mode: str) -> None:
+        """Take note of the mode that the controller or follower has told of at a stamp [ns]."""
+
+
+AnyRecorder = TypeVar("AnyRecorder", bound=RunRecorder)
+
+
+@contextmanager
+def closed_loop(
+    name: str, make: Callable[[Context, str], AnyRecorder]
+) -> Iterator[tuple[AnyRecorder, SingleThreadedExecutor, NodeGroup]]:
+    """Make a recorder, its executor and a group of nodes, in a namespace of this process's own.
+
+    Parameters
+    ----------
+    name : str
+        Part of the namespace.
+    make : callable
+        Makes the recorder, from context and namespace.
+
+    Raises
+    ------
+    RosError
+        ROS does not start.
+    """
+    use_local_environment()
+    namespace = f"/cable_tracker_{name}_{os.getpid()}"
+    with (
+        client_node(lambda context: make(context, namespace)) as (recorder, executor),
+        NodeGroup(namespace, {CLOCK.global_name: CLOCK.name}) as group,
+    ):
+        yield recorder, executor, group
+
+
+def turn_of(executor: SingleThreadedExecutor, group: NodeGroup) -> Callable[[], str]:
+    """Return what runs a callback, and tells which node has died; empty: none."""
+
+    def turn() -> str:
+        executor.spin_once(timeout_sec=0.02)
+        return group.what_has_died()
+
+    return turn
+
+
+def listen_to_the_end(
+    recorder: RunRecorder,
+    is_running: Callable[[], bool],
+    turn: Callable[[], str],
+    take: Callable[[], bool],
+    has_settled: Callable[[float], bool],
+) -> None:
+    """Listen until the simulator has ended, and all that it and the others have sent has come.
+
+    Parameters
+    ----------
+    recorder : RunRecorder
+        Listens.
+    is_running : callable
+        Tells whether the simulator is.
+    turn : callable
+        Runs a callback of the recorder; returns what has gone wrong, or nothing.
+    take : callable
+        Takes what has come; tells whether that was a frame.
+    has_settled : callable
+        Tells whether all has come, from the time since the end of the simulator [s].
+
+    Raises
+    ------
+    RosError
+        Something has gone wrong, or nothing comes.
+    """
+    silence, quiet = SilenceWatch(), QuietWatch()
+    ended: float | None = None
+    while ended is None or not (quiet.is_quiet and has_settled(time.monotonic() - ended)):
+        complaint = turn()
+        quiet.turn(recorder.heard)
+        if take():
+            silence.hear()
+        if ended is None and not is_running():
+            ended, quiet = time.monotonic(), QuietWatch()
+        complaint = complaint or silence.complaint()
+        if complaint:
+            raise RosError(complaint)
+
+
+def need_rows(rows: list[Row]) -> list[Row]:
+    """Return the table of a run, if it has any rows.
+
+    Raises
+    ------
+    RosError
+        It has none.
+    """
+    if not rows:
+        raise RosError("the simulator has sent no frames; run it again on an idle machine")
+    return rows

@@ -1,0 +1,1 @@
+"""A tracker process is fed for a long time, with faults."""
