@@ -21,8 +21,8 @@ from cable_tracker.cable.model.geometry import project_borders, segment_inside
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
-from cable_tracker.simulation.scenario import SCENARIO_SIZE, simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, simulate_scenario
 from cable_tracker.tracking.image_frame import image_to_pixel
 
 ROOT = Path(__file__).resolve().parents[1]

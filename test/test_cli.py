@@ -34,9 +34,13 @@ from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.tables.estimates import read_estimates
-from cable_tracker.simulation import scenarios
-from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios import catalogue as scenarios
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios.scenario_dive import (
+    SimulationSettings,
+    simulate,
+    simulate_scenario,
+)
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 TABLE_ALONE = ("--no-video", "--no-bag", "--no-pictures")

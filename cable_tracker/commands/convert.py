@@ -39,9 +39,9 @@ from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import Source
 
 LOOK_EVERY = 10
 """Of so many frames one is looked at for the levels of a recording."""

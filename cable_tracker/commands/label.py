@@ -25,8 +25,8 @@ from cable_tracker.commands.options.serving import (
     need_gui,
 )
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import Source
 
 
 def label(  # noqa: PLR0917

@@ -38,7 +38,7 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 

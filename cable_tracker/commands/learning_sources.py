@@ -20,10 +20,10 @@ from cable_tracker.evaluation.evaluation_sequences import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.fading import made_harder
-from cable_tracker.simulation.scenario import simulate_scenario
+from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 from cable_tracker.simulation.worlds.split import Split
 

@@ -28,15 +28,15 @@ from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, usual_survey
-from cable_tracker.simulation.scenario import (
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
+from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
+from cable_tracker.simulation.scenarios.scenario_dive import (
     SimulationSettings,
     scenario_dive,
     simulate,
     simulate_scenario,
     simulated_dive,
 )
-from cable_tracker.simulation.scenario_description import SCENARIO_RATE
-from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
 from cable_tracker.simulation.setting_checks import check_frames, check_seed, check_size
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import (

@@ -18,8 +18,8 @@ from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import SimulatedFrame
-from cable_tracker.simulation.scenario import simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 from cable_tracker.simulation.worlds.crisp import simulate_strip
 from cable_tracker.simulation.worlds.ground import photographs_of

@@ -25,13 +25,13 @@ from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.images import make_compressed_image
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status_words import REFUSED
 from cable_tracker.visualisation.overlay import draw_estimate

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.recently_used import RecentlyUsed
+from cable_tracker.sequences.source_base import Source
 
 KEPT_BYTES = 256 << 20
 """Pixels that are kept in memory, as they were recorded."""

@@ -10,10 +10,10 @@ from cable_tracker.errors import ParameterError, RecordingError, UnreachableErro
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.bags.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.label_match import labels_by_frame
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource, find_pictures
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.videos.video import VIDEO_SUFFIXES, VideoSource
 
 

@@ -10,7 +10,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.tables.estimates import read_estimates
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 
 FRAMES = 6

@@ -17,7 +17,7 @@ import pytest
 
 from cable_tracker import cli
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 
 pytestmark = pytest.mark.slow
 

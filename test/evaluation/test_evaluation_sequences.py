@@ -15,8 +15,8 @@ from cable_tracker.evaluation.evaluation_sequences import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 from cable_tracker.simulation.worlds.split import Split

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_access import BEYOND_ALL, FrameAccess
-from cable_tracker.sequences.frame_source import Source, damage
+from cable_tracker.sequences.source_base import Source, damage
 
 PIXELS = bytes(12)
 

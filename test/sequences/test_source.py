@@ -10,13 +10,13 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError, UnreachableError
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.sequence_file import Label, SequenceFileSource, write_labels
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.videos.video import VideoSource
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 
 
 @pytest.fixture

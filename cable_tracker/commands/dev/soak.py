@@ -16,7 +16,7 @@ from cable_tracker.commands.console.terminal import console, print_table, progre
 from cable_tracker.commands.options.common import ForceOption, parse_size
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.setting_checks import check_size
 from cable_tracker.simulation.targets.sequence import simulate_target
 

@@ -15,8 +15,8 @@ from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 

@@ -23,9 +23,9 @@ from cable_tracker.simulation.instruments.instruments import (
 )
 from cable_tracker.simulation.motion.flight import Flight, flight_at, twists_at
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
-from cable_tracker.simulation.scenario_description import SCENARIO_RATE
-from cable_tracker.simulation.scenarios import find_scenario
+from cable_tracker.simulation.scenarios.catalogue import find_scenario
+from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
+from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, scenario_dive
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 from cable_tracker.tracking.image_frame import image_centre
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from types import MappingProxyType
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.label_match import labels_near
 from cable_tracker.sequences.labels.sequence_file import Label, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
+from cable_tracker.sequences.source_base import Source
 
 FrameName = tuple[str, int | None]
 """File name, relative to the folder of the label file, and number of the frame in it if any."""

@@ -24,9 +24,9 @@ from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
+from cable_tracker.sequences.source_base import Source
 
 Listener: TypeAlias = Callable[[Changes | None], None]
 """Told of changed labels; None: all of them, or their files, may have changed."""

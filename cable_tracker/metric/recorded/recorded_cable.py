@@ -34,7 +34,7 @@ from cable_tracker.sequences.bags.instruments import (
     refuse_named_topics,
 )
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
+from cable_tracker.sequences.source_base import Source
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,10 +26,10 @@ from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument, InstrumentChoice
 from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.factory import MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
+from cable_tracker.sequences.source_base import Source
 
 BEGINNING = 5_000_000_000
 """Time before the first frame from which messages are sent, but for the calibration [ns]."""

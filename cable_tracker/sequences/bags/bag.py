@@ -22,12 +22,12 @@ from cable_tracker.sequences.bags.video_stream import (
 )
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
+from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
 
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"

@@ -8,9 +8,9 @@ from pathlib import Path, PurePath
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.sequence_file import Label, SequenceFileSource, read_labels
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
+from cable_tracker.sequences.source_base import Source
 
 _IN_ANOTHER, _MAY_BE_IN_FOLDER, _IN_FOLDER = range(3)
 """How surely a labelled file lies in a folder, see `_nearness`."""

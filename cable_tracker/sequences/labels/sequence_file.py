@@ -28,9 +28,9 @@ from cable_tracker.errors import (
 )
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
+from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
 from cable_tracker.sequences.videos.video import (
     TIMES_NOTE,
     VIDEO_SUFFIXES,

@@ -21,10 +21,10 @@ from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.source import is_bag
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.target.model.estimate import Box
 
 BOXES_NAME = "boxes.txt"

@@ -11,8 +11,8 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.natural_order import gap_note, natural_key, positions_by_number
+from cable_tracker.sequences.source_base import Source, UnreadableFrame
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_NAME = "sequence.txt"

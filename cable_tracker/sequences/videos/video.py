@@ -17,9 +17,9 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
+from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
 from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
 from cable_tracker.sequences.videos.video_times import FrameClock, times_run_backwards
 from cable_tracker.stamps import FIRST_STAMP, USUAL_RATE

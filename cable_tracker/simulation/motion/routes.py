@@ -14,7 +14,7 @@ from cable_tracker.simulation.motion.trajectory import (
     Signal,
     Trajectory,
 )
-from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Scenario, Sway
+from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Scenario, Sway
 
 DISTANCE_LIMIT = 70.0
 """Largest |d| of the plain simulation [px at the reference width]."""

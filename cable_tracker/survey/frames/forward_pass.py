@@ -29,9 +29,9 @@ from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.survey.frames.crossing_search import CrossingSearch
 from cable_tracker.survey.frames.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples

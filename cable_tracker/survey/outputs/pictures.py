@@ -8,9 +8,9 @@ import cv2
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
 from cable_tracker.sequences.pictures.shown_levels import decode_shown
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.survey.outputs.surveyed_dive import SurveyedDive
 
 THUMBNAIL = 240

@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 
 
 def run(*arguments):

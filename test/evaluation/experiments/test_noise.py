@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scenario_states import scenario_states
 
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.errors import ParameterError
@@ -11,8 +12,7 @@ from cable_tracker.evaluation.experiments.noise import (
     parted_at_gaps,
     usual_step,
 )
-from cable_tracker.simulation.scenario import scenario_states
-from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 
 THESIS_TABLE = {
     "S1": (16.92, 0.627, 0.26, 0.008),

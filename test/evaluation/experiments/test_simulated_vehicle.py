@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scenario_states import scenario_states
 
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
@@ -20,7 +21,7 @@ from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
-from cable_tracker.simulation.scenario import scenario_dive, scenario_states
+from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus
 

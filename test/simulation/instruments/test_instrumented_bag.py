@@ -10,7 +10,11 @@ from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.motion.flight import flight_at
-from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
+from cable_tracker.simulation.scenarios.scenario_dive import (
+    SimulationSettings,
+    simulate,
+    simulated_dive,
+)
 from cable_tracker.tracking.status import TrackingStatus
 
 SETTINGS = SimulationSettings(frame_count=12, rate=10.0, image_size=(160, 120), clutter=0.0, seed=4)

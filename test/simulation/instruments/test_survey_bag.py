@@ -14,7 +14,11 @@ from cable_tracker.simulation.instruments.instrument_writer import ORIGIN, to_ea
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
-from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulated_dive
+from cable_tracker.simulation.scenarios.scenario_dive import (
+    SimulationSettings,
+    simulate,
+    simulated_dive,
+)
 
 
 @pytest.fixture(scope="module")

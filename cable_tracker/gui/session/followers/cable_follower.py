@@ -22,9 +22,9 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
 

@@ -11,8 +11,8 @@ from cable_tracker.gui.session.followers.target_follower import TargetFollower
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
-from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet
 

@@ -6,9 +6,13 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
-from cable_tracker.simulation.scenario_description import Crossing, Sway
-from cable_tracker.simulation.scenarios import find_scenario
+from cable_tracker.simulation.scenarios.catalogue import find_scenario
+from cable_tracker.simulation.scenarios.scenario import Crossing, Sway
+from cable_tracker.simulation.scenarios.scenario_dive import (
+    SimulationSettings,
+    simulate,
+    simulate_scenario,
+)
 from cable_tracker.stamps import FIRST_STAMP
 
 SMALL = SimulationSettings(frame_count=4, image_size=(96, 72), seed=11)

@@ -3,11 +3,12 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from scenario_states import scenario_states
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.scenario import scenario_states, simulate_scenario
-from cable_tracker.simulation.scenario_description import Crossing
-from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
+from cable_tracker.simulation.scenarios.scenario import Crossing
+from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive, simulate_scenario
 
 THESIS_LENGTHS = {"S1": 248, "S2": 499, "S3": 409, "S4": 172, "S5": 171, "S6": 129}
 SMALL = (64, 48)
@@ -187,6 +188,6 @@ def test_an_unknown_scenario_is_refused_with_the_names():
     [(("S1", -1), "seed is -1"), (("S1", 0, (10, 240)), "image_size is 10x240")],
 )
 def test_values_out_of_range_are_refused(arguments, named):
-    for function in (simulate_scenario, scenario_states):
+    for function in (simulate_scenario, scenario_dive):
         with pytest.raises(ParameterError, match=named):
             function(*arguments)

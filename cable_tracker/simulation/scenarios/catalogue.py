@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.rendering.look import Bottom, Lamp, Look, Skin, Water
-from cable_tracker.simulation.scenario_description import (
+from cable_tracker.simulation.scenarios.scenario import (
     BRISK,
     CALM,
     ROUGH,

@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.frame_source import Source, UnreadableFrame
+from cable_tracker.sequences.source_base import Source, UnreadableFrame
 
 
 class ListSource(Source):

@@ -9,18 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import (
-    BATCH,
     CABLE_RADIUS,
     FOCAL,
     Dive,
     Seeds,
     SimulatedFrame,
     Surroundings,
-    frame_times,
     render_dive,
 )
 from cable_tracker.simulation.motion.routes import random_trajectory, scenario_trajectory
@@ -28,8 +25,8 @@ from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
 from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.tube import Tube, random_bends
-from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Crossing, Scenario
-from cable_tracker.simulation.scenarios import find_scenario
+from cable_tracker.simulation.scenarios.catalogue import find_scenario
+from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.setting_checks import (
     check_frames,
     check_range,
@@ -155,31 +152,6 @@ def simulate_scenario(
         photographs,
     )
     return render_dive(dive, surroundings, chosen.frame_count, SCENARIO_RATE, seeds)
-
-
-def scenario_states(
-    scenario: str | Scenario, seed: int = 0, image_size: tuple[int, int] = SCENARIO_SIZE
-) -> FloatArray:
-    """Return the geometry of a scenario without its pictures.
-
-    Returns
-    -------
-    FloatArray
-        Exact d, alpha, w, beta and their rates in each frame, shape (N, 8) [px, rad, per second];
-        NaN where no border of the cable is inside the image. Sand and growth are not asked.
-
-    Raises
-    ------
-    ParameterError
-        As `simulate_scenario`.
-    """
-    chosen = _checked(scenario, seed, image_size)
-    if not chosen.has_cable:
-        return np.full((chosen.frame_count, STATE_SIZE), np.nan)
-    dive = _scenario_dive(chosen, Seeds.of(seed), image_size)
-    starts = range(0, chosen.frame_count, BATCH)
-    batches = [dive.views(frame_times(start, SCENARIO_RATE)).states for start in starts]
-    return np.concatenate(batches)[: chosen.frame_count]
 
 
 def scenario_dive(
