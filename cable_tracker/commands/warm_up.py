@@ -20,17 +20,13 @@ def variants(presets: Iterable[Parameters]) -> Iterator[Parameters]:
     Words choose which code runs: with all of them compiled, a node need not compile anything when
     one is changed while it runs. Parameters with the same words come once.
     """
-    seen: set[tuple[object, ...]] = set()
+    seen: set[tuple[str, ...]] = set()
     for preset in presets:
         worded = [spec for spec in parameter_table(type(preset)) if spec.choices]
         changes = [_replaced(preset, spec.name, word) for spec in worded for word in spec.choices]
         for parameters in (preset, *changes):
-            if parameters is None:
-                continue
-            values = parameters.as_mapping()
-            words = tuple(values[spec.name] for spec in worded)
-            if words not in seen:
-                seen.add(words)
+            if parameters is not None and parameters.words() not in seen:
+                seen.add(parameters.words())
                 yield parameters
 
 

@@ -14,7 +14,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
+from cable_tracker.tracking.parameter_table import (
+    Parameters,
+    ParameterSpec,
+    ParameterValue,
+    parameter_table,
+)
 
 FOREIGN_PREFIXES = ("qos_overrides.",)
 FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")
@@ -87,6 +92,19 @@ def declare_all(
         What was given at start is not acceptable.
     """
     return {spec.name: declare(node, spec, spec.default, read_only=read_only) for spec in specs}
+
+
+def declare_filter(node: Node, preset: Parameters) -> Parameters:
+    """Declare the parameters of a filter with the values of a preset; return those at start.
+
+    Raises
+    ------
+    ParameterError
+        What was given at start is not acceptable.
+    """
+    defaults = preset.as_mapping()
+    specs = parameter_table(type(preset))
+    return preset.replaced({spec.name: declare(node, spec, defaults[spec.name]) for spec in specs})
 
 
 def warn_of_unknown_overrides(node: Node) -> None:

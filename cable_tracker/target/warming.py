@@ -7,7 +7,6 @@ import numpy as np
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.parameter_table import parameter_table
 
 WIDTH, HEIGHT = 320, 240
 FRAMES = 3
@@ -19,13 +18,6 @@ ENOUGH = 60
 
 WATER, TARGET = (90, 80, 40), (30, 30, 200)
 """Colours [blue, green, red]."""
-
-
-def target_variant(parameters: TargetParameters) -> tuple[str, ...]:
-    """Return the words among the parameters: they choose which code runs, numbers do not."""
-    values = parameters.as_mapping()
-    words = [str(values[spec.name]) for spec in parameter_table(TargetParameters) if spec.choices]
-    return ("target", *words)
 
 
 def warm_up_target(parameters: TargetParameters) -> None:

@@ -185,6 +185,12 @@ class ParameterSet:
         """Return the values by name, in the order of the table."""
         return {spec.name: getattr(self, spec.name) for spec in parameter_table(type(self))}
 
+    def words(self) -> tuple[str, ...]:
+        """Return the values that have choices: they choose which code runs, numbers do not."""
+        return tuple(
+            getattr(self, spec.name) for spec in parameter_table(type(self)) if spec.choices
+        )
+
 
 def _similar_name(unknown: str, known: Iterable[str]) -> str:
     """Return a question whether a known name was meant; empty where none is similar."""

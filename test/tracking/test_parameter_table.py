@@ -65,3 +65,8 @@ def test_a_preset_is_found_by_its_name():
     assert preset_of(presets, "night").brightest == 1.0
     with pytest.raises(ParameterError, match=r"'dusk' is none of day \| night"):
         preset_of(presets, "dusk")
+
+
+def test_words_are_the_values_with_choices_and_numbers_are_none():
+    assert LampParameters(bulbs=1).words() == LampParameters(bulbs=2).words() == ("white",)
+    assert LampParameters(bulbs=1, colour="red").words() == ("red",)

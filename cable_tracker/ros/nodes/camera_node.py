@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -15,12 +15,15 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
-from cable_tracker.ros import node_parameters
+from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
+from cable_tracker.ros.health.watched_endpoints import (
+    WatchedPublishers,
+    create_watched_subscription,
+)
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
@@ -30,6 +33,7 @@ from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
 
@@ -126,6 +130,7 @@ class CameraNode(ProcessNode):
         self._input = ImageInput(
             self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
         )
+        self._start_profiles: dict[str, InputProfile] = {}
         self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)
         self._watched_publishers = WatchedPublishers(self, self._mismatches.on_event)
         self._diagnostics = CameraDiagnostics(
@@ -174,14 +179,26 @@ class CameraNode(ProcessNode):
     def _subscribe_more(self) -> None:
         """Subscribe to what belongs to the camera's frames; called when the node is warm."""
 
-    def _input_profiles(self) -> dict[str, InputProfile]:
-        """Return the QoS profiles of the subscriptions, by full name; to be extended."""
-        if not self._input.is_open:
-            return {}
-        return {self._input.topic: InputProfile(self._input.profile, "image_reliability")}
-
     def _on_switched_on(self) -> None:
         """Do what follows the restart when the node is enabled again."""
+
+    # For subclasses.
+
+    def _take_starts(
+        self, topic: NodeTopic, take: Callable[[Message], None], name: str | None = None
+    ) -> None:
+        """Subscribe to where an operator or planner says that something is; it is watched, too."""
+        starts = create_watched_subscription(
+            self, topic, take, qos.RESULTS, self._mismatches.on_event, name=name
+        )
+        self._start_profiles[str(starts.topic_name)] = InputProfile(qos.RESULTS)
+
+    def _input_profiles(self) -> dict[str, InputProfile]:
+        """Return the QoS profiles of the subscriptions, by full name."""
+        if not self._input.is_open:
+            return self._start_profiles
+        camera = {self._input.topic: InputProfile(self._input.profile, "image_reliability")}
+        return camera | self._start_profiles
 
     def _output_profiles(self) -> dict[str, Any]:
         profiles = self._watched_publishers.profiles

@@ -13,10 +13,8 @@ from cable_tracker.node_parameter_tables import (
     TARGET_OWN_START_PARAMETERS,
     TARGET_RUNTIME_PARAMETERS,
 )
-from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.health.qos_mismatch import InputProfile
+from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
@@ -31,12 +29,11 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import target_preset
-from cable_tracker.target.warming import target_variant, warm_up_target
+from cable_tracker.target.warming import warm_up_target
 from cable_tracker.tracking.parameter_table import parameter_table
 from cable_tracker.tracking.status import TrackingStatus
 
-FILTER_PARAMETERS = parameter_table(TargetParameters)
-FILTER_SPECS = {spec.name: spec for spec in FILTER_PARAMETERS}
+FILTER_SPECS = {spec.name: spec for spec in parameter_table(TargetParameters)}
 
 
 class TargetTrackerNode(CameraNode):
@@ -57,7 +54,6 @@ class TargetTrackerNode(CameraNode):
         super().__init__("target_tracker", **node_arguments)
         self._estimates: Sequence[TargetEstimate] = ()
         self._marks: dict[int, TargetStart] = {}
-        self._mark_topics: list[str] = []
         self._declare_parameters()
         self._restart()
         self._outputs: TargetOutputs = TargetOutputs(self._watched_publishers, self._prefixes)
@@ -72,14 +68,10 @@ class TargetTrackerNode(CameraNode):
         start = node_parameters.declare_all(self, TARGET_OWN_START_PARAMETERS, read_only=True)
         count = int(start["target_count"])
         self._prefixes = [""] if count == 1 else [f"target_{number}/" for number in range(count)]
-        values = target_preset(str(start["preset"]))
-        given = {
-            spec.name: node_parameters.declare(self, spec, values.as_mapping()[spec.name])
-            for spec in FILTER_PARAMETERS
-        }
+        preset = target_preset(str(start["preset"]))
+        self._filter_parameters = node_parameters.declare_filter(self, preset)
         runtime = node_parameters.declare_all(self, TARGET_RUNTIME_PARAMETERS)
         self._instrument_reliability = str(start["instrument_reliability"])
-        self._filter_parameters = values.replaced(given)
         self._begins = self._read_start(str(runtime["initial_target"]))
         self._group = TargetGroup(count, self._with_detector())
         self._metric: TargetInputs = TargetInputs(self, count)
@@ -130,20 +122,13 @@ class TargetTrackerNode(CameraNode):
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._group.parameters
-        return WarmUp(target_variant(parameters), partial(warm_up_target, parameters))
+        return WarmUp(("target", *parameters.words()), partial(warm_up_target, parameters))
 
     def _subscribe_more(self) -> None:
         self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
         for number, prefix in enumerate(self._prefixes):
-            subscription = create_watched_subscription(
-                self,
-                node_topics.INITIAL_TARGET,
-                self._marking(number),
-                qos.RESULTS,
-                self._mismatches.on_event,
-                name=f"{prefix}{node_topics.INITIAL_TARGET.name}",
-            )
-            self._mark_topics.append(str(subscription.topic_name))
+            topic = node_topics.INITIAL_TARGET
+            self._take_starts(topic, self._marking(number), f"{prefix}{topic.name}")
 
     def _marking(self, number: int) -> Any:  # noqa: ANN401
         # A plain function: rclpy wants to see a callback's signature.
@@ -151,10 +136,6 @@ class TargetTrackerNode(CameraNode):
             self.on_initial_target(message, number)
 
         return take
-
-    def _input_profiles(self) -> dict[str, InputProfile]:
-        marks = dict.fromkeys(self._mark_topics, InputProfile(qos.RESULTS))
-        return super()._input_profiles() | marks
 
     def _decode(self, image: AnyImage) -> Image:
         """Return the picture in colour with the steps that its levels have, shape (H, W, 3)."""

@@ -12,7 +12,6 @@ from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
     TrackerParameters,
 )
@@ -24,13 +23,10 @@ from cable_tracker.node_parameter_tables import (
     TRACKER_OWN_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
 )
-from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import estimate_values
-from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
-from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
@@ -39,6 +35,9 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import read_prior
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+
+WARM_UP_PARTICLES = 200
+"""Number of particles of a warm-up; compilation does not depend on it."""
 
 
 class TrackerNode(CameraNode):
@@ -60,7 +59,6 @@ class TrackerNode(CameraNode):
         self._metric: MetricInputs = MetricInputs(self, self._factory, self._watched_publishers)
         self._estimate: CableEstimate | None = None
         self._prior_while_disabled: GivenState | None = None
-        self._prior_topic = ""
         self._declare_parameters()
         self._restart()
         self._outputs: TrackerOutputs = TrackerOutputs(self._watched_publishers)
@@ -73,14 +71,10 @@ class TrackerNode(CameraNode):
 
     def _declare_parameters(self) -> None:
         start = node_parameters.declare_all(self, TRACKER_OWN_START_PARAMETERS, read_only=True)
-        values = preset(str(start["preset"]))
-        given = {
-            spec.name: node_parameters.declare(self, spec, values.as_mapping()[spec.name])
-            for spec in PARAMETER_TABLE
-        }
+        parameters = node_parameters.declare_filter(self, preset(str(start["preset"])))
         runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
         self._instrument_reliability = str(start["instrument_reliability"])
-        self._tracker = self._make_tracker(values.replaced(given))
+        self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
@@ -125,24 +119,13 @@ class TrackerNode(CameraNode):
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._tracker.parameters
-        return WarmUp(variant_of(parameters), partial(warm_up, few_particles(parameters)))
+        count = min(parameters.particle_count, WARM_UP_PARTICLES)
+        few = parameters.replaced({"particle_count": count})
+        return WarmUp(parameters.words(), partial(warm_up, few))
 
     def _subscribe_more(self) -> None:
         self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
-        subscription = create_watched_subscription(
-            self,
-            node_topics.INITIAL_STATE,
-            self.on_initial_state,
-            qos.RESULTS,
-            self._mismatches.on_event,
-        )
-        self._prior_topic = str(subscription.topic_name)
-
-    def _input_profiles(self) -> dict[str, InputProfile]:
-        profiles = super()._input_profiles()
-        if self._prior_topic:
-            profiles[self._prior_topic] = InputProfile(qos.RESULTS)
-        return profiles
+        self._take_starts(node_topics.INITIAL_STATE, self.on_initial_state)
 
     def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         begin = time.perf_counter()
