@@ -264,13 +264,19 @@ def _mosaic_of(image: CompressedImage) -> RawImage | None:
     return raw_from_array(pixels, f"{encoding.rstrip('0123456789')}{8 * pixels.itemsize}")
 
 
+def _decompressed(image: CompressedImage, flags: int) -> Image:
+    """Decode the picture of a compressed image; a PNG of 16 bits keeps the steps of its levels."""
+    depth = cv2.IMREAD_ANYDEPTH
+    return _converted(decode_picture_file(image.data, flags | depth, _COMPRESSED_KINDS), None)
+
+
 def decode_grey(image: RawImage | CompressedImage) -> Image:
     """Decode an image to grey.
 
     * Colour becomes grey by OpenCV's weights (0.299 R + 0.587 G + 0.114 B); of YUV the Y bytes are
       taken as they are; a Bayer pattern is interpolated, also that of a compressed image whose
       format names it.
-    * 16-bit values are divided by 257, so that white is 255.
+    * 16-bit values, also those of a compressed image, are divided by 257, so that white is 255.
     * 32FC1: if any value is above 1.5 the values are taken as 0..255, otherwise as 0..1. What lies
       outside the range is clipped.
 
@@ -293,7 +299,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:
-            return decode_picture_file(image.data, cv2.IMREAD_GRAYSCALE, _COMPRESSED_KINDS)
+            return _decompressed(image, cv2.IMREAD_GRAYSCALE)
         image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
@@ -335,7 +341,7 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:
-            return decode_picture_file(image.data, cv2.IMREAD_COLOR, _COMPRESSED_KINDS)
+            return _decompressed(image, cv2.IMREAD_COLOR)
         image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
