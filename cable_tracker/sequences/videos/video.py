@@ -166,10 +166,17 @@ def _frames_not_shown(path: Path) -> int:
     try:
         # Tags of a file may be no text.
         with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
-            return sum(packet.is_discard for packet in container.demux(video=0))
+            packets = [(packet.is_discard, packet.dts) for packet in container.demux(video=0)]
     except (FFmpegError, IndexError):
         # It finds no stream of pictures; then the header is all that is known.
         return 0
+    left_out = sum(is_discarded for is_discarded, _ in packets)
+    if path.suffix.lower() == ".avi":
+        # FFmpeg passes over those without data, but counts them. What is missing behind the last
+        # frame is not taken for a pause: a file that was cut off looks alike.
+        numbers = [number for _, number in packets if number is not None]
+        left_out += max(numbers, default=-1) + 1 - len(numbers)
+    return left_out
 
 
 def _promised_seconds(path: Path) -> float | None:

@@ -215,6 +215,22 @@ def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
     assert len(list(VideoSource(path).frames())) == 20
 
 
+PAUSED = [40 * number for number in (*range(30), *range(150, 180))]
+"""Times of frames between which a recorder paused [ms]; an AVI holds empty ones there."""
+
+
+def test_the_empty_frames_of_an_avi_whose_recorder_paused_are_not_missing(write_video):
+    path = write_video("dive.avi", PAUSED, codec="mpeg4", ticks=25)
+    assert milliseconds(VideoSource(path)) == PAUSED
+
+
+def test_a_paused_avi_that_is_cut_off_after_the_pause_says_so(write_video):
+    path = write_video("dive.avi", PAUSED, codec="mpeg4", ticks=25)
+    os.truncate(path, path.stat().st_size * 3 // 4)
+    with pytest.raises(RecordingError, match=r"damaged after 4\d frames"):
+        list(VideoSource(path).frames())
+
+
 VARIABLE = [0, 40, 80, 120, 160, 200, 8200, 8240, 8280]
 """Times of frames with a gap [ms]."""
 
