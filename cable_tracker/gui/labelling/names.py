@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.labels.label_match import labels_near
+from cable_tracker.sequences.labels.label_match import labels_near, plain_path
 from cable_tracker.sequences.labels.sequence_file import Label, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.source_base import Source
@@ -67,16 +67,10 @@ def names_of(source: Source) -> FrameNames:
     return NumberedNames(source.path)
 
 
-def _plain(path: Path) -> Path:
-    """Return an absolute path without ``..``; links are followed only where there is one."""
-    absolute = path.absolute()
-    return absolute.resolve() if ".." in absolute.parts else absolute
-
-
 @lru_cache(maxsize=64)
 def _seen_from(folder: Path, path: Path) -> str | None:
     """Return the name of a file as a label file in a folder writes it; None if it is not inside."""
-    path, folder = _plain(path), _plain(folder)
+    path, folder = plain_path(path), plain_path(folder)
     inside = path.is_relative_to(folder) and path != folder
     return path.relative_to(folder).as_posix() if inside else None
 
@@ -94,11 +88,11 @@ class NumberedNames(FrameNames):
         A label file that lies elsewhere names the recording without its folder; its labels can be
         given as truth all the same.
         """
-        return _seen_from(folder, self._recording) or _plain(self._recording).name, frame
+        return _seen_from(folder, self._recording) or plain_path(self._recording).name, frame
 
     def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:
         """Count labels of a single file that is gone as of this one, which was then renamed."""
-        recording = _plain(self._recording)
+        recording = plain_path(self._recording)
         own = [label for label in labels if Path(label.filename).name == recording.name]
         others = {label.filename for label in labels}
         if len(others) == 1 and not own and not (file.parent / others.pop()).exists():
@@ -119,7 +113,7 @@ class PictureNames(FrameNames):
     def name(self, frame: int, folder: Path) -> FrameName:
         """Return the name of a frame; see `FrameNames`."""
         picture = self._pictures[frame]
-        elsewhere = f"{_plain(self._folder).name}/{picture}"
+        elsewhere = f"{plain_path(self._folder).name}/{picture}"
         return _seen_from(folder, self._folder / picture) or elsewhere, None
 
     def _found(self, labels: Sequence[Label], file: Path) -> list[int | None]:

@@ -37,6 +37,15 @@ def labels_by_frame(source: Source, truth: Path, allow_outside: bool) -> dict[in
     return {number: label.state for number, label in found.items()}
 
 
+def plain_path(path: Path) -> Path:
+    """Return an absolute path without ``..``; links are followed only where there is one.
+
+    A recording that is named ``.`` has its name there.
+    """
+    absolute = path.absolute()
+    return absolute.resolve() if ".." in absolute.parts else absolute
+
+
 def _check_labels(source: Source, labels: list[Label], truth: Path) -> None:
     """See that every label belongs to a frame of the source, and no frame has two.
 
@@ -45,9 +54,10 @@ def _check_labels(source: Source, labels: list[Label], truth: Path) -> None:
     RecordingError
         A label does not; the message names its line.
     """
-    folder = source.path if isinstance(source, ImageFolderSource) else source.path.parent
+    path = plain_path(source.path)
+    folder = path if isinstance(source, ImageFolderSource) else path.parent
     near = {label.line for label in labels_near(labels, truth, folder)}
-    own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
+    own = {label.filename for label in labels if Path(label.filename).name == path.name}
     pictures = (
         {picture.name for picture in source.pictures}
         if isinstance(source, ImageFolderSource)
@@ -74,7 +84,7 @@ def _mismatch(source: Source, label: Label, pictures: set[str] | None) -> str:
 
     `pictures` are the names of those in a folder; None: the source is none.
     """
-    name, count = source.path.name, source.frame_count
+    name, count = plain_path(source.path).name, source.frame_count
     if isinstance(source, SequenceFileSource):
         return ""
     if pictures is not None and label.frame is None:
@@ -137,13 +147,14 @@ def _nearness(parent: PurePath, truth: Path, folder: Path) -> int:
 
 def _labels_of(source: Source, labels: list[Label], truth: Path) -> list[Label]:
     """Return the labels that speak of this source, of all the labels in a file."""
-    own = [label for label in labels if PurePath(label.filename).name == source.path.name]
+    path = plain_path(source.path)
+    own = [label for label in labels if PurePath(label.filename).name == path.name]
     if own:
-        return _own_labels(own, truth, source.path.parent)
+        return _own_labels(own, truth, path.parent)
     names = {label.filename for label in labels}
     if len(names) > 1:
         raise RecordingError(
-            f"{truth}: labels {len(names)} recordings, none of them named {source.path.name}"
+            f"{truth}: labels {len(names)} recordings, none of them named {path.name}"
         )
     return labels
 

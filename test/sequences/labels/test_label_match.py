@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from cable_tracker.errors import RecordingError
@@ -20,6 +22,16 @@ def test_labels_are_found_by_the_names_of_their_pictures(pictures, truth_of):
     with open_source(pictures, truth=truth_of("2.png", "0.png")) as source:
         labelled = [frame.index for frame in source.frames() if frame.truth is not None]
     assert labelled == [0, 2]
+
+
+@pytest.mark.parametrize("named", [".", "metadata.yaml", "../bag/", "../bag/../bag"])
+def test_a_recording_has_the_name_of_its_folder_however_it_is_given(
+    monkeypatch, make_bag, truth_of, named
+):
+    truth = truth_of("other:1", "bag:2", "old/bag:3")
+    monkeypatch.chdir(make_bag(truth=False))
+    with open_source(Path(named), truth=truth) as source:
+        assert [frame.index for frame in source.frames() if frame.truth is not None] == [2]
 
 
 def test_a_label_without_a_frame_is_named(pictures, truth_of):
