@@ -17,14 +17,19 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import OutputError, ParameterError, RecordingError, one_line
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
-from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
+from cable_tracker.gui.labelling.label_file import NOWHERE, FileContent, LabelFile, OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
 from cable_tracker.gui.labelling.names import FrameNames, names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
+from cable_tracker.sequences.labels.sequence_file import (
+    SEQUENCE_SUFFIXES,
+    Label,
+    SequenceFileSource,
+    is_usable,
+)
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.source_base import Source
 
@@ -45,8 +50,8 @@ def default_label_file(source: Path) -> Path:
     return beside if beside.exists() or os.access(resolved.parent, os.W_OK) else Path(name)
 
 
-def _need_utf8_names(source: Source, names: FrameNames, folder: Path) -> None:
-    """Refuse a recording whose frames a label file, which is UTF-8, cannot name.
+def _need_usable_names(source: Source, names: FrameNames, folder: Path) -> None:
+    """Refuse a recording whose frames a label file cannot name: its labels could not be saved.
 
     Raises
     ------
@@ -54,15 +59,26 @@ def _need_utf8_names(source: Source, names: FrameNames, folder: Path) -> None:
         A picture or the recording must be renamed first.
     """
     pictures = source.pictures if isinstance(source, ImageFolderSource) else ()
-    odd = (n for n, picture in enumerate(pictures) if picture.name != printable(picture.name))
+    odd = (
+        number
+        for number, picture in enumerate(pictures)
+        if not is_usable(Label(NOWHERE, picture.name))
+    )
     # The first one stands for the folder of all; names of thousands take seconds.
     for frame in (0, *odd):
-        name, _ = names.name(frame, folder)
+        place = Label(NOWHERE, *names.name(frame, folder))
+        if is_usable(place):
+            continue
+        name = place.filename
         if name != printable(name):
             raise RecordingError(
                 f"{printable(name)}: labels cannot name it, for its name is not UTF-8; rename it,"
                 " for example with convmv"
             )
+        raise RecordingError(
+            f"{name!r}: labels cannot name it, for its name begins with a blank or holds a control"
+            " character; rename it"
+        )
 
 
 class Workspace:
@@ -101,7 +117,7 @@ class Workspace:
         self._listeners: set[Listener] = set()
         self.stopped = threading.Event()
         self.trouble = ""
-        _need_utf8_names(source, self._names, path.absolute().parent)
+        _need_usable_names(source, self._names, path.absolute().parent)
         self._open(path)
 
     def _open(self, path: Path) -> None:

@@ -225,13 +225,19 @@ def format_labels(labels: Iterable[Label], *, allow_outside: bool = False) -> st
 
 def _format_label(label: Label, allow_outside: bool) -> str:
     state, name = label.state, str(label)
-    read_back = _parse_name(name.strip())
-    if read_back != (label.filename, label.frame) or not name or _breaks_a_line(name):
+    if not is_usable(label):
         raise ValueError(f"{name!r} is no usable file name")
     _check_name(label.filename, allow_outside)
     _check_video(label.filename, label.frame)
     numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
     return f"{numbers} # {name}\n"
+
+
+def is_usable(place: Label) -> bool:
+    """Tell whether a label file can name a frame in such a way that it is read back as it is."""
+    name = str(place)
+    is_read_back = _parse_name(name.strip()) == (place.filename, place.frame)
+    return bool(name) and is_read_back and not _breaks_a_line(name)
 
 
 def _breaks_a_line(name: str) -> bool:

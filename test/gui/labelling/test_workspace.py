@@ -379,6 +379,21 @@ def test_a_picture_whose_name_is_no_utf8_is_told_before_anything_is_labelled(fol
         start()
 
 
+@pytest.mark.parametrize("name", [" 003.png", "a\n003.png", "a\x07.png"])
+def test_a_name_that_labels_cannot_hold_is_told_before_anything_is_labelled(folder, name):
+    (folder / "003.png").rename(folder / name)
+    with pytest.raises(RecordingError, match=r"labels cannot name it, .*; rename it$") as caught:
+        Workspace(open_source(folder), folder / "labels.txt")
+    assert repr(name) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", [" dive", "di\nve"])
+def test_so_is_the_name_of_a_recording(folder, tmp_path, name):
+    home = folder.rename(tmp_path / name)
+    with pytest.raises(RecordingError, match=r"labels cannot name it, .*; rename it$"):
+        Workspace(open_source(home), tmp_path / "labels.txt")
+
+
 def test_a_folder_that_labels_name_must_be_utf8_and_one_that_they_do_not_name_need_not(
     folder, tmp_path
 ):
