@@ -16,6 +16,7 @@ from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
 from cable_tracker.metric.history import History, Reading
 from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.stamps import NANOSECONDS
 
 UNKNOWN_ATTITUDE = (
     f"an orientation_covariance of -1, or beyond {math.degrees(UNKNOWN_TILT):.0f} deg, says that"
@@ -35,8 +36,8 @@ class InstrumentSettings:
     altimeter : Altimeter
         Mounting and errors of the altimeter.
     fixed_altitude : float
-        Altitude of base_link used without an altimeter, or where its last measurement is too old
-        [m]; 0 for none.
+        Altitude of base_link used without an altimeter, before its first measurement, or where its
+        last one is too old [m]; 0 for none.
     timeout : float
         Measurements older than this, at the time of a frame, do not count [s].
     level_sigma : float
@@ -121,7 +122,7 @@ class Instruments:
         """Return the altitude of base_link at a time [ns]."""
         settings = self._settings
         reading = self._altitudes.at(stamp)
-        if self._is_fixed(reading):
+        if self._is_fixed(stamp, reading):
             sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
             return Altitude(settings.fixed_altitude, sigma)
         if not len(self._altitudes):
@@ -145,20 +146,24 @@ class Instruments:
 
         Metres go on then, with an altitude that may be another one than the last that was measured.
         """
-        if not len(self._altitudes) or not self._is_fixed(self._altitudes.at(stamp)):
+        reading = self._altitudes.at(stamp)
+        if reading is None or not self._is_fixed(stamp, reading):
             return ""
         return f"fixed_altitude stands in: {self._stale('altitude', is_later=False)}"
 
-    def _is_fixed(self, reading: Reading | None) -> bool:
-        """Tell whether `fixed_altitude` counts: where no altitude comes, or none comes any more.
+    def _is_fixed(self, stamp: int, reading: Reading | None) -> bool:
+        """Tell whether `fixed_altitude` counts: where no altitude comes yet, or none any more.
 
-        An altimeter whose stamps are all later than the image is alive, and its clock is wrong.
+        An altimeter whose stamps are all later than the image has just begun to speak, or its clock
+        is wrong where they are later by more than the timeout.
         """
         if not self._settings.fixed_altitude > 0.0:
             return False
+        timeout = self._settings.timeout
         if reading is None:
-            return not len(self._altitudes)
-        return reading.nearest > self._settings.timeout
+            begins = self._altitudes.between(stamp, stamp + round(timeout * NANOSECONDS))
+            return bool(begins) or not len(self._altitudes)
+        return reading.nearest > timeout
 
     def overflight(self, estimate: CableEstimate) -> Overflight | Withheld:
         """Return where the camera was over the cable's plane in the frame of an estimate."""

@@ -69,6 +69,15 @@ def test_a_fixed_altitude_stands_in_for_an_altimeter_that_fell_silent(instrument
     assert instruments.stand_in_at(3 * SECOND) == ""
 
 
+def test_a_fixed_altitude_stands_in_until_the_altimeter_begins(instruments):
+    # A recording knows what came a little after a picture, too.
+    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.take_altitude(int(2.2 * SECOND), 1.4, LIMITS)
+    assert instruments.altitude_at(2 * SECOND, Attitude()) == Altitude(2.0, 0.02)
+    # It has not fallen silent, of which there would be a warning.
+    assert instruments.stand_in_at(2 * SECOND) == ""
+
+
 @pytest.mark.parametrize(
     ("metres", "second", "expected"),
     [(1.4, 3.5, Reason.STALE_ALTITUDE), (60.0, 2.0, Reason.BAD_ALTITUDE)],
