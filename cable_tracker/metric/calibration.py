@@ -79,6 +79,11 @@ class Calibration:
     centre: tuple[float, float]
     coefficients: tuple[float, ...] = ()
 
+    def __post_init__(self) -> None:
+        # What calibrates a camera returns arrays, and only tuples can be compared and looked up.
+        for name in ("image_size", "focal", "centre", "coefficients"):
+            object.__setattr__(self, name, tuple(np.ravel(getattr(self, name)).tolist()))
+
     @classmethod
     def of_matrices(
         cls,

@@ -128,6 +128,16 @@ def test_a_camera_info_becomes_a_calibration():
     assert Calibration.of_matrices(SIZE, "plumb_bob", k, []) == PLAIN
 
 
+@pytest.mark.parametrize("kind", [list, np.array])
+def test_a_calibration_of_lists_or_arrays_is_that_of_tuples(kind):
+    # OpenCV returns the coefficients as a row.
+    row = kind([[0.1, 0.01, 0.0, 0.0, 0.0]])
+    given = Calibration(kind(SIZE), "plumb_bob", kind((280.0, 275.0)), kind((163.0, 117.0)), row)
+    plain = dataclasses.replace(PLAIN, coefficients=(0.1, 0.01, 0.0, 0.0, 0.0))
+    assert given == plain
+    assert camera_for(given, SIZE) == camera_for(plain, SIZE)
+
+
 def test_fisheye_is_another_name_of_equidistant():
     camera = camera_for(dataclasses.replace(PLAIN, model="fisheye"), SIZE)
     assert isinstance(camera, CameraModel)
