@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.atomic_output import write_bytes
 from cable_tracker.commands.console.terminal import console, counted, progress_bar
 from cable_tracker.commands.options.common import (
     AltitudeOption,
@@ -34,7 +33,7 @@ from cable_tracker.errors import read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
+from cable_tracker.sequences.bags.bag_writer import kept_notes
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
@@ -82,6 +81,7 @@ def convert(  # noqa: PLR0917
         boxes = own_boxes(recording)
         # The bag may be written in the place of the recording.
         vehicle = _vehicle_file(recording)
+        kept = kept_notes(output) if force and vehicle is None else []
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
         written = write_bag(
             output,
@@ -93,9 +93,9 @@ def convert(  # noqa: PLR0917
             overwrite=force,
             carried=() if instruments is None else carried_messages(instruments),
             boxes=boxes,
+            vehicle=vehicle,
         )
-    if vehicle is not None:
-        write_bytes(output / VEHICLE_FILE, vehicle)
+    print_notes(output, kept)
     if instruments is not None:
         print_notes(source, instruments.remarks())
     if written.gain > 1.0:

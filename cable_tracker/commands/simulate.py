@@ -16,9 +16,11 @@ from cable_tracker.commands.options.common import (
     ForceOption,
     Storage,
     parse_size,
+    print_notes,
     refuse_without_effect,
 )
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.bags.bag_writer import kept_notes
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
@@ -256,6 +258,7 @@ def _write_cable(
     storage: Storage,
     force: bool,
 ) -> None:
+    kept = kept_notes(output) if force and cable.dive is None else []
     with progress_bar("simulating", cable.count) as progress:
         frames = counted(cable.frames, progress)
         if kind is SimulationFormat.SEQUENCE:
@@ -266,6 +269,7 @@ def _write_cable(
             count = write_instrumented_bag(
                 output, frames, *cable.dive, seed, storage=storage.value, overwrite=force
             )
+    print_notes(output, kept)
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 
@@ -289,6 +293,7 @@ def _write_target(
     force: bool,
 ) -> None:
     """Write the frames of a target's scenario, with its boxes."""
+    kept = kept_notes(output) if force else []
     with progress_bar("simulating", frames) as progress:
         labelled = (
             (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
@@ -298,6 +303,7 @@ def _write_target(
             count = write_target_bag(output, labelled, storage=storage.value, overwrite=force)
         else:
             count = write_target_pictures(output, labelled, overwrite=force)
+    print_notes(output, kept)
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 

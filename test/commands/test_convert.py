@@ -41,6 +41,22 @@ def test_what_metres_are_made_of_is_carried_along(command, dive, copy):
     assert Path(copy, "vehicle.yaml").read_bytes() == vehicle
 
 
+def test_what_the_user_has_written_of_the_vehicle_is_kept_and_a_note_says_so(command, dive):
+    assert command("convert", dive / "dive.mcap", "copy")[0] == 0
+    own = Path("copy", "vehicle.yaml")
+    own.write_text("camera_x: 0.2\n")
+    code, _, error = command("convert", dive, "copy", "--force")
+    assert code == 2
+    assert "vehicle.yaml: says other things" in error
+    (dive / "vehicle.yaml").unlink()
+    code, _, notes = command("convert", dive, "copy", "--force")
+    assert (code, notes) == (
+        0,
+        "note: copy: its vehicle.yaml was kept; remove it if the new bag is of another vehicle\n",
+    )
+    assert own.read_text() == "camera_x: 0.2\n"
+
+
 def test_an_instrument_can_be_left_out(command, dive):
     assert command("convert", dive, "copy", "--imu-topic", "none")[0] == 0
     assert not messages_of(Path("copy"), "/imu")

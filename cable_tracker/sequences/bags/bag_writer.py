@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 import struct
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
-from cable_tracker.errors import OutputError, one_line, write_failure
+from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
 from cable_tracker.sequences.bags.bag_limits import (
     METADATA,
     ROS2_SUFFIXES,
@@ -26,6 +27,10 @@ from cable_tracker.sequences.bags.typestores import typestore
 
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 _LATEST_STAMP = 2**63 - 1
+_SIMULATED_VEHICLE = re.compile(
+    rb"# What no topic of this bag says\.\ncable_height: \S+\naltitude_is_vertical: true\n"
+)
+"""What simulating writes into `vehicle.yaml`: it goes with its bag."""
 
 
 def _is_bag(path: Path) -> bool:
@@ -35,6 +40,29 @@ def _is_bag(path: Path) -> bool:
 def _is_of_bag(name: str) -> bool:
     """Tell whether a file is of those that converting and simulating write into a bag's folder."""
     return name in {METADATA, VEHICLE_FILE, TRUTH_FILE} or Path(name).suffix in ROS2_SUFFIXES
+
+
+def kept_vehicle(path: Path) -> bytes | None:
+    """Return the `vehicle.yaml` that the user has put into a bag which is to be replaced, if any.
+
+    Raises
+    ------
+    RecordingError
+        It cannot be read.
+    """
+    file = path / VEHICLE_FILE
+    try:
+        text = file.read_bytes() if _is_bag(path) and file.is_file() else b""
+    except OSError as error:
+        raise read_failure(file, error) from error
+    return text if text and not _SIMULATED_VEHICLE.fullmatch(text) else None
+
+
+def kept_notes(path: Path) -> list[str]:
+    """Return what to say of a bag that is replaced by one without a `vehicle.yaml` of its own."""
+    if kept_vehicle(path) is None:
+        return []
+    return [f"its {VEHICLE_FILE} was kept; remove it if the new bag is of another vehicle"]
 
 
 class MessageSink(Protocol):
@@ -74,6 +102,9 @@ class BagWriter:
     overwrite : bool
         Replace a bag that lies at the path. Anything but a bag is never replaced, nor a bag beside
         which the user has put other files.
+    vehicle : bytes or None
+        What `vehicle.yaml` in its folder says. None: the user's in the bag that is replaced stays,
+        if there is one; nor is that replaced by another.
 
     Raises
     ------
@@ -87,8 +118,10 @@ class BagWriter:
         storage: Literal["sqlite3", "mcap"] = "mcap",
         *,
         overwrite: bool = False,
+        vehicle: bytes | None = None,
     ) -> None:
         self._path = path
+        self._vehicle = vehicle
         self._storage = storage
         self._overwrite = overwrite
         self._connections: dict[tuple[str, str], Connection] = {}
@@ -98,6 +131,7 @@ class BagWriter:
             self._path, overwrite=self._overwrite, is_ours=_is_bag, is_own_name=_is_of_bag
         )
         try:
+            self._keep_vehicle()
             with self._translated_errors():
                 self._writer = BagFileWriter(
                     self._folder.content,
@@ -105,10 +139,22 @@ class BagWriter:
                     storage_plugin=_PLUGINS[self._storage],
                 )
                 self._writer.open()
-        except OutputError:
+        except (OutputError, RecordingError):
             self._folder.discard()
             raise
         return self
+
+    def _keep_vehicle(self) -> None:
+        """Take over what the user has written of the vehicle, or refuse to delete it."""
+        kept = kept_vehicle(self._path)
+        if kept is None:
+            return
+        if self._vehicle not in {None, kept}:
+            raise OutputError(
+                f"{self._path / VEHICLE_FILE}: says other things than that of the new bag and is"
+                " not overwritten; move it elsewhere, or choose another name"
+            )
+        self._vehicle = kept
 
     def __exit__(
         self,
@@ -122,6 +168,8 @@ class BagWriter:
         try:
             with self._translated_errors():
                 self._writer.close()
+                if self._vehicle is not None:
+                    (self._folder.content / VEHICLE_FILE).write_bytes(self._vehicle)
         except BaseException:
             self._abort()
             raise

@@ -197,11 +197,13 @@ def write_bag(
     overwrite: bool = False,
     carried: Iterable[CarriedMessage] = (),
     boxes: BoxTruth | None = None,
+    vehicle: bytes | None = None,
 ) -> WrittenBag:
     """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
 
     True boxes of a target go to `ground_truth/box`, for the frames that have one.
-    Carried messages are written between them, in the order of their times.
+    Carried messages are written between them, in the order of their times. Of `vehicle` see
+    `BagWriter`.
 
     Images that cannot be decoded can be written as they are, but not in another format: there they
     are left out with `skip_bad_frames`, as are frames without any image in all formats. Where
@@ -220,7 +222,7 @@ def write_bag(
     count = skipped = 0
     gain = 1.0
     damage: RecordingError | None = None
-    with BagWriter(path, storage, overwrite=overwrite) as bag:
+    with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
         if image_format is not ImageFormat.AS_IS:
             gain = gain_of(looked_at)
         try:

@@ -8,8 +8,6 @@ from typing import Literal
 
 import numpy as np
 
-from cable_tracker.atomic_output import write_bytes
-from cable_tracker.sequences.bags.bag_limits import VEHICLE_FILE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.frame import Frame
@@ -72,7 +70,8 @@ def write_instrumented_bag(
     readings = int(np.clip(round(READING_RATE / rate), 1, MOST_READINGS))
     errors, rng = InstrumentErrors(), np.random.default_rng([seed, 30])
     count = 0
-    with BagWriter(path, storage, overwrite=overwrite) as bag:
+    vehicle = vehicle_text(dive.tube.height).encode()
+    with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
         writer = InstrumentWriter(bag, dive.camera, errors)
         instruments: InstrumentSet | None = None
         for frame in frames:
@@ -92,5 +91,4 @@ def write_instrumented_bag(
                 writer.write(Tick(float(seconds), state, odometry, imu, altitude, fix))
             write_frame(bag, frame)
             count += 1
-    write_bytes(path / VEHICLE_FILE, vehicle_text(dive.tube.height).encode())
     return count

@@ -16,7 +16,7 @@ import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE, VEHICLE_FILE
+from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
@@ -84,7 +84,8 @@ def write_survey_bag(
     """
     dive = SurveyDive(settings)
     frames, seconds = 0, 0.0
-    with BagWriter(path, storage, overwrite=overwrite) as bag:
+    vehicle = vehicle_text(dive.cable_height).encode()
+    with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
         writer = _Writer(bag, dive.camera, dive.errors)
         for tick in dive.ticks():
             writer.write(tick)
@@ -92,7 +93,6 @@ def write_survey_bag(
             if tick.picture is not None:
                 frames += 1
                 advance(float(tick.state.position[0]))
-    write_bytes(path / VEHICLE_FILE, vehicle_text(dive.cable_height).encode())
     write_bytes(path / TRUTH_FILE, json.dumps(truth_of(settings)).encode())
     return WrittenDive(frames, seconds)
 

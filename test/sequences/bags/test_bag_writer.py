@@ -68,6 +68,22 @@ def test_what_the_user_has_put_beside_a_bag_is_not_lost(tmp_path):
     assert (tmp_path / "out" / "labels.txt").read_text() == "mine"
 
 
+def test_what_the_user_has_written_of_the_vehicle_stays(tmp_path):
+    def write(vehicle=None):
+        with BagWriter(tmp_path / "out", overwrite=True, vehicle=vehicle):
+            pass
+
+    write()
+    own = tmp_path / "out" / "vehicle.yaml"
+    own.write_text("camera_x: 0.2\n")
+    write()
+    write(b"camera_x: 0.2\n")
+    with pytest.raises(OutputError, match=r"out/vehicle\.yaml: .*move it elsewhere"):
+        write(b"camera_x: 0.3\n")
+    assert own.read_text() == "camera_x: 0.2\n"
+    assert names(tmp_path) == {"out"}
+
+
 @STORAGES
 def test_an_empty_bag_is_valid(tmp_path, storage):
     with BagWriter(tmp_path / "out", storage):

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from cable_tracker.errors import OutputError
 from cable_tracker.metric.local_frame import LocalFrame
+from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.simulation.instruments.instrument_writer import ORIGIN, fix_at, vehicle_text
 
 
@@ -9,6 +11,22 @@ def test_the_origin_of_the_world_lies_where_it_is_said_to():
     fix = fix_at(LocalFrame(*ORIGIN), np.zeros(2), 0.0)
     assert (fix.latitude, fix.longitude) == pytest.approx(ORIGIN, abs=1e-9)
     assert fix.height == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_is_written_of_the_vehicle_goes_with_its_bag(tmp_path):
+    text = vehicle_text(0.05)
+    for vehicle in (text.encode(), None):
+        with BagWriter(tmp_path / "bag", overwrite=True, vehicle=vehicle):
+            pass
+    assert not (tmp_path / "bag" / "vehicle.yaml").exists()
+    with BagWriter(tmp_path / "bag", overwrite=True, vehicle=text.encode()):
+        pass
+    (tmp_path / "bag" / "vehicle.yaml").write_text(text + "camera_x: 0.2\n")
+    with (
+        pytest.raises(OutputError, match=r"vehicle\.yaml: .*move it elsewhere"),
+        BagWriter(tmp_path / "bag", overwrite=True, vehicle=text.encode()),
+    ):
+        pass
 
 
 def test_the_height_of_the_cable_is_written_with_sensible_digits():
