@@ -9,7 +9,13 @@ from pathlib import Path
 from cable_tracker.errors import ParameterError, RecordingError, UnreachableError, read_failure
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bags.bag_limits import METADATA
-from cable_tracker.sequences.bags.bag_storage import BAG_SUFFIXES, is_ros1, storage_files
+from cable_tracker.sequences.bags.bag_storage import (
+    BAG_SUFFIXES,
+    is_packed,
+    is_ros1,
+    packed_files,
+    storage_files,
+)
 from cable_tracker.sequences.labels.label_match import labels_by_frame
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource, find_pictures
@@ -20,10 +26,10 @@ from cable_tracker.sequences.videos.video import VIDEO_SUFFIXES, VideoSource
 def is_bag(path: Path) -> bool:
     """Tell whether a path is that of a bag: by its suffix, or by what its folder holds."""
     if not path.is_dir():
-        return path.suffix.lower() in BAG_SUFFIXES
+        return path.suffix.lower() in BAG_SUFFIXES or is_packed(path)
     if (path / METADATA).exists():
         return True
-    return bool(storage_files(path)) and not find_pictures(path)
+    return bool(storage_files(path) or packed_files(path)) and not find_pictures(path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +85,7 @@ def open_source(
     path                                                    kind
     ======================================================  =======================
     folder with metadata.yaml, or with .db3 or .mcap alone  ROS 2 bag
-    .db3, .mcap                                             one file of a ROS 2 bag
+    .db3, .mcap, .db3.zstd, .mcap.zstd                      one file of a ROS 2 bag
     .bag                                                    ROS 1 bag
     .mp4, .avi, .mkv, .mov, .webm, .mpg, .m4v, .ts          video
     folder with pictures                                    pictures by name

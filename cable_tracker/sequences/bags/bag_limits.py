@@ -9,7 +9,7 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from functools import cache
 from pathlib import Path
@@ -28,6 +28,9 @@ METADATA = "metadata.yaml"
 
 ROS2_SUFFIXES = (".db3", ".mcap")
 """Suffixes of the storage files of a ROS 2 bag."""
+
+PACKED_SUFFIX = ".zstd"
+"""Follows that of a storage file which a recorder compressed as a whole."""
 
 VEHICLE_FILE = "vehicle.yaml"
 """Beside the storage files of a bag it is read without being asked for, also where one of those is
@@ -58,7 +61,6 @@ FREE_SHARE = 0.5
 """Share of the free space for temporary files that unpacked files may take."""
 
 _GENERATED = (2, 3)
-_STORAGE = ".zstd"
 
 
 class Chunk(Protocol):
@@ -196,13 +198,27 @@ def check_folder(path: Path) -> None:
     metadata = path / METADATA
     if metadata.is_file() and metadata.stat().st_size > LARGEST_METADATA:
         raise RecordingError(f"{metadata.name} has more than {LARGEST_METADATA >> 20} MB")
-    room = int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)
+    room = room_to_unpack()
     for file in sorted(path.iterdir()):
-        if file.suffix.lower() == _STORAGE and file.is_file():
-            room -= _unpacked_size(file, room)
+        if file.suffix.lower() == PACKED_SUFFIX and file.is_file():
+            room -= sum(map(len, unpacked_blocks(file, room)))
 
 
-def _unpacked_size(path: Path, room: int) -> int:
+def room_to_unpack() -> int:
+    """Return how much may be unpacked into temporary files [bytes]."""
+    return int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)
+
+
+def unpacked_blocks(path: Path, room: int) -> Iterator[bytes]:
+    """Yield what a compressed file holds.
+
+    Raises
+    ------
+    RecordingError
+        It holds more than `room` bytes.
+    zstandard.ZstdError
+        It is damaged.
+    """
     size = 0
     with path.open("rb") as file:
         reader = zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
@@ -213,7 +229,7 @@ def _unpacked_size(path: Path, room: int) -> int:
                     f"{path.name} unpacks to more than {room >> 20} MB, half of the free space for"
                     " temporary files; unpack it elsewhere with: zstd -d"
                 )
-    return size
+            yield block
 
 
 def opened_database(path: Path) -> sqlite3.Connection:

@@ -10,21 +10,26 @@ from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Protocol
 from weakref import WeakSet, finalize
 
+import zstandard
 from rosbags.rosbag1 import Reader as Reader1
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_recovery
 from cable_tracker.sequences.bags.bag_limits import (
     METADATA,
+    PACKED_SUFFIX,
     ROS2_SUFFIXES,
     check_database,
     check_folder,
     check_overlap,
     limit_rosbags,
+    room_to_unpack,
+    unpacked_blocks,
 )
 from cable_tracker.sequences.bags.rosbags_paths import BagReader
 from cable_tracker.sequences.bags.stored_message import StoredMessage
@@ -32,6 +37,7 @@ from cable_tracker.sequences.natural_order import natural_key
 
 _ROS1_SUFFIX = ".bag"
 BAG_SUFFIXES = (*ROS2_SUFFIXES, _ROS1_SUFFIX)
+_NO_END = "it has no end (a crashed recorder or a cut-off copy); read as far as it goes"
 
 MORE_THAN_ROS2 = (
     "it is not of ROS 2 alone, or does not say that it is; what is of ROS 2 is read, without the"
@@ -105,6 +111,25 @@ def storage_files(path: Path) -> list[Path]:
         ),
         key=natural_key,
     )
+
+
+def is_packed(path: Path) -> bool:
+    """Tell whether a path names a storage file that a recorder compressed as a whole."""
+    is_storage = Path(path.stem).suffix.lower() in ROS2_SUFFIXES
+    return path.suffix.lower() == PACKED_SUFFIX and is_storage and path.is_file()
+
+
+def packed_files(path: Path) -> list[Path]:
+    """Return the compressed storage files of a folder, or the file itself if it is one.
+
+    Beside the storage file that it is made of lies one that its recorder has not finished.
+    """
+    files = path.iterdir() if path.is_dir() else (path,)
+    return [
+        file
+        for file in files
+        if is_packed(file) and not (path.is_dir() and file.with_suffix("").exists())
+    ]
 
 
 def _walk(path: Path) -> Iterator[StoredMessage]:
@@ -350,7 +375,11 @@ def _unmerged_log(path: Path) -> str:
 
 
 def _mcap_files(path: Path) -> list[Path]:
-    return [file for file in storage_files(path) if file.suffix.lower() == ".mcap"]
+    return [file for file in storage_files(path) if _is_mcap(file)]
+
+
+def _is_mcap(file: Path) -> bool:
+    return file.suffix.lower() == ".mcap"
 
 
 def _is_more_than_ros2(path: Path) -> bool:
@@ -368,7 +397,49 @@ def _open_without_metadata(path: Path) -> BagStorage:
     if len(files) == 1:
         return open_storage(files[0])
     storage = SalvagedStorage(files, None)
-    storage.note = f"{METADATA} is missing; {len(files)} files were read one after the other"
+    storage.note = _one_after_the_other(files)
+    return storage
+
+
+def _one_after_the_other(files: list[Path]) -> str:
+    return f"{METADATA} is missing; {len(files)} files were read one after the other"
+
+
+def _unpack(files: list[Path], folder: Path) -> tuple[list[Path], RecordingError | None]:
+    """Unpack files into a folder, each as far as it goes; return the copies and the damage met."""
+    copies: list[Path] = []
+    damage: RecordingError | None = None
+    room = room_to_unpack()
+    for file in files:
+        copies.append(folder / file.stem)
+        with copies[-1].open("wb") as copy:
+            try:
+                copy.writelines(unpacked_blocks(file, room))
+            except zstandard.ZstdError:
+                damage = damage or RecordingError(f"{file.name} cannot be unpacked to its end")
+            room -= copy.tell()
+    return copies, damage
+
+
+def _open_packed(path: Path) -> BagStorage:
+    """Open compressed files without metadata, as a recorder that crashed leaves those it finished.
+
+    They are read from copies, which go with the storage.
+    """
+    plain = storage_files(path) if path.is_dir() else []
+    folder = TemporaryDirectory()
+    try:
+        copies, damage = _unpack(packed_files(path), Path(folder.name))
+        files = sorted((*plain, *copies), key=natural_key)
+        storage = SalvagedStorage(files, damage)
+    except BaseException:
+        folder.cleanup()
+        raise
+    finalize(storage, folder.cleanup)
+    if not all(mcap_recovery.is_closed(file) for file in files if _is_mcap(file)):
+        storage.note = _NO_END
+    elif len(files) > 1:
+        storage.note = _one_after_the_other(files)
     return storage
 
 
@@ -380,13 +451,14 @@ def open_storage(path: Path) -> BagStorage:
     RecordingError
         Not one message can be read. The message is the reason alone, without the path.
     """
+    is_whole_bag = path.is_dir() and (path / METADATA).exists()
+    if not is_whole_bag and packed_files(path):
+        return _open_packed(path)
     if _crashed_files(path):
         storage: BagStorage = SalvagedStorage(storage_files(path), None)
         if not storage.topics:
             raise RecordingError("it breaks off before the first message")
-        storage.note = (
-            "it has no end (a crashed recorder or a cut-off copy); read as far as it goes"
-        )
+        storage.note = _NO_END
         return storage
     if path.is_dir() and not (path / METADATA).exists():
         return _open_without_metadata(path)

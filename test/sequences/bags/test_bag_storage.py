@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -157,3 +158,63 @@ def test_closing_ends_a_reading_and_the_next_opens_the_bag_again(make_bag, stora
     assert next(begun, None) is None
     again = next(bag.messages(["/chatter"]))
     assert (again.time, again.data) == (first.time, first.data)
+
+
+@pytest.fixture
+def crashed(make_bag, tmp_path):
+    """Folder of a recorder that crashed: it has compressed its finished files, and no metadata."""
+    folder = tmp_path / "crashed"
+    folder.mkdir()
+    for number, compression in ((0, "file"), (10, "file"), (9, "none")):
+        (file,) = make_bag(f"part{number}", compression=compression).glob("*.mcap*")
+        file.rename(folder / f"dive_{number}{''.join(file.suffixes)}")
+    return folder
+
+
+def images(path):
+    with closing(open_storage(path)) as storage:
+        return storage.note, len(list(storage.messages(["/camera/image"])))
+
+
+def test_the_compressed_files_of_a_crashed_recorder_are_read(crashed):
+    note = "metadata.yaml is missing; 3 files were read one after the other"
+    assert images(crashed) == (note, 15)
+    (crashed / "dive_9.mcap").unlink()
+    with open_source(crashed) as source:
+        assert len(list(source.frames())) == 10
+    with open_source(crashed / "dive_0.mcap.zstd") as source:
+        assert (source.note, len(list(source.frames()))) == ("", 5)
+
+
+def test_copies_of_compressed_files_go_with_their_reader(crashed, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
+    storage = open_storage(crashed)
+    assert list((tmp_path / "temporary").rglob("*.mcap"))
+    del storage
+    gc.collect()
+    assert not list((tmp_path / "temporary").iterdir())
+
+
+def test_a_file_that_was_still_being_compressed_is_read_itself(crashed):
+    packed = (crashed / "dive_0.mcap.zstd").read_bytes()
+    (crashed / "dive_9.mcap.zstd").write_bytes(packed[: len(packed) // 2])
+    assert images(crashed)[1] == 15
+
+
+def test_damage_of_a_compressed_file_is_told_after_what_can_be_read(crashed):
+    packed = bytearray((crashed / "dive_10.mcap.zstd").read_bytes())
+    (crashed / "dive_10.mcap.zstd").write_bytes(packed[: len(packed) // 2])
+    note, count = images(crashed)
+    assert note.startswith("it has no end")
+    assert 10 <= count < 15
+    packed[4:40] = b"\xff" * 36
+    (crashed / "dive_10.mcap.zstd").write_bytes(packed)
+    with pytest.raises(RecordingError, match=r"dive_10\.mcap\.zstd cannot be unpacked to its end"):
+        images(crashed)
+
+
+def test_what_compressed_files_unpack_to_is_limited(crashed, monkeypatch):
+    monkeypatch.setattr("cable_tracker.sequences.bags.bag_limits.FREE_SHARE", 0.0)
+    with pytest.raises(RecordingError, match="half of the free space"):
+        open_storage(crashed)
