@@ -55,6 +55,8 @@ class InstrumentReplay:
         Topics that the user has chosen.
     vehicle_file : Path or None
         The user's `vehicle.yaml`.
+    in_lockstep : bool
+        Whether the tracker may wait for the instruments of every frame.
 
     Raises
     ------
@@ -71,6 +73,8 @@ class InstrumentReplay:
         recording: Source,
         choice: InstrumentChoice,
         vehicle_file: Path | None,
+        *,
+        in_lockstep: bool,
     ) -> None:
         self._factory = factory
         vehicle = recorded_vehicle(recording, choice, vehicle_file)
@@ -84,7 +88,8 @@ class InstrumentReplay:
             if each in sent
         }
         self._counts = None
-        if sent:
+        # Where there is nothing to send, a tracker that may wait has to hear that.
+        if sent or in_lockstep:
             self._counts = publisher(node, node_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS)
         self._sent = dict.fromkeys(CABLE_INSTRUMENTS, 0)
         self._feed = InstrumentFeed(None)

@@ -120,7 +120,10 @@ class ReplayNode(ProcessNode):
         chosen = {each: self._text(f"{each.value}_topic") for each in Instrument}
         choice = InstrumentChoice({each: topic for each, topic in chosen.items() if topic})
         vehicle = Path(self._text("vehicle")) if self._text("vehicle") else None
-        return InstrumentReplay(self, self._factory, self._source, choice, vehicle)
+        lockstep = self._flag("lockstep")
+        return InstrumentReplay(
+            self, self._factory, self._source, choice, vehicle, in_lockstep=lockstep
+        )
 
     def _create_publishers(self) -> None:
         if self._source.compressed:

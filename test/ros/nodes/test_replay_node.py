@@ -508,6 +508,15 @@ class TestLockstep:
         states = self.track(world, make_dive(12, jpeg=jpeg), image_transport=transport)
         assert indices_of(states) == list(range(12))
 
+    def test_a_recording_without_instruments_lets_no_frame_wait_for_them(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        # The wait is longer than `answer_timeout`, after which the replay gives up.
+        states = self.track(
+            world, make_dive(3), instrument_reliability="reliable", instrument_wait=60.0
+        )
+        assert indices_of(states) == [0, 1, 2]
+
     def test_twice_the_same_recording_gives_the_same_estimates(
         self, world: Any, make_dive: Dive
     ) -> None:
