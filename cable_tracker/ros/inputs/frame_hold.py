@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -49,6 +50,11 @@ class FrameHold:
         if len(self.held) > MOST_HELD:
             self._hand_on(1)
         self.release_if_due()
+
+    def seconds_until_due(self) -> float:
+        """Return how long the first frame to be late may still wait [s]; infinite without any."""
+        now = time.perf_counter()
+        return min((frame.arrival + wait - now for frame, wait in self.held), default=math.inf)
 
     def release_if_due(self) -> None:
         """Hand frames on of which everything has come, or that have waited long enough.

@@ -285,8 +285,6 @@ class CameraNode(ProcessNode):
 
     def _watchdog_period(self) -> float:
         shortest = min(self._watch.timeout, self._diagnostics.period)
-        if self._metric.wait:
-            shortest = min(shortest, self._metric.wait)
         return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
 
     # Frames.
@@ -314,6 +312,14 @@ class CameraNode(ProcessNode):
             self._hold.take(frame, wait)
         else:
             self._answer(frame)
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]: until a frame has waited long enough."""
+        return self._hold.seconds_until_due()
+
+    def work(self) -> None:
+        """Answer the frames that have waited long enough for the instruments."""
+        self._hold.release_if_due()
 
     def _give_way(self, frame: CameraFrame) -> None:
         """Leave a frame out for a newer one, as the middleware does of those that it keeps."""
@@ -448,7 +454,6 @@ class CameraNode(ProcessNode):
 
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
-        self._hold.release_if_due()
         self._metric.ask_for_calibration()
         now = time.monotonic()
         if self._warm_up is not None and not self._warm_up.running:

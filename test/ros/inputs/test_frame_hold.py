@@ -1,7 +1,12 @@
 from __future__ import annotations
 
+import math
 import time
+from types import SimpleNamespace
 
+import pytest
+
+from cable_tracker.ros.inputs import frame_hold
 from cable_tracker.ros.inputs.frame_hold import MOST_HELD, FrameHold
 from cable_tracker.ros.inputs.image_input import CameraFrame
 from cable_tracker.sequences.frame import CompressedImage
@@ -95,3 +100,16 @@ def test_frames_whose_instruments_come_together_are_all_used() -> None:
     told.append(frames[-1].stamp)
     hold.release_if_due()
     assert used == frames
+
+
+def test_it_knows_when_the_first_frame_has_waited_long_enough(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hold = FrameHold(lambda each: None, lambda stamp: False)
+    assert hold.seconds_until_due() == math.inf
+    first, second = frame(1), frame(2)
+    hold.take(first, 3600.0)
+    hold.take(second, 1800.0)
+    clock = SimpleNamespace(perf_counter=lambda: second.arrival + 100.0)
+    monkeypatch.setattr(frame_hold, "time", clock)
+    assert hold.seconds_until_due() == pytest.approx(1700.0)

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,6 +14,7 @@ from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
 from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.ros.inputs import frame_hold
 from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
 from cable_tracker.ros.qos import LATCHED, RESULTS
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -346,6 +349,24 @@ def test_a_frame_waits_for_all_that_a_replay_has_sent_before_it(
 def test_a_frame_does_not_wait_for_ever(instruments: Callable[..., Any]) -> None:
     vehicle = instruments(instrument_wait=0.2)
     vehicle.show(0)
+    vehicle.has_answers(1)
+
+
+def test_a_frame_waits_no_longer_than_it_may(
+    instruments: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vehicle = instruments(instrument_wait=60.0)
+    # Not until the watchdog comes, which may be later by its period.
+    monkeypatch.setattr(vehicle.node, "on_watchdog", lambda: None)
+    before = time.perf_counter()
+    vehicle.show(0)
+    after = time.perf_counter()
+    clock = SimpleNamespace(perf_counter=lambda: before + 59.9)
+    monkeypatch.setattr(frame_hold, "time", clock)
+    assert vehicle.node.seconds_until_due() > 0.0
+    vehicle.has_no_more_than(0)
+    clock.perf_counter = lambda: after + 60.1
+    assert vehicle.node.seconds_until_due() < 0.0
     vehicle.has_answers(1)
 
 
