@@ -15,7 +15,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encodings import decode_bgr, decode_grey
+from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
@@ -25,7 +25,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
 from cable_tracker.sequences.messages.target_particles import read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.pictures.shown_levels import shown_levels
+from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus
 
 KEPT_BYTES = 256 << 20
@@ -228,7 +228,7 @@ class LiveTargetFrames(LiveFrames):
             number=number,
             frame=None,
             stamp=stamp,
-            image=decode_bgr(parts.image),
+            image=decode_shown(parts.image),
             status=parts.status()
             or (NO_REPORT if state is None else TrackingStatus.TRACKING.value),
             reason=facts.get("event", ""),

@@ -6,7 +6,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from cable_tracker.ros.clients import live_frames
-from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.sequences.encodings import raw_from_array
 
 
@@ -63,3 +63,14 @@ def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
     frames.take_state(JointState(header=header(7)))
     frames.hand_on_what_is_due()
     assert [int(each.image[0, 0]) for each in shown] == [70]
+
+
+@pytest.mark.parametrize("kind", [LiveFrames, LiveTargetFrames])
+def test_a_dim_picture_of_many_bits_is_brightened(shown, kind):
+    frames = kind(shown.append)
+    steps = np.linspace(70, 170, 64, dtype=np.uint16)
+    frames.take_image(header(1), raw_from_array(np.tile(steps, (48, 1)), "mono16"))
+    frames.take_state(JointState(header=header(1)))
+    frames.hand_on_what_is_due()
+    # Of 65535: in eight bits without a gain all of them are black.
+    assert len(np.unique(shown[0].image)) > 16
