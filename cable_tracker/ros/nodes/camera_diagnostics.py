@@ -60,7 +60,7 @@ class CameraDiagnostics:
         self._mismatches = mismatches
         self._factory = RclpyMessages()
         self.period = 1.0
-        self._last = -math.inf
+        self._since = -math.inf
         self._publisher = publisher(
             node, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
@@ -71,12 +71,22 @@ class CameraDiagnostics:
 
     def is_due(self, now: float) -> bool:
         """Tell whether the next message is due, on the monotonic clock [s]."""
-        return now >= self._last + self.period
+        return now >= self._since + self.period
+
+    def _count_from(self, now: float) -> None:
+        """Let the next message be due a period after this one was, not after it is sent [s].
+
+        The watchdog comes later than it was due, and would make every period longer.
+        """
+        if not self.is_due(now):
+            return  # One that is sent out of turn changes nothing.
+        due = self._since + self.period
+        self._since = due if now < due + self.period else now
 
     def publish(self, status: str, figures: dict[str, str], results: Iterable[Publisher]) -> None:
         """Publish a status of `LEVELS`, the node's own figures, those of its input and readers."""
         now = time.monotonic()
-        self._last = now
+        self._count_from(now)
         self._mismatches.look()
         values = frame_values(self._statistics, now) | figures
         values["picture"] = remark_on(self._watch.picture)

@@ -1,12 +1,17 @@
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image
+
+from cable_tracker.ros.nodes import camera_diagnostics
 
 
 def test_diagnostics_come_with_their_period_and_hold_the_figures(
@@ -72,3 +77,24 @@ def test_a_shorter_period_counts_at_once(world: Any, diagnostics: Callable[..., 
     count = len(diagnostics(node))
     assert node.set_parameters([Parameter("diagnostics_period", value=0.1)])[0].successful
     world.spin(lambda: len(diagnostics(node)) > count + 1)
+
+
+def test_that_the_watchdog_comes_late_does_not_lengthen_the_period(
+    world: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    diagnostics = world.tracker(diagnostics_period=3600.0)._diagnostics
+    diagnostics.apply({"diagnostics_period": 1.0})
+    clock = SimpleNamespace()
+    monkeypatch.setattr(camera_diagnostics, "time", clock)
+    start = time.monotonic() + 3600.0
+    sent = []
+    for now in start + 0.26 * np.arange(103):
+        clock.monotonic = lambda now=now: now
+        if diagnostics.is_due(now):
+            diagnostics.publish("TRACKING", {}, ())
+            sent.append(now)
+        elif len(sent) == 10:
+            # As where the status changes.
+            diagnostics.publish("LOST", {}, ())
+    assert len(sent) == 27
+    assert np.diff(sent).max() < 1.26
