@@ -363,7 +363,13 @@ FOLLOWER_PARAMETERS = (
         (0.0, 1e5),
         "After so long without the target the vehicle stands still.",
     ),
-    number("search_turn", 0.3, "rad/s", (0.0, 3.0), "Rate of turn while the target is looked for."),
+    number(
+        "search_turn",
+        0.3,
+        "rad/s",
+        (0.0, 3.0),
+        "Rate of turn while the target is looked for, at most `most_turn`.",
+    ),
     number(
         "search_angle",
         0.4,

@@ -40,7 +40,7 @@ class FollowSettings:
     give_up : float
         Time without it after which the vehicle stands still [s].
     search_turn : float
-        Rate of turn while it is looked for [rad/s].
+        Rate of turn while it is looked for, at most `most_turn` [rad/s].
     search_angle : float
         Angle to either side of the course at first, and its growth every time [rad]; 0: the vehicle
         does not look around.
@@ -166,9 +166,9 @@ class TargetController:
             return Command(surge)
         # Each leg goes from one side to the other, and farther than the one before: by 1, 3, 5 ...
         # times the first angle, so that the first n of them take n squared times as long.
-        legs = math.isqrt(int(seconds * settings.search_turn / settings.search_angle))
-        turn = -side * settings.search_turn if legs % 2 else side * settings.search_turn
-        return Command(surge, turn)
+        turn = min(settings.search_turn, settings.most_turn)
+        legs = math.isqrt(int(seconds * turn / settings.search_angle))
+        return Command(surge, -side * turn if legs % 2 else side * turn)
 
     def _limited(self, surge: float) -> float:
         most = self._settings.most_surge

@@ -66,11 +66,17 @@ def test_a_lost_target_is_looked_for_on_the_side_where_it_was_and_then_given_up(
     assert follower.mode is FollowMode.FOLLOWING
 
 
-def test_each_leg_of_the_search_goes_farther_beyond_the_course_than_the_one_before():
-    settings = FollowSettings(memory_time=0.0, search_turn=0.3, search_angle=0.4)
+@pytest.mark.parametrize(("search_turn", "most_turn"), [(0.3, 0.5), (0.5, 0.3)])
+def test_each_leg_of_the_search_goes_farther_beyond_the_course_than_the_one_before(
+    search_turn, most_turn
+):
+    settings = FollowSettings(
+        memory_time=0.0, search_turn=search_turn, most_turn=most_turn, search_angle=0.4
+    )
     follower = TargetController(settings)
     follower.step(0.0, TargetPlace(3.0, 0.0, 0.0))
     turns = np.array([follower.step(0.01 * number, None).turn for number in range(1, 4000)])
+    assert np.abs(turns).max() == 0.3
     headings = np.cumsum(0.01 * turns)
     farthest = headings[np.flatnonzero(np.diff(np.sign(turns)))]
     assert farthest[:4] == pytest.approx([0.4, -0.8, 1.2, -1.6], abs=0.02)
