@@ -81,7 +81,7 @@ class ParameterSpec:
         Raises
         ------
         ParameterError
-            The value is of another type, not finite, or out of range.
+            The value is of another type, not finite, out of range, or an empty text that is needed.
         """
         return _check_range(self, _check_type(self, value))
 
@@ -109,6 +109,9 @@ def _check_range(spec: ParameterSpec, value: ParameterValue) -> ParameterValue:
     if isinstance(value, str):
         if spec.choices and value not in spec.choices:
             raise ParameterError(f"{spec.name}: {value!r} is none of {spec.range_text()}")
+        # Where a text may be left out, the default is without one.
+        if spec.default and not value:
+            raise ParameterError(f"{spec.name}: it is empty; give for instance {spec.default}")
         return value
     if spec.minimum is None or spec.maximum is None:
         return value

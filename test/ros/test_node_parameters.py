@@ -184,6 +184,7 @@ class TestRuntime:
             ("response_table", __file__, "response_table: .* is no table that"),
             ("response_table", 3, "type"),
             ("initial_state", 3, "type"),
+            ("base_frame", "", "base_frame: it is empty"),
             ("input_timeout", -1.0, "input_timeout.*range"),
             ("diagnostics_period", 0, "diagnostics_period.*range"),
         ],

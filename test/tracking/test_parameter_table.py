@@ -23,6 +23,8 @@ class LampParameters(ParameterSet):
     brightest: float = number(10.0, "lux", 0.0, 100.0, "Most light.")
     bulbs: int = number(2, "", 1, 9, "How many.")
     colour: str = word("white", ("white", "red"), "Of the light.")
+    place: str = word("desk", (), "Where it stands.")
+    note: str = word("", (), "What is written on it.")
 
     def check_together(self):
         if self.colour == "red" and self.bulbs > 1:
@@ -31,8 +33,10 @@ class LampParameters(ParameterSet):
 
 def test_every_field_is_a_row_in_the_order_of_the_fields():
     table = parameter_table(LampParameters)
-    assert [spec.name for spec in table] == ["dimmest", "brightest", "bulbs", "colour"]
-    assert [spec.kind for spec in table] == [float, float, int, str]
+    assert [spec.name for spec in table] == [
+        "dimmest", "brightest", "bulbs", "colour", "place", "note",
+    ]  # fmt: skip
+    assert [spec.kind for spec in table] == [float, float, int, str, str, str]
     assert table[0].range_text() == "0 .. 100"
 
 
@@ -40,6 +44,12 @@ def test_values_are_checked_one_by_one():
     assert LampParameters(bulbs=3.0).bulbs == 3
     with pytest.raises(ParameterError, match="bulbs"):
         LampParameters(bulbs=10)
+
+
+def test_only_a_text_whose_default_is_empty_may_be_so():
+    with pytest.raises(ParameterError, match="place: it is empty; give for instance desk"):
+        LampParameters(place="")
+    assert LampParameters(place="shelf", note="").note == ""
 
 
 def test_values_are_checked_together():
