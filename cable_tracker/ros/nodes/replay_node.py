@@ -46,6 +46,8 @@ WARNING_PAUSE = 5.0
 
 NO_FRAME_THERE = "no frame after that time"
 
+WAY_BACK = "nothing is played until it is less and ~/restart is called"
+
 
 class ReplayNode(ProcessNode):
     """Feeds a recording into topics, with its own timing or in lockstep with the tracker.
@@ -373,6 +375,14 @@ class ReplayNode(ProcessNode):
             self._begin()
             if self._next is not None:
                 return
+            if self._damage is None:
+                self._awaits_restart = True
+                self.get_logger().warning(f"start: {NO_FRAME_THERE}; {WAY_BACK}")
+                return
+        if self._paused and self._sent:
+            # The user may look at the last frame, and begin again; without the steps that are left.
+            self._steps = 0
+            return
         if not self._has_arrived():
             return
         if self._damage is not None:
@@ -405,12 +415,15 @@ class ReplayNode(ProcessNode):
         """Send one frame while paused."""
         if not self._paused or self._next is None:
             response.success = False
-            response.message = "not paused" if not self._paused else "at the end"
+            response.message = self._words_on_end() if self._paused else "not paused"
             return response
         self._steps += 1
         response.success = True
         response.message = f"frame {self._next.index + self._steps - 1}"
         return response
+
+    def _words_on_end(self) -> str:
+        return "at the end" if self._damage is None else str(self._damage)
 
     def on_restart(self, request: Message, response: Message) -> Message:
         """Go to the time in the parameter `start`, which also makes it the way to seek."""

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -231,12 +232,21 @@ class TestTiming:
         play_to_the_end(world, node, heard)
         assert len(heard) % 2 == 0
 
-    def test_a_loop_over_nothing_ends(self, world: Any, make_dive: Dive) -> None:
+    def test_a_loop_over_nothing_waits_for_a_better_start(
+        self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
+    ) -> None:
         heard = world.listen(Image, "image")
         node = world.replay(source=str(make_dive(3)), rate=100, loop=True)
         world.spin(lambda: heard)
         node.set_parameters([Parameter("start", value=9.0)])
-        world.spin(lambda: node.finished)
+        world.spin(lambda: node._awaits_restart)
+        node.work()
+        assert not node.finished
+        assert capfd.readouterr().err.count("start: no frame after that time") == 1
+        sent = node.sent
+        node.set_parameters([Parameter("start", value=0.0)])
+        assert world.call(Trigger, "replay/restart").success
+        world.spin(lambda: node.sent > sent)
 
     def test_a_new_start_waits_for_the_next_restart(self, world: Any, make_dive: Dive) -> None:
         heard = world.listen(Image, "image")
@@ -433,6 +443,39 @@ class TestServices:
         assert node.sent == sent
         assert world.call(SetBool, "replay/pause", data=False).message == "playing"
         world.spin(lambda: node.sent > sent)
+
+    def test_a_replay_that_is_paused_after_its_last_frame_does_not_end(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(2)), paused=True)
+        step(world, heard)
+        step(world, heard)
+        # Until it would have ended.
+        world.spin(lambda: node._image.wait_for_all_acked(Duration()))
+        world.empty_queues()
+        assert not node.finished
+        assert world.call(Trigger, "replay/step").message == "at the end"
+        assert world.call(Trigger, "replay/restart").message == "at frame 0"
+        assert world.call(SetBool, "replay/pause", data=False).success
+        play_to_the_end(world, node, heard)
+        assert indices_of(heard) == [0, 1, 0, 1]
+
+    def test_a_replay_that_is_paused_before_a_damage_tells_of_it_when_it_is_asked(
+        self, world: Any, bag_with_a_bad_frame: Path
+    ) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(bag_with_a_bad_frame), paused=True)
+        step(world, heard)
+        step(world, heard)
+        world.empty_queues()
+        response = world.call(Trigger, "replay/step")
+        assert not response.success and "frame 2 cannot be decoded" in response.message
+        node.on_pause(SetBool.Request(data=False), SetBool.Response())
+        with pytest.raises(RecordingError, match="frame 2 cannot be decoded"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
 
     def test_stepping_while_playing_is_refused(self, world: Any, make_dive: Dive) -> None:
         world.replay(source=str(make_dive(15)), rate=0.1, loop=True)
