@@ -73,10 +73,13 @@ class ReplayNode(ProcessNode):
             raise ParameterError(
                 "source: name the recording, for instance --ros-args -p source:=/data/dive.mcap"
             )
+        frame_rate = float(cast(float, self._start_values["frame_rate"]))
+        # Time between two frames, for what comes after the last [s]; a single frame tells of none.
+        self._interval = 1.0 / frame_rate
         self._source = open_source(
             Path(self._text("source")),
             topic=self._text("topic") or None,
-            rate=float(cast(float, self._start_values["frame_rate"])),
+            rate=frame_rate,
             truth=Path(self._text("truth")) if self._text("truth") else None,
             skip_bad_frames=self._flag("skip_bad_frames"),
             allow_outside=self._flag("allow_outside"),
@@ -345,6 +348,8 @@ class ReplayNode(ProcessNode):
         # slow disk is not made up for by a burst of frames.
         self._since = max(self._due, time.monotonic() - WAKE_UP)
         self._pause = pause if 0.0 <= pause <= LONGEST_PAUSE else 0.0
+        if 0.0 < pause <= WORTH_TELLING:
+            self._interval = pause
         if pause > WORTH_TELLING:
             self.get_logger().warning(
                 f"from frame {self._next.index - 1} to the next the recording's clock goes"
@@ -372,7 +377,7 @@ class ReplayNode(ProcessNode):
 
     def _end_or_loop(self) -> None:
         if self._values["loop"] and self._sent and self._damage is None:
-            self._begin()
+            self._begin_next_round()
             if self._next is not None:
                 return
             if self._damage is None:
@@ -390,6 +395,12 @@ class ReplayNode(ProcessNode):
         if not self._sent:
             raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}; give less")
         self.finished = True
+
+    def _begin_next_round(self) -> None:
+        """Begin again, the first frame as long after the last as frames follow on each other."""
+        due = self._due
+        self._begin()
+        self._since, self._pause = max(due, time.monotonic() - WAKE_UP), self._interval
 
     def _has_arrived(self) -> bool:
         if self._last is None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -231,6 +232,24 @@ class TestTiming:
         node.set_parameters([Parameter("loop", value=False)])
         play_to_the_end(world, node, heard)
         assert len(heard) % 2 == 0
+
+    @pytest.mark.parametrize(("frames", "interval"), [(3, 0.04), (1, 0.1)])
+    def test_the_rounds_of_a_loop_follow_on_each_other_as_frames_do(
+        self,
+        world: Any,
+        make_dive: Dive,
+        monkeypatch: pytest.MonkeyPatch,
+        frames: int,
+        interval: float,
+    ) -> None:
+        clock = SimpleNamespace(monotonic=lambda: 1000.0)
+        monkeypatch.setattr(replay_node, "time", clock)
+        node = world.replay(source=str(make_dive(frames)), loop=True, frame_rate=10.0)
+        for count in range(1, 3 * frames):
+            for _ in range(3):
+                node.work()
+            assert node.sent == count
+            clock.monotonic = lambda now=1000.001 + count * interval: now
 
     def test_a_loop_over_nothing_waits_for_a_better_start(
         self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
