@@ -234,6 +234,14 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: most that texture says for a cable, which is smoother than the bottom on"
         " both sides. 0: nothing; what a strip looks like still counts it.",
     )
+    reversal_cost: float = number(
+        3.0,
+        "nats",
+        0.0,
+        1e3,
+        "Likelihood ratio: what it costs that a stretch of a bright cable, a sixteenth of the"
+        " picture's diagonal, is dark, or one of a dark cable bright. Large: a cable has no bands.",
+    )
     shadow_evidence: float = number(
         6.0,
         "nats",

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.simulation.rendering.texture import cloud_response, smooth_step, spectral_noise
 from cable_tracker.simulation.worlds.ground import look_up
-from cable_tracker.simulation.worlds.world import Cover
+from cable_tracker.simulation.worlds.world import Cover, World
 
 PATCHES_SIDE = 512
 """Rows and columns of the texture of patches [texels]."""
@@ -27,6 +27,9 @@ SAND_REACH = 2.4
 
 TURNS = (8.0, 30.0)
 """Shortest and longest way from bright to dark and back again [radii]."""
+
+SOFT_TURN, PAINTED_EDGE = 4.0, 60.0
+"""How suddenly cables change that are covered, and those that are painted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,8 @@ class CableLook:
     turn_length, turn_phase : float
         Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
         the start [rad].
+    turn_steepness : float
+        How suddenly it changes.
     growth : float
         Share that growth covers.
     silt : float
@@ -76,6 +81,7 @@ class CableLook:
     step: float
     turn_length: float
     turn_phase: float
+    turn_steepness: float
     growth: float
     silt: float
     drifts: tuple[Drift, ...]
@@ -86,7 +92,7 @@ class CableLook:
         step = np.full(v.shape, self.step, np.float32)
         if self.turn_length > 0.0:
             turns = np.sin(v * np.float32(2 * np.pi / self.turn_length) + self.turn_phase)
-            step *= np.tanh(np.float32(4.0) * turns)
+            step *= np.tanh(np.float32(self.turn_steepness) * turns)
         if self.silt > 0.0:
             film = look_up(_patches(), v * np.float32(9.0) + self.place[1], np.zeros_like(v))
             step *= 1 - np.float32(self.silt) * smooth_step(film, -0.5, 1.0)
@@ -127,32 +133,30 @@ def _patches() -> Image:
     return spectral_noise(response, shape, np.random.default_rng(77))
 
 
-def random_cable(
-    contrast: tuple[float, float],
-    turning: float,
-    cover: Cover,
-    way: tuple[float, float],
-    rng: np.random.Generator,
-) -> CableLook:
-    """Draw a cable.
+def random_cable(world: World, way: tuple[float, float], rng: np.random.Generator) -> CableLook:
+    """Draw a cable of a world.
 
     Parameters
     ----------
-    contrast, turning, cover
-        See `World`.
+    world : World
+        Its `contrast`, `turning`, `bands` and `cover`.
     way : (float, float)
         From where to where the dive sees it [radii].
     """
-    low, high = np.log(contrast)
+    low, high = np.log(world.contrast)
     step = float(np.exp(rng.uniform(low, high)) * rng.choice((-1.0, 1.0)))
-    turns = rng.random() < turning
+    turns = rng.random() < world.turning
+    turn_length = float(rng.uniform(*TURNS)) if turns else 0.0
+    if world.bands is not None:
+        turn_length = 2.0 * float(rng.uniform(*world.bands))
     return CableLook(
         step=step,
-        turn_length=float(rng.uniform(*TURNS)) if turns else 0.0,
+        turn_length=turn_length,
         turn_phase=float(rng.uniform(0.0, 2 * np.pi)),
-        growth=float(rng.uniform(*cover.growth)),
-        silt=float(rng.uniform(*cover.silt)),
-        drifts=_random_drifts(cover, way, rng),
+        turn_steepness=SOFT_TURN if world.bands is None else PAINTED_EDGE,
+        growth=float(rng.uniform(*world.cover.growth)),
+        silt=float(rng.uniform(*world.cover.silt)),
+        drifts=_random_drifts(world.cover, way, rng),
         place=(float(rng.uniform(0, PATCHES_SIDE)), float(rng.uniform(0, PATCHES_SIDE))),
     )
 

@@ -136,6 +136,15 @@ _KINDS = (
         disturbance=Disturbance(crosshair=1.0, caption=0.7),
         optics=Optics(quality=(50, 90)),
     ),
+    replace(
+        _BASE,
+        name="banded",
+        description="cables painted in bright and dark bands",
+        contrast=(1.8, 5.0),
+        bands=(3.0, 9.0),
+        cover=Cover(growth=(0.0, 0.2)),
+        disturbance=Disturbance(lines=0.3),
+    ),
 )
 """Worlds of each kind, without a split."""
 

@@ -155,6 +155,8 @@ class World:
         logarithm; half of the cables are dark.
     turning : float
         Probability that the cable is bright in places and dark in others.
+    bands : Range or None
+        Length of the bright and dark bands of the cable [radii]; None: it has none.
     coat : Coat
         Of the cable.
     cover : Cover
@@ -178,6 +180,7 @@ class World:
     angles: Range = (-35.0, 35.0)
     contrast: Range = (1.8, 5.0)
     turning: float = 0.0
+    bands: Range | None = None
     coat: Coat = Coat()
     cover: Cover = Cover()
     disturbance: Disturbance = Disturbance()

@@ -137,7 +137,7 @@ class WorldDive:
         self._cable: CableLook | None = None
         if world.has_cable:
             radii = (way[0] / self._unit, way[1] / self._unit)
-            self._cable = random_cable(world.contrast, world.turning, world.cover, radii, rng)
+            self._cable = random_cable(world, radii, rng)
         disturbance = world.disturbance
         self._things = strew(world.split, way, disturbance.lines, disturbance.pairs, rng)
         self._coat = random_coat(world.coat, world.split, rng)

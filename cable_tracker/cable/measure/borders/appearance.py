@@ -44,6 +44,11 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import (
     measured_cables,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
+from cable_tracker.cable.measure.borders.stretches import (
+    STRETCHES,
+    fill_by_stretch,
+    stretch_scale,
+)
 from cable_tracker.cable.measure.borders.texture import add_texture, smoothness, texture_windows
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
@@ -111,14 +116,17 @@ def appearances_of(
     measured = measured_cables(states, count, scan, model, scan.points_across)
     crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
+    stretch_signs = np.empty(STRETCHES)
     for row in range(count):
         log_ratios = measured.log_ratios[row]
-        sign = 1.0 if log_ratios[BRIGHT] >= log_ratios[DARK] else -1.0
+        polarity, sign = (BRIGHT, 1.0) if log_ratios[BRIGHT] >= log_ratios[DARK] else (DARK, -1.0)
+        for stretch in range(STRETCHES):
+            stretch_signs[stretch] = -sign if measured.reversed[row, polarity, stretch] else sign
         in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
         looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
         for border in range(2):
             more, continuous = border_appearance(
-                states[row], border_side(border), sign, scan, crossings, profile, along
+                states[row], border_side(border), stretch_signs, scan, crossings, profile, along
             )
             looks, continuity = looks + more, continuity + continuous
         found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
@@ -133,7 +141,7 @@ def appearances_of(
 def border_appearance(
     state: FloatArray,
     side: float,
-    sign: float,
+    stretch_signs: FloatArray,
     scan: ScanInputs,
     crossings: Crossings,
     profile: FloatArray,
@@ -147,8 +155,10 @@ def border_appearance(
     ----------
     state : FloatArray
         The strip, shape (8,).
-    side, sign : float
-        -1 for the left border, 1 for the right one; 1 for a bright cable, -1 for a dark one.
+    side : float
+        -1 for the left border, 1 for the right one.
+    stretch_signs : FloatArray
+        1 for bright stretches of the cable, -1 for dark ones, shape (`STRETCHES`,).
     scan : ScanInputs
         The frame.
     crossings, profile, along : Crossings, FloatArray, FloatArray
@@ -160,6 +170,7 @@ def border_appearance(
     steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
     lines = scan.rows if steep else scan.columns
     stretch, texture = -side / component, np.zeros((2, 2))
+    scale, signs = stretch_scale(state, line, steep, scan), np.empty(BLOCK)
     windows = texture_windows(stretch, width, scan.scale, 1.0)
     profile[:] = 0.0
     begin, crossed = 0, 0
@@ -167,13 +178,14 @@ def border_appearance(
         first, found = find_crossings(lines, start, line, crossings)
         begin = first if crossed == 0 else begin
         crossed += found
+        fill_by_stretch(stretch_signs, scale, lines.places[first : first + found], signs)
         _fill_border_responses(
-            lines, first, found, line, stretch * scan.scale, sign, crossings, along
+            lines, first, found, line, stretch * scan.scale, signs, crossings, along
         )
-        _add_responses(lines, first, found, line, stretch * scan.scale, crossings, profile)
+        _add_responses(lines, first, found, line, stretch * scan.scale, signs, crossings, profile)
         if windows.looked_at:
             add_texture(lines, first, found, windows, crossings, texture)
-    dominances = _dominances(profile, SMALLEST_SHARE * crossed, sign, 0.5 * width / scan.scale)
+    dominances = _dominances(profile, SMALLEST_SHARE * crossed, 0.5 * width / scan.scale)
     looks = (
         DOMINANCE_OUTSIDE * dominances[0]
         + DOMINANCE_INSIDE * dominances[1]
@@ -189,6 +201,7 @@ def _add_responses(
     count: int,
     border: BorderLine,
     stretch: float,
+    signs: FloatArray,
     crossings: Crossings,
     profile: FloatArray,
 ) -> None:
@@ -196,12 +209,13 @@ def _add_responses(
 
     To `profile` (2, `PROFILE`): their sums and numbers, from the outside to the inside. `stretch`
     is the distance along the line per px at the reference width inwards across the border [working
-    px].
+    px]. `signs`: 1 where the cable is bright, -1 where it is dark, shape (>= `count`,).
     """
     last = float(lines.smooth.shape[1] - 1)
     sums, numbers = profile[0], profile[1]
     for index in range(count):
         gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
+        sign = signs[index]
         # Where the line begins and ends, in steps from the crossing.
         ends = (-middle / stretch, (last + 1.0 - middle) / stretch)
         begin = max(math.ceil(min(ends)) + REACH, 0)
@@ -209,7 +223,7 @@ def _add_responses(
         for step in range(begin, end):
             pixel = np.uint64(pixel_at(middle + (step - REACH) * stretch, last))
             along, across = gradients[pixel, ALONG], gradients[pixel, ACROSS]
-            sums[step] += border.along * along + border.across * across
+            sums[step] += sign * (border.along * along + border.across * across)
             numbers[step] += 1.0
 
 
@@ -220,18 +234,19 @@ def _fill_border_responses(
     count: int,
     border: BorderLine,
     stretch: float,
-    sign: float,
+    signs: FloatArray,
     crossings: Crossings,
     along: FloatArray,
 ) -> None:
     """Fill in the response of the border on the lines from `first` on, at least 0.
 
-    It is the largest one within a pixel. `stretch` as in `_add_responses`, `sign` as in
-    `border_appearance`.
+    It is the largest one within a pixel. `stretch` and `signs` as in
+    `_add_responses`.
     """
     last = float(lines.smooth.shape[1] - 1)
     for index in range(count):
         gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
+        sign = signs[index]
         largest = 0.0
         for depth in range(-1, 2):
             gradient = gradients[np.uint64(pixel_at(middle + depth * stretch, last))]
@@ -260,9 +275,7 @@ def _continuity(along: FloatArray) -> float:
 
 
 @compiled_loop
-def _dominances(
-    profile: FloatArray, fewest: float, sign: float, half_width: float
-) -> tuple[float, float]:
+def _dominances(profile: FloatArray, fewest: float, half_width: float) -> tuple[float, float]:
     """Return the logarithms of a border's mean response over the largest outside and inside.
 
     Parameters
@@ -271,8 +284,6 @@ def _dominances(
         Sums and numbers of responses, shape (2, `PROFILE`).
     fewest : float
         Means of fewer responses are not looked at.
-    sign : float
-        1 for a bright cable, -1 for a dark one.
     half_width : float
         Half the width of the strip [px at the reference width].
     """
@@ -284,7 +295,7 @@ def _dominances(
             continue
         response = profile[0, step] / number
         if abs(depth) <= BORDER_REACH:
-            border = max(border, sign * response)
+            border = max(border, response)
         elif depth <= -BESIDE:
             outside = max(outside, abs(response))
         elif BESIDE <= depth <= deepest:

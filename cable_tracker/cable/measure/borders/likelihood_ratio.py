@@ -8,6 +8,8 @@ That a cable is smoother than the bottom beside it counts, too, see `texture`.
 
 How strong the borders of a cable are is a hidden variable of four classes, summed over: the two
 borders of a cable are about as strong as each other, and nothing is said of how strong that is.
+
+A cable may be bright in some stretches and dark in others, see `stretches`.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import Float32Array, FloatArray
+from cable_tracker.arrays import BoolArray, Float32Array, FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     BorderLine,
@@ -42,6 +44,13 @@ from cable_tracker.cable.measure.borders.response_bins import (
     point_cell,
 )
 from cable_tracker.cable.measure.borders.response_table import ResponseTable, load_table
+from cable_tracker.cable.measure.borders.stretches import (
+    STRETCHES,
+    StretchScale,
+    stretch_at,
+    stretch_scale,
+    sum_stretches,
+)
 from cable_tracker.cable.measure.borders.texture import (
     TextureWindows,
     add_texture,
@@ -97,6 +106,9 @@ class CableMeasures(NamedTuple):
     outsides : FloatArray
         Mean grey level outside the left and the right border [scales of the contrast], shape
         (N, 2); 0 for a border that is not in view.
+    reversed : BoolArray
+        Whether the stretches of a bright and of a dark cable are of the other polarity, see
+        `stretches`, shape (N, 2, `STRETCHES`).
     """
 
     log_ratios: FloatArray
@@ -105,6 +117,7 @@ class CableMeasures(NamedTuple):
     bright_border_log_ratios: FloatArray
     border_means: FloatArray
     outsides: FloatArray
+    reversed: BoolArray
 
 
 @compiled_part
@@ -117,6 +130,7 @@ def allocate_measures(count: int) -> CableMeasures:
         np.empty((count, 2)),
         np.empty((count, 2, 2)),
         np.empty((count, 2)),
+        np.empty((count, 2, STRETCHES), np.bool_),
     )
 
 
@@ -133,12 +147,15 @@ class RatioModel(NamedTuple):
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
     texture_limit : float
         Most that texture says [nats].
+    reversal_cost : float
+        Cost of a stretch of the other polarity [nats].
     """
 
     ratios: Float32Array
     tempering: float
     missing: FloatArray
     texture_limit: float
+    reversal_cost: float
 
 
 class BorderLikelihoodRatio:
@@ -147,7 +164,7 @@ class BorderLikelihoodRatio:
     Parameters
     ----------
     parameters : TrackerParameters
-        `tempering`, `missing_cost`, `texture_limit` and `response_table`.
+        `tempering`, `missing_cost`, `texture_limit`, `reversal_cost` and `response_table`.
     table : ResponseTable or None
         Ratios of single points; None: those of the file that the parameters name.
 
@@ -163,6 +180,7 @@ class BorderLikelihoodRatio:
         self._model = RatioModel(
             chosen.ratios, 0.0,
             parameters.missing_cost * chosen.absent, parameters.texture_limit,
+            parameters.reversal_cost,
         )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
@@ -229,8 +247,10 @@ def fill_measures(
     `ScanInputs.points_across`, and means per point are taken over at least that length.
     """
     visible = measured.visible_lengths
+    stretches = np.empty((2, 2 * CLASSES, STRETCHES), np.float32)
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
+    lengths = np.empty(2)
     crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
@@ -243,13 +263,17 @@ def fill_measures(
             lines = scan.rows if steep else scan.columns
             limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
             windows = texture_windows(-side / along, width, scan.scale, limit)
+            scale = stretch_scale(state, line, steep, scan)
             length, measured.outsides[cable, border] = _sum_border(
-                lines, line, windows, model, crossings, sums[border], texture
+                lines, line, scale, windows, model, crossings, stretches[border], texture
             )
-            smoother[border] = smoothness(texture)
-            _add_missing_points(max(expected - length, 0.0), model, sums[border])
+            smoother[border], lengths[border] = smoothness(texture), length
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
+        cost = model.reversal_cost / model.tempering
+        sum_stretches(stretches, cost, sums, measured.reversed[cable])
+        for border in range(2):
+            _add_missing_points(max(expected - lengths[border], 0.0), model, sums[border])
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
         _combine_borders(sums, smoothest, model.tempering, longest, shares, measured, cable)
 
@@ -383,18 +407,18 @@ def _log_ratio_of_border(
 def _sum_border(
     lines: ScanLines,
     border: BorderLine,
+    scale: StretchScale,
     windows: TextureWindows,
     model: RatioModel,
     crossings: Crossings,
-    sums: Float32Array,
+    stretches: Float32Array,
     texture: FloatArray,
 ) -> tuple[float, float]:
-    """Fill in the summed ratios (8,) and the texture (2, 2) of a border.
+    """Fill in the summed ratios (8, `STRETCHES`) and the texture (2, 2) of a border.
 
     Its length in view, and the mean grey level outside it, are returned.
     """
-    for index in range(2 * CLASSES):
-        sums[index] = np.float32(0.0)
+    stretches[:] = np.float32(0.0)
     for side in range(2):
         texture[side, 0], texture[side, 1] = 0.0, 0.0
     count, outside = 0, 0.0
@@ -404,35 +428,58 @@ def _sum_border(
         measure_contrasts(lines, first, found, border, crossings)
         for index in range(found):
             outside += crossings.levels[0, index]
-        _add_ratios(found, model, crossings, sums)
+        _add_ratios(lines.places[first : first + found], scale, model, crossings, stretches)
         if windows.looked_at:
             add_texture(lines, first, found, windows, crossings, texture)
         count += found
     for index in range(2 * CLASSES):
-        sums[index] *= np.float32(border.length)
+        for stretch in range(STRETCHES):
+            stretches[index, stretch] *= np.float32(border.length)
     return count * border.length, outside / max(count, 1)
 
 
 @compiled_inside
-def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Float32Array) -> None:
-    """Add the ratios of measured crossings to the sums (8,) of their border."""
-    cells = crossings.pixels[0]
+def _add_ratios(
+    places: FloatArray,
+    scale: StretchScale,
+    model: RatioModel,
+    crossings: Crossings,
+    stretches: Float32Array,
+) -> None:
+    """Add the ratios of crossings to the sums (8, `STRETCHES`) of their border.
+
+    `places` are those of the lines that it crosses.
+    """
+    cells, where, count = crossings.pixels[0], crossings.pixels[1], len(places)
     for index in range(padded_count(count)):
         cells[index] = point_cell(
             crossings.responses[index], crossings.slopes[index], crossings.contrasts[index]
         )
-    # As variables, they stay in registers; an array might be the table.
-    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
-    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
     for index in range(count):
-        ratios = model.ratios[np.uint64(cells[index])]
-        a += ratios[0]
-        b += ratios[1]
-        c += ratios[2]
-        d += ratios[3]
-        e += ratios[4]
-        f += ratios[5]
-        g += ratios[6]
-        h += ratios[7]
-    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
-    sums[4], sums[5], sums[6], sums[7] = e, f, g, h
+        where[index] = np.uint32(stretch_at(scale, places[index]))
+    index = 0
+    while index < count:
+        stretch = where[index]
+        # As variables, they stay in registers; an array might be the table.
+        a, b, c, d = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
+        e, f, g, h = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
+        while index < count and where[index] == stretch:
+            ratios = model.ratios[np.uint64(cells[index])]
+            a += ratios[0]
+            b += ratios[1]
+            c += ratios[2]
+            d += ratios[3]
+            e += ratios[4]
+            f += ratios[5]
+            g += ratios[6]
+            h += ratios[7]
+            index += 1
+        sums = stretches[:, np.uint64(stretch)]
+        sums[0] += a
+        sums[1] += b
+        sums[2] += c
+        sums[3] += d
+        sums[4] += e
+        sums[5] += f
+        sums[6] += g
+        sums[7] += h

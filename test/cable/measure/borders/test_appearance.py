@@ -33,10 +33,10 @@ MODEL = BorderLikelihoodRatio(TrackerParameters(texture_limit=0.0))
 STRIP = CableState(20.0, 0.3, 60.0, 0.05)
 
 
-def appearance(picture, state=STRIP, cable_map=NO_MAP) -> float:
+def appearance(picture, state=STRIP, cable_map=NO_MAP, model=MODEL) -> float:
     image = make_working_image(picture.astype(np.float32), SIZE[0])
-    strips, scan, model = state.to_array()[None], image.scan, MODEL.model_for(image)
-    return float(appearances_of(strips, scan, model, cable_map)[0])
+    strips, scan, ratios = state.to_array()[None], image.scan, model.model_for(image)
+    return float(appearances_of(strips, scan, ratios, cable_map)[0])
 
 
 @pytest.fixture
@@ -157,3 +157,13 @@ def test_half_of_what_the_map_shows_looks_less_like_a_cable(rng):
         for state in (STRIP, half)
     ]
     assert gained[1] < gained[0]
+
+
+def test_a_cable_with_bands_looks_like_a_cable(inside, noise_picture):
+    # Each band is as long as two stretches; the bottom is as bright as their mean.
+    bands = np.where(np.arange(SIZE[1]) // 60 % 2 == 0, 60.0, -60.0)[:, None]
+    bottom = noise_picture(3, SIZE, 12.0).astype(np.float32)
+    shape = inside(STRIP)
+    picture = bottom * (1 - shape) + shape * (128.0 + bands)
+    never = BorderLikelihoodRatio(TrackerParameters(texture_limit=0.0, reversal_cost=1000.0))
+    assert appearance(picture) > max(appearance(picture, model=never), 0.0) + 5.0

@@ -91,6 +91,32 @@ def test_each_border_has_evidence_of_its_own(strip):
     assert beside[1] > 0.5
 
 
+@pytest.fixture
+def banded(strip):
+    """The strip, dark in the lower half of the picture."""
+    picture = strip.copy()
+    picture[60:] = 2.0 * 80.0 - picture[60:]
+    return picture
+
+
+def test_bands_of_a_cable_cost_less_than_borders_of_the_wrong_polarity(strip, banded):
+    never = BorderLikelihoodRatio(TrackerParameters(reversal_cost=1000.0))
+    plain = measured(strip, changed()).log_ratios.max()
+    with_bands = measured(banded, changed())
+    without = never.measure(changed()[None], working(banded)).log_ratios.max()
+    assert without < 0.4 * plain
+    # Along the cable the picture is 10 stretches long; those with an end of a band say less.
+    assert with_bands.log_ratios.max() > plain - 10 * TrackerParameters().reversal_cost
+    bright, dark = with_bands.reversed[0]
+    assert 4 <= max(bright.sum(), dark.sum()) <= 6
+
+
+def test_of_a_cable_of_one_tone_no_stretch_is_reversed(strip):
+    assert not measured(strip, changed()).reversed[0, 0].any()
+    # Nor is it a dark cable that is bright all along.
+    assert not measured(strip, changed()).reversed[0, 1].any()
+
+
 def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, noise_picture):
     through, corner = CableState(0.0, 0.7, 16.0, 0.0), CableState(60.0, 0.7, 16.0, 0.0)
     found = []

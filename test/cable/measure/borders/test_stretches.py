@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.borders.border_points import border_on_scan, contrast_depths
+from cable_tracker.cable.measure.borders.response_bins import CLASSES
+from cable_tracker.cable.measure.borders.stretches import (
+    STRETCHES,
+    stretch_at,
+    stretch_scale,
+    sum_stretches,
+)
+from cable_tracker.cable.measure.picture.working_image import make_working_image
+from cable_tracker.cable.model.geometry import border_side
+from cable_tracker.cable.model.state import CableState
+
+COSTS = st.floats(0.0, 40.0)
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def ratios(seed: int) -> np.ndarray:
+    """Sums of both borders in each stretch, by polarity and class."""
+    shape = (2, 2 * CLASSES, STRETCHES)
+    return np.random.default_rng(seed).normal(0.0, 8.0, shape).astype(np.float32)
+
+
+def summed(stretches, cost):
+    sums = np.empty((2, 2 * CLASSES), np.float32)
+    is_reversed = np.empty((2, STRETCHES), np.bool_)
+    sum_stretches(stretches, cost, sums, is_reversed)
+    return sums, is_reversed
+
+
+@given(SEEDS, COSTS)
+def test_both_borders_are_of_the_polarity_that_is_likelier_at_its_cost(seed, cost):
+    stretches = ratios(seed)
+    sums, _ = summed(stretches, cost)
+    both = stretches.sum(axis=0)
+    swapped = np.roll(both, CLASSES, axis=0)
+    best = np.maximum(both, swapped - cost).sum(axis=1)
+    is_mostly_other = (swapped - cost > both).sum(axis=1) > STRETCHES / 2
+    expected = np.where(is_mostly_other, both.sum(axis=1), best)
+    np.testing.assert_allclose(sums.sum(axis=0), expected, atol=1e-3)
+
+
+@given(SEEDS, COSTS)
+def test_what_is_reversed_is_told_for_the_likeliest_strength(seed, cost):
+    stretches = ratios(seed)
+    sums, is_reversed = summed(stretches, cost)
+    both = stretches.sum(axis=0)
+    for polarity in range(2):
+        own = slice(polarity * CLASSES, (polarity + 1) * CLASSES)
+        column = polarity * CLASSES + int(np.argmax(sums.sum(axis=0)[own]))
+        gains = both[(column + CLASSES) % (2 * CLASSES)] - both[column]
+        clear = np.abs(gains - cost) > 1e-3
+        if (gains > cost).sum() > STRETCHES / 2:
+            gains = np.full(STRETCHES, -1.0)
+        np.testing.assert_array_equal(is_reversed[polarity][clear], (gains > cost)[clear])
+
+
+@given(SEEDS)
+def test_at_a_high_cost_a_cable_is_of_one_polarity(seed):
+    stretches = ratios(seed)
+    sums, is_reversed = summed(stretches, 1e6)
+    np.testing.assert_allclose(sums, stretches.sum(axis=2), atol=1e-3)
+    assert not is_reversed.any()
+
+
+@given(SEEDS)
+def test_of_a_bright_cable_at_most_half_is_dark(seed):
+    stretches = ratios(seed)
+    stretches[:, :CLASSES, :10] = -20.0
+    stretches[:, CLASSES:, :10] = 20.0
+    sums, is_reversed = summed(stretches, 1.0)
+    np.testing.assert_allclose(sums[:, :CLASSES], stretches.sum(axis=2)[:, :CLASSES], atol=1e-3)
+    assert not is_reversed[0].any()
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-60.0, 60.0), st.floats(-0.3, 0.3))
+def test_a_stretch_lies_across_the_cable_on_both_borders(angle, distance, skew):
+    state = CableState(distance, angle, 40.0, skew).to_array()
+    scan = make_working_image(np.zeros((240, 320), np.uint8), 320).scan
+    depths = contrast_depths(40.0, 1.0)
+    for border in range(2):
+        side = border_side(border)
+        steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
+        scale = stretch_scale(state, line, steep, scan)
+        for place in (-50.0, 0.0, 70.0):
+            along = line.start + line.step * place
+            x, y = (along, place) if steep else (place, along)
+            axial = y * np.cos(angle) - x * np.sin(angle)
+            expected = np.clip((axial / 400.0 + 0.5) * STRETCHES, 0.0, STRETCHES - 1.0)
+            assert stretch_at(scale, place) == pytest.approx(np.floor(expected), abs=1e-6) or (
+                abs(expected - round(expected)) < 1e-6
+            )
