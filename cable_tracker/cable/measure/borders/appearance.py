@@ -47,6 +47,7 @@ from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     fill_by_stretch,
+    stretch_axis,
     stretch_scale,
 )
 from cable_tracker.cable.measure.borders.texture import add_texture, smoothness, texture_windows
@@ -170,7 +171,8 @@ def border_appearance(
     steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
     lines = scan.rows if steep else scan.columns
     stretch, texture = -side / component, np.zeros((2, 2))
-    scale, signs = stretch_scale(state, line, steep, scan), np.empty(BLOCK)
+    scale = stretch_scale(stretch_axis(state, scan), line, steep)
+    signs = np.empty(BLOCK)
     windows = texture_windows(stretch, width, scan.scale, 1.0)
     profile[:] = 0.0
     begin, crossed = 0, 0
@@ -240,8 +242,7 @@ def _fill_border_responses(
 ) -> None:
     """Fill in the response of the border on the lines from `first` on, at least 0.
 
-    It is the largest one within a pixel. `stretch` and `signs` as in
-    `_add_responses`.
+    It is the largest one within a pixel. `stretch` and `signs` as in `_add_responses`.
     """
     last = float(lines.smooth.shape[1] - 1)
     for index in range(count):

@@ -48,6 +48,7 @@ from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     StretchScale,
     stretch_at,
+    stretch_axis,
     stretch_scale,
     sum_stretches,
 )
@@ -256,6 +257,7 @@ def fill_measures(
         state = states[cable]
         width = width_across(state, scan.reduction)
         depths = contrast_depths(width, scan.scale)
+        axis = stretch_axis(state, scan)
         visible[cable], longest = np.inf, expected
         for border in range(2):
             side = border_side(border)
@@ -263,7 +265,7 @@ def fill_measures(
             lines = scan.rows if steep else scan.columns
             limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
             windows = texture_windows(-side / along, width, scan.scale, limit)
-            scale = stretch_scale(state, line, steep, scan)
+            scale = stretch_scale(axis, line, steep)
             length, measured.outsides[cable, border] = _sum_border(
                 lines, line, scale, windows, model, crossings, stretches[border], texture
             )

@@ -36,17 +36,36 @@ class StretchScale(NamedTuple):
     step: float
 
 
+class StretchAxis(NamedTuple):
+    """The direction in which stretches of a cable follow each other, and how many lie on a pixel.
+
+    Attributes
+    ----------
+    x, y : float
+        Unit vector along the centreline.
+    per_pixel : float
+        Stretches per working px.
+    """
+
+    x: float
+    y: float
+    per_pixel: float
+
+
 @compiled_inside
-def stretch_scale(
-    state: FloatArray, border: BorderLine, is_steep: bool, scan: ScanInputs
-) -> StretchScale:
-    """Return which stretches a border of a cable is in; `is_steep`: it is measured on rows."""
-    along_x, along_y = -math.sin(state[ANGLE]), math.cos(state[ANGLE])
+def stretch_axis(state: FloatArray, scan: ScanInputs) -> StretchAxis:
+    """Return the axis of a cable, shape (8,), that both of its borders share."""
     width, height = scan.rows.smooth.shape[1], scan.columns.smooth.shape[1]
     per_pixel = STRETCHES / math.hypot(width, height)
-    along_line, across = (along_x, along_y) if is_steep else (along_y, along_x)
-    step = (border.step * along_line + across) * per_pixel
-    return StretchScale(border.start * along_line * per_pixel + 0.5 * STRETCHES, step)
+    return StretchAxis(-math.sin(state[ANGLE]), math.cos(state[ANGLE]), per_pixel)
+
+
+@compiled_inside
+def stretch_scale(axis: StretchAxis, border: BorderLine, is_steep: bool) -> StretchScale:
+    """Return which stretches a border of a cable is in; `is_steep`: it is measured on rows."""
+    along_line, across = (axis.x, axis.y) if is_steep else (axis.y, axis.x)
+    step = (border.step * along_line + across) * axis.per_pixel
+    return StretchScale(border.start * along_line * axis.per_pixel + 0.5 * STRETCHES, step)
 
 
 @compiled_inside

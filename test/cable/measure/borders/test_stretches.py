@@ -10,6 +10,7 @@ from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     stretch_at,
+    stretch_axis,
     stretch_scale,
     sum_stretches,
 )
@@ -87,7 +88,7 @@ def test_a_stretch_lies_across_the_cable_on_both_borders(angle, distance, skew):
     for border in range(2):
         side = border_side(border)
         steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
-        scale = stretch_scale(state, line, steep, scan)
+        scale = stretch_scale(stretch_axis(state, scan), line, steep)
         for place in (-50.0, 0.0, 70.0):
             along = line.start + line.step * place
             x, y = (along, place) if steep else (place, along)
