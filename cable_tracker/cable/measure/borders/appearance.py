@@ -47,10 +47,16 @@ from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     fill_by_stretch,
+    is_reversed,
     stretch_axis,
     stretch_scale,
 )
-from cable_tracker.cable.measure.borders.texture import add_texture, smoothness, texture_windows
+from cable_tracker.cable.measure.borders.texture import (
+    COLUMNS,
+    add_texture,
+    smoothness,
+    texture_windows,
+)
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
@@ -122,7 +128,8 @@ def appearances_of(
         log_ratios = measured.log_ratios[row]
         polarity, sign = (BRIGHT, 1.0) if log_ratios[BRIGHT] >= log_ratios[DARK] else (DARK, -1.0)
         for stretch in range(STRETCHES):
-            stretch_signs[stretch] = -sign if measured.reversed[row, polarity, stretch] else sign
+            turned = is_reversed(measured.reversed[row, polarity], stretch)
+            stretch_signs[stretch] = -sign if turned else sign
         in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
         looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
         for border in range(2):
@@ -170,7 +177,7 @@ def border_appearance(
     depths = contrast_depths(width, scan.scale)
     steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
     lines = scan.rows if steep else scan.columns
-    stretch, texture = -side / component, np.zeros((2, 2))
+    stretch, texture = -side / component, np.zeros((2, COLUMNS))
     scale = stretch_scale(stretch_axis(state, scan), line, steep)
     signs = np.empty(BLOCK)
     windows = texture_windows(stretch, width, scan.scale, 1.0)
@@ -191,7 +198,7 @@ def border_appearance(
     looks = (
         DOMINANCE_OUTSIDE * dominances[0]
         + DOMINANCE_INSIDE * dominances[1]
-        + SMOOTHNESS * smoothness(texture)
+        + SMOOTHNESS * smoothness(texture, line.step)
     )
     return looks, _continuity(along[begin : begin + crossed])
 

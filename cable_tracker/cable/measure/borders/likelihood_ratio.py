@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, Float32Array, FloatArray
+from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     BorderLine,
@@ -53,6 +53,7 @@ from cable_tracker.cable.measure.borders.stretches import (
     sum_stretches,
 )
 from cable_tracker.cable.measure.borders.texture import (
+    COLUMNS,
     TextureWindows,
     add_texture,
     may_speak,
@@ -107,9 +108,9 @@ class CableMeasures(NamedTuple):
     outsides : FloatArray
         Mean grey level outside the left and the right border [scales of the contrast], shape
         (N, 2); 0 for a border that is not in view.
-    reversed : BoolArray
-        Whether the stretches of a bright and of a dark cable are of the other polarity, see
-        `stretches`, shape (N, 2, `STRETCHES`).
+    reversed : IndexArray
+        Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
+        shape (N, 2): bit k is stretch k.
     """
 
     log_ratios: FloatArray
@@ -118,7 +119,7 @@ class CableMeasures(NamedTuple):
     bright_border_log_ratios: FloatArray
     border_means: FloatArray
     outsides: FloatArray
-    reversed: BoolArray
+    reversed: IndexArray
 
 
 @compiled_part
@@ -131,7 +132,7 @@ def allocate_measures(count: int) -> CableMeasures:
         np.empty((count, 2)),
         np.empty((count, 2, 2)),
         np.empty((count, 2)),
-        np.empty((count, 2, STRETCHES), np.bool_),
+        np.empty((count, 2), np.int64),
     )
 
 
@@ -252,7 +253,7 @@ def fill_measures(
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     lengths = np.empty(2)
-    crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
+    crossings, texture, smoother = room_for_crossings(), np.empty((2, COLUMNS)), np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
         width = width_across(state, scan.reduction)
@@ -269,7 +270,7 @@ def fill_measures(
             length, measured.outsides[cable, border] = _sum_border(
                 lines, line, scale, windows, model, crossings, stretches[border], texture
             )
-            smoother[border], lengths[border] = smoothness(texture), length
+            smoother[border], lengths[border] = smoothness(texture, line.step), length
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         cost = model.reversal_cost / model.tempering
@@ -416,13 +417,12 @@ def _sum_border(
     stretches: Float32Array,
     texture: FloatArray,
 ) -> tuple[float, float]:
-    """Fill in the summed ratios (8, `STRETCHES`) and the texture (2, 2) of a border.
+    """Fill in the summed ratios (8, `STRETCHES`) and the texture (2, 4) of a border.
 
     Its length in view, and the mean grey level outside it, are returned.
     """
     stretches[:] = np.float32(0.0)
-    for side in range(2):
-        texture[side, 0], texture[side, 1] = 0.0, 0.0
+    texture[:] = 0.0
     count, outside = 0, 0.0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)

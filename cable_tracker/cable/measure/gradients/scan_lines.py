@@ -27,8 +27,8 @@ class ScanLines(NamedTuple):
         v of each line [px], shape (L,).
     texture : Image
         Sums of gradients over grey levels along every `TEXTURE_STEP`-th line, the first one among
-        them, float32, shape (ceil(L / 2), n + 1): the difference of two is the sum over the pixels
-        between.
+        them, float32, shape (ceil(L / 2), n + 1, 3), see `texture_sums`: the difference of two is
+        the sum over the pixels between.
     """
 
     gradients: Image

@@ -37,6 +37,7 @@ from cable_tracker.cable.measure.gradients.scan_filters import (
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.gradients.texture_sums import (
     MOST_TEXTURE,
+    TENSOR_SIZE,
     TEXTURE_LEVEL_OFFSET,
     summed_texture,
 )
@@ -169,9 +170,10 @@ def _scan_both(
     if not len(kernels.region):
         _multiply(gradients.reshape(-1), np.float32(1.0 / scale))
         _multiply(turned_gradients.reshape(-1), np.float32(1.0 / scale))
+        no_texture = np.empty((0, 0, TENSOR_SIZE), np.float32)
         return (
-            ScanLines(gradients, smooth, places[0], smooth),
-            ScanLines(turned_gradients, turned_smooth, places[1], turned_smooth),
+            ScanLines(gradients, smooth, places[0], no_texture),
+            ScanLines(turned_gradients, turned_smooth, places[1], no_texture),
             scale,
             SMALLEST_CONTRAST,
             ROUND,

@@ -107,14 +107,13 @@ def test_bands_of_a_cable_cost_less_than_borders_of_the_wrong_polarity(strip, ba
     assert without < 0.4 * plain
     # Along the cable the picture is 10 stretches long; those with an end of a band say less.
     assert with_bands.log_ratios.max() > plain - 10 * TrackerParameters().reversal_cost
-    bright, dark = with_bands.reversed[0]
-    assert 4 <= max(bright.sum(), dark.sum()) <= 6
+    turned = [int(bands).bit_count() for bands in with_bands.reversed[0]]
+    assert 4 <= max(turned) <= 6
 
 
 def test_of_a_cable_of_one_tone_no_stretch_is_reversed(strip):
-    assert not measured(strip, changed()).reversed[0, 0].any()
     # Nor is it a dark cable that is bright all along.
-    assert not measured(strip, changed()).reversed[0, 1].any()
+    assert measured(strip, changed()).reversed.tolist() == [[0, 0]]
 
 
 def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, noise_picture):

@@ -9,6 +9,7 @@ from cable_tracker.cable.measure.borders.border_points import border_on_scan, co
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
+    is_reversed,
     stretch_at,
     stretch_axis,
     stretch_scale,
@@ -29,10 +30,11 @@ def ratios(seed: int) -> np.ndarray:
 
 
 def summed(stretches, cost):
-    sums = np.empty((2, 2 * CLASSES), np.float32)
-    is_reversed = np.empty((2, STRETCHES), np.bool_)
-    sum_stretches(stretches, cost, sums, is_reversed)
-    return sums, is_reversed
+    """Sums along the borders, and whether each stretch of a bright and of a dark cable is turned"""
+    sums, found = np.empty((2, 2 * CLASSES), np.float32), np.empty(2, np.int64)
+    sum_stretches(stretches, cost, sums, found)
+    turned = [[is_reversed(int(row), stretch) for stretch in range(STRETCHES)] for row in found]
+    return sums, np.array(turned)
 
 
 @given(SEEDS, COSTS)
@@ -50,7 +52,7 @@ def test_both_borders_are_of_the_polarity_that_is_likelier_at_its_cost(seed, cos
 @given(SEEDS, COSTS)
 def test_what_is_reversed_is_told_for_the_likeliest_strength(seed, cost):
     stretches = ratios(seed)
-    sums, is_reversed = summed(stretches, cost)
+    sums, turned = summed(stretches, cost)
     both = stretches.sum(axis=0)
     for polarity in range(2):
         own = slice(polarity * CLASSES, (polarity + 1) * CLASSES)
@@ -59,15 +61,42 @@ def test_what_is_reversed_is_told_for_the_likeliest_strength(seed, cost):
         clear = np.abs(gains - cost) > 1e-3
         if (gains > cost).sum() > STRETCHES / 2:
             gains = np.full(STRETCHES, -1.0)
-        np.testing.assert_array_equal(is_reversed[polarity][clear], (gains > cost)[clear])
+        np.testing.assert_array_equal(turned[polarity][clear], (gains > cost)[clear])
+
+
+@given(SEEDS, st.integers(1, 12))
+def test_what_is_out_of_view_is_no_part_of_a_cable(seed, first):
+    stretches = ratios(seed)
+    stretches[:, :, first : first + 4] = 0.0
+    sums, turned = summed(stretches, 6.0)
+    assert not turned[:, first : first + 4].any()
+    kept = np.r_[0:first, first + 4 : STRETCHES]
+    packed = np.zeros_like(stretches)
+    packed[:, :, : len(kept)] = stretches[:, :, kept]
+    expected, _ = summed(packed, 6.0)
+    np.testing.assert_allclose(sums, expected, atol=1e-3)
+
+
+@given(SEEDS)
+def test_each_border_pays_half_of_the_cost(seed):
+    stretches = np.abs(ratios(seed)) + 1.0
+    stretches[:, CLASSES:] *= -1.0
+    stretches[:, :, 4:7] *= -1.0
+    cost = 2.0
+    sums, turned = summed(stretches, cost)
+    assert np.flatnonzero(turned[0]).tolist() == [4, 5, 6]
+    along = np.abs(stretches)
+    along[:, :, 4:7] = np.roll(along, CLASSES, axis=1)[:, :, 4:7]
+    expected = along.sum(axis=2)[:, :CLASSES] - 3 * 0.5 * cost
+    np.testing.assert_allclose(sums[:, :CLASSES], expected, rtol=1e-5)
 
 
 @given(SEEDS)
 def test_at_a_high_cost_a_cable_is_of_one_polarity(seed):
     stretches = ratios(seed)
-    sums, is_reversed = summed(stretches, 1e6)
+    sums, turned = summed(stretches, 1e6)
     np.testing.assert_allclose(sums, stretches.sum(axis=2), atol=1e-3)
-    assert not is_reversed.any()
+    assert not turned.any()
 
 
 @given(SEEDS)
@@ -75,9 +104,9 @@ def test_of_a_bright_cable_at_most_half_is_dark(seed):
     stretches = ratios(seed)
     stretches[:, :CLASSES, :10] = -20.0
     stretches[:, CLASSES:, :10] = 20.0
-    sums, is_reversed = summed(stretches, 1.0)
+    sums, turned = summed(stretches, 1.0)
     np.testing.assert_allclose(sums[:, :CLASSES], stretches.sum(axis=2)[:, :CLASSES], atol=1e-3)
-    assert not is_reversed[0].any()
+    assert not turned[0].any()
 
 
 @given(st.floats(-1.5, 1.5), st.floats(-60.0, 60.0), st.floats(-0.3, 0.3))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.texture import (
+    MOST_FOR_ALONG,
     STEP_SLOPE,
     may_speak,
     smoothness,
@@ -85,6 +86,19 @@ def test_what_texture_says_counts_for_either_border_in_the_evidence(bottom, insi
     assert gained - plain == pytest.approx(more[0, 0] / (tempering * points), rel=0.15)
 
 
+def test_the_bright_half_of_a_round_cable_is_not_smooth_for_the_shade_beside_it(bottom, inside):
+    rows, columns = np.mgrid[: SIZE[1], : SIZE[0]]
+    across = (columns - SIZE[0] / 2 + 0.5) * np.cos(STRIP.angle) - (
+        rows - SIZE[1] / 2 + 0.5
+    ) * np.sin(STRIP.angle)
+    shade = np.clip((across - STRIP.distance + STRIP.width / 2) / (STRIP.width / 2), 0.0, 1.0)
+    skin = 80.0 + 140.0 * shade + 0.2 * (bottom - 100.0)
+    image = inside * skin + (1.0 - inside) * bottom
+    quarter = STRIP.width / 4
+    bright_half = CableState(STRIP.distance + quarter, STRIP.angle, 2 * quarter, 0.0)
+    assert texture_evidence(image, bright_half) == pytest.approx(0.0, abs=1e-9)
+
+
 def test_thin_strips_have_no_inside_to_look_at(bottom, draw_strip):
     thin = CableState(20.0, 0.3, 9.0, 0.0)
     inside = draw_strip(thin, SIZE, strip=255.0, ground=0.0).astype(np.float32) / 255.0
@@ -108,21 +122,50 @@ def test_a_smoother_side_never_says_less(left, right, more):
     assert texture_log_ratio(left, right, 1e3) <= STEP_SLOPE * max(left, right)
 
 
-@given(st.floats(1e-3, 1.0), st.floats(1e-3, 1.0), st.integers(12, 400), st.integers(12, 400))
+def sides(inside, outside, inside_pixels=100, outside_pixels=100):
+    """What is added up on both sides, of gradients per pixel: along u, mixed, along v."""
+    sums = [np.multiply(inside, inside_pixels), np.multiply(outside, outside_pixels)]
+    return np.column_stack((sums, [inside_pixels, outside_pixels]))
+
+
+def isotropic(level):
+    return level * np.array([0.5, 0.0, 0.5])
+
+
+@given(
+    st.floats(1e-3, 1.0),
+    st.floats(1e-3, 1.0),
+    st.integers(12, 400),
+    st.integers(12, 400),
+    st.floats(-1.0, 1.0),
+)
 def test_sides_differ_by_their_log_ratio_less_an_error_that_falls_with_the_pixels(
-    inside_level, outside_level, inside_pixels, outside_pixels
+    inside_level, outside_level, inside_pixels, outside_pixels, step
 ):
     def found(factor):
-        counts = factor * np.array([inside_pixels, outside_pixels], float)
-        return smoothness(np.stack((counts * [inside_level, outside_level], counts), axis=1))
+        levels = isotropic(inside_level), isotropic(outside_level)
+        return smoothness(sides(*levels, factor * inside_pixels, factor * outside_pixels), step)
 
     ratio = np.log(outside_level / inside_level)
     assert found(1) < found(4) < ratio
     assert ratio - found(4) == pytest.approx((ratio - found(1)) / 2)
 
 
+@given(st.floats(-1.0, 1.0), st.floats(0.1, 1.0))
+def test_a_slope_across_the_border_is_no_rough_bottom(step, slope):
+    across = np.array([1.0, -step]) / np.hypot(1.0, step)
+    limb = slope * np.array([across[0] ** 2, across[0] * across[1], across[1] ** 2])
+    skin = isotropic(0.01)
+    plain = smoothness(sides(skin, skin), step)
+    assert smoothness(sides(skin, skin + limb), step) <= plain + np.log(0.5 * MOST_FOR_ALONG) + 1e-9
+    # Turned by a right angle, it is.
+    turned = limb[[2, 1, 0]] * [1.0, -1.0, 1.0]
+    assert smoothness(sides(skin, skin + turned), step) > 1.0
+
+
 def test_of_too_few_pixels_nothing_is_said():
-    assert smoothness(np.array([[0.1, 11.0], [100.0, 100.0]])) == 0.0
+    assert smoothness(sides(isotropic(0.01), isotropic(1.0), 11, 100), 0.0) == 0.0
+    assert smoothness(sides(isotropic(0.01), isotropic(1.0), 12, 100), 0.0) > 1.0
 
 
 @given(left=STEPS, right=STEPS)
