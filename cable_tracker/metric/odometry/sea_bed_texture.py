@@ -19,8 +19,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.tracking.image_frame import image_to_pixel, pixel_to_image
+from cable_tracker.tracking.level_gain import amplified, byte_gain
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 MOST_CORNERS, FEWEST_CORNERS = 60, 12
@@ -114,6 +115,7 @@ class SeaBedTexture:
         self.before = now
         if before is None or mapping is None or before.shape != now.shape:
             return None
+        before, now = in_bytes(before, now)
         scale = now.shape[1] / image.shape[1]
         zoom = np.diag([scale, scale, 1.0])
         starts, predicted = _corners(before, zoom @ mapping @ np.linalg.inv(zoom))
@@ -130,15 +132,31 @@ class SeaBedTexture:
 
 
 def _reduced(image: Image) -> Image:
-    """Return a picture of the reference width, or as it is if it is narrower; uint8."""
+    """Return a picture of the reference width, or as it is if it is narrower; levels 0..255."""
     height, width = image.shape
     if width > REFERENCE_WIDTH:
         size = (round(REFERENCE_WIDTH), max(1, round(height * REFERENCE_WIDTH / width)))
         image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     if image.dtype == np.uint8:
         return image
-    levels: Image = np.clip(np.nan_to_num(image), 0.0, 255.0).astype(np.uint8)
+    levels: Image = np.clip(np.nan_to_num(image), 0.0, 255.0)
     return levels
+
+
+def in_bytes(before: Image, now: Image) -> tuple[Image, Image]:
+    """Return two pictures in 8 bits, both amplified alike if they are deeper and dim.
+
+    In the few grey levels of a camera of 10 bits whose counts are sent as mono16, the corners that
+    are found are those of the rounding, and stay where they are while the sea bed moves.
+
+    Parameters
+    ----------
+    before, now : Image
+        Levels 0..255, finite, uint8 or float32, shape (H, W).
+    """
+    # The gain of the pair alone: what lights change during a dive neither hides nor blinds it.
+    gain = min(byte_gain(before), byte_gain(now))
+    return eight_bits(amplified(before, gain)), eight_bits(amplified(now, gain))
 
 
 def _corners(picture: Image, mapping: FloatArray) -> tuple[FloatArray, FloatArray]:

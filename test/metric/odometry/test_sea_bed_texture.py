@@ -12,7 +12,9 @@ from cable_tracker.metric.odometry.sea_bed_texture import (
     SeaBedTexture,
     TextureGate,
     TextureMotion,
+    in_bytes,
 )
+from cable_tracker.sequences.encodings import decode_grey, raw_from_array
 
 HEIGHT, WIDTH = 240, 320
 STILL = np.eye(3)
@@ -85,6 +87,48 @@ def test_grey_levels_may_be_float(bottom):
     after = moved(bottom, shift(6.0, 0.0))
     motion = seen(bottom.astype(np.float32), after.astype(np.float32), shift(6.0, 0.0))
     assert motion == seen(bottom, after, shift(6.0, 0.0))
+
+
+def counted(picture, bits):
+    """The levels of a picture whose camera counts with so many bits, sent as mono16."""
+    counts = np.rint(picture / 255.0 * (2**bits - 1)).astype(np.uint16)
+    return decode_grey(raw_from_array(counts, "mono16"))
+
+
+@pytest.fixture(scope="module")
+def dim_bottom(bottom):
+    """A bottom of floats that spreads over half of the levels, with finer steps than 8 bits."""
+    return 30.0 + 0.5 * cv2.GaussianBlur(bottom.astype(np.float32), (0, 0), 1.0)
+
+
+@pytest.mark.parametrize("bits", [10, 11, 12, 14, 16])
+def test_a_deep_camera_shows_a_bottom_as_one_of_eight_bits_does(dim_bottom, bits):
+    after = moved(dim_bottom, shift(3.4, 1.0))
+    motion = seen(counted(dim_bottom, bits), counted(after, bits), shift(3.4, 1.0))
+    assert motion.agrees
+    assert motion.error < 0.2
+
+
+@pytest.mark.parametrize("bits", [10, 12])
+def test_a_deep_camera_shows_that_a_prediction_is_wrong(dim_bottom, bits):
+    after = moved(dim_bottom, shift(6.0, 0.0))
+    motion = seen(counted(dim_bottom, bits), counted(after, bits), STILL)
+    assert motion.error == pytest.approx(6.0, abs=0.2)
+    assert not motion.agrees
+
+
+def test_a_deep_picture_after_a_bright_flash_is_compared_with_the_next_alone(dim_bottom):
+    texture = SeaBedTexture()
+    dim = counted(dim_bottom, 10)
+    texture.compare(np.full_like(dim, 250.0), None)
+    texture.compare(dim, STILL)
+    assert texture.compare(dim, STILL).agrees
+
+
+def test_pictures_of_eight_bits_are_taken_as_they_are(dim_bottom):
+    """A dim one has no finer steps to show."""
+    faint = np.rint(dim_bottom / 16.0).astype(np.uint8)
+    assert in_bytes(faint, faint)[0] is faint
 
 
 def test_pixels_that_are_no_numbers_do_no_harm(bottom):
