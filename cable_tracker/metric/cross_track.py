@@ -214,13 +214,14 @@ class CrossTrackMeter:
             return fault
         at = np.array([[altitude.metres, attitude.roll, attitude.pitch]])
         sight = self._sights(at)
-        if sight.rotations[0, 2, 2] >= -math.sin(LEAST_DEPRESSION):
+        # Written so that NaN fails too.
+        if not sight.rotations[0, 2, 2] < -math.sin(LEAST_DEPRESSION):
             return Withheld(
                 Reason.CAMERA_LOOKS_UP,
                 "with this mounting and attitude the camera looks at the horizon or above it;"
                 " see the parameters camera_roll and camera_pitch (90 deg is straight down)",
             )
-        if sight.centres[0, 2] - self._settings.cable_height < LEAST_HEIGHT:
+        if not sight.centres[0, 2] - self._settings.cable_height >= LEAST_HEIGHT:
             return Withheld(
                 Reason.CAMERA_TOO_LOW,
                 f"at an altitude of {altitude.metres:.2f} m the camera would be in the ground;"
@@ -255,13 +256,18 @@ class CrossTrackMeter:
         # About the middle, headings are averaged like numbers, also across the wrap.
         heading = values[0, 2]
         values[:, 2] = heading + wrap_angles(values[:, 2] - heading)
-        if np.abs(wrap_angles(values[:, 2])).max() > LARGEST_HEADING:
+        if not np.abs(wrap_angles(values[:, 2])).max() <= LARGEST_HEADING:
             return Withheld(
                 Reason.ACROSS,
                 f"it runs {math.degrees(heading):.0f} deg across, surely or perhaps, so that it has"
                 " no side",
             )
         centre, spread = mean_and_covariance(values[1:])
+        if not (np.isfinite(centre).all() and np.isfinite(spread).all()):
+            raise MetricError(
+                "the cable's place is beyond all numbers; see the parameters camera_x, camera_y,"
+                " camera_z, look_ahead and cable_height"
+            )
         return CrossTrack(
             offset=float(centre[0]),
             offset_ahead=float(centre[1]),

@@ -15,12 +15,13 @@ positive pitch lowers what is in front, a positive roll lowers the right side.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import MetricError
 
 UNKNOWN_TILT = math.radians(30.0)
 """An imu that is less sure of roll or pitch does not know them [rad]: instruments say so by a huge
@@ -41,6 +42,11 @@ class Mounting:
     roll, pitch, yaw : float
         Angles of the camera body in base_link [rad]. A pitch of pi/2 alone looks straight down,
         with the top of the image to the front; 0 looks straight ahead.
+
+    Raises
+    ------
+    MetricError
+        One of them is not finite.
     """
 
     x: float = 0.0
@@ -49,6 +55,15 @@ class Mounting:
     roll: float = 0.0
     pitch: float = math.pi / 2
     yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if not math.isfinite(value):
+                raise MetricError(
+                    f"the camera's {each.name} is {value}; give its mounting in finite numbers of"
+                    " metres and radians"
+                )
 
     @property
     def position(self) -> FloatArray:

@@ -272,6 +272,12 @@ class TestWithheld:
         with pytest.raises(MetricError, match=setting):
             MetricSettings(**{setting: math.nan})
 
+    @pytest.mark.parametrize("mounting", [{"x": 1e200}, {"y": 1e200}, {"z": 1e200}])
+    @pytest.mark.filterwarnings("ignore:overflow")
+    def test_a_place_beyond_all_numbers(self, calibrations, estimate, mounting):
+        far = meter(calibrations["plumb_bob"], Mounting(**mounting))
+        assert reason(far, estimate) is Reason.NOT_COMPUTED
+
     @pytest.mark.parametrize("pitch", [-90.0, -20.0, 0.0, 2.0])
     def test_a_camera_that_looks_up(self, calibrations, estimate, pitch):
         upwards = meter(calibrations["plumb_bob"], Mounting(pitch=pitch * DEGREE))

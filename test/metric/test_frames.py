@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cable_tracker.errors import MetricError
 from cable_tracker.metric.frames import (
     Attitude,
     Mounting,
@@ -26,6 +27,13 @@ def test_straight_down_has_the_top_of_the_image_in_front():
 
 def test_a_pitch_of_zero_looks_ahead():
     np.testing.assert_allclose(Mounting(pitch=0.0).rotation[:, 2], [1.0, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["x", "y", "z", "roll", "pitch", "yaw"])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_mounting_of_what_is_no_number_is_refused(name, value):
+    with pytest.raises(MetricError, match=f"the camera's {name} is {value}"):
+        Mounting(**{name: value})
 
 
 def test_a_positive_yaw_turns_the_view_to_the_left():
