@@ -20,7 +20,7 @@ from cable_tracker.cable.measure.picture.working_image import (
     working_image_for,
 )
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
+from cable_tracker.cable.model.initial_state import HUGE, GivenState, draw_given_states
 from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
@@ -144,10 +144,14 @@ class CableTracker:
         Raises
         ------
         FrameError
-            The state is not finite, a sigma is negative, or the width is known and not positive.
+            The state is not finite, a rate is beyond all sense, a sigma is negative, or the width
+            is known and not positive.
         """
         if not given.is_acceptable:
-            raise FrameError("the initial state must be finite, and its sigmas not negative")
+            raise FrameError(
+                f"the initial state must be finite, its rates within {HUGE:g} per second, and its"
+                " sigmas not negative"
+            )
         if given.state.width <= 0.0 and not math.isinf(given.sigma[StateColumn.WIDTH]):
             raise FrameError(
                 f"a width of {given.state.width:g} px is none; give one above 0, or an infinite"
@@ -170,8 +174,8 @@ class CableTracker:
         Raises
         ------
         FrameError
-            The frame cannot be used, or is not later than the frame before by a microsecond or
-            more. Nothing has changed.
+            The frame cannot be used, its stamp is no time, or it is not later than the frame before
+            by a microsecond or more. Nothing has changed.
         """
         check_frame(image)
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)
@@ -197,13 +201,12 @@ class CableTracker:
         if self._filter is None:
             self._filter = self._make_filter(image.frame_size)
         before = self._belief
-        if self._given is not None:
-            before, dt = self._given_belief(self._filter, self._given), 0.0
+        # Taken out before it is used: one that fails must not fail with every frame that follows.
+        given, self._given = self._given, None
+        if given is not None:
+            before, dt = self._given_belief(self._filter, given), 0.0
             motion = None  # It says where the cable is in this very frame.
-            self._status = StatusMachine().confirm_with_next_frame(
-                is_certain=self._given.is_certain
-            )
-            self._given = None
+            self._status = StatusMachine().confirm_with_next_frame(is_certain=given.is_certain)
         elif before is None:
             before = self._filter.first_belief()
         elif self._status.is_search_due(self._filter.search_time):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
 from cable_tracker.errors import FrameError
 from cable_tracker.stamps import NANOSECONDS
@@ -13,6 +14,9 @@ LATE = 0.2
 
 SHORTEST = 1000
 """Stamps nearer to each other are in seconds or milliseconds: no camera is so fast [ns]."""
+
+BEYOND_TIME = 2**63
+"""Stamps and their differences are held in 64 bits [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +69,10 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     Raises
     ------
     FrameError
-        Both have the same time or nearly so, as stamps in other units have, or the new frame is a
-        little older: it came out of order.
+        The new stamp is no time. Both have the same time or nearly so, as stamps in other units
+        have, or the new frame is a little older: it came out of order.
     """
+    _check_time(now.stamp)
     if before is None:
         return Succession(1.0 / REFERENCE_RATE, "")
     if now.stamp == before.stamp:
@@ -83,6 +88,12 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     event = _reason_to_start_anew(before, now, maximum_gap)
     dt = 1.0 / REFERENCE_RATE if event else (now.stamp - before.stamp) / NANOSECONDS
     return Succession(dt, event, before.size == now.size)
+
+
+def _check_time(stamp: int) -> None:
+    # Written so that NaN fails too: it would pass every comparison, with this frame and the next.
+    if not (isinstance(stamp, Real) and -BEYOND_TIME <= stamp < BEYOND_TIME):
+        raise FrameError(f"the stamp {stamp!r} is no time; give whole nanoseconds")
 
 
 def is_out_of_order(before: int, now: int) -> bool:

@@ -519,6 +519,7 @@ def test_extreme_resampling_thresholds_run(dive, threshold):
         (GivenState.around(CableState(np.nan, 0.0, 30.0)), "finite"),
         (GivenState.around(CableState(0.0, np.inf, 30.0)), "finite"),
         (GivenState(CableState(0.0, 0.0, 30.0), np.array([1.0, -1.0, *[1.0] * 6])), "negative"),
+        (GivenState.around(CableState(0.0, 0.0, 30.0, 0.0, 1e200)), "its rates within 1e"),
         (GivenState.around(CableState(0.0, 0.0, -30.0)), "width of -30 px is none"),
         (GivenState.around(CableState(0.0, 0.0, 0.0)), "width of 0 px is none"),
     ],
@@ -526,6 +527,27 @@ def test_extreme_resampling_thresholds_run(dive, threshold):
 def test_an_impossible_prior_is_refused(prior, words):
     with pytest.raises(FrameError, match=words):
         CableTracker().initialise(prior)
+
+
+@pytest.mark.parametrize("stamp", [np.nan, np.inf])
+def test_a_stamp_that_is_no_time_leaves_the_tracker_as_it_was(dive, stamp):
+    frames = dive(frames=8)
+    tracker, undisturbed = told(frames[0][2]), told(frames[0][2])
+    run(tracker, frames[:5])
+    with pytest.raises(FrameError, match="is no time"):
+        tracker.process(frames[5][0], stamp)
+    after = run(tracker, frames[5:])
+    for estimate, same in zip(after, run(undisturbed, frames)[5:], strict=True):
+        assert estimate.state == same.state
+        assert estimate.event == ""
+
+
+@pytest.mark.parametrize("name", ["default", "thesis"])
+def test_a_start_of_huge_sigmas_has_a_finite_covariance(draw_strip, name):
+    tracker = CableTracker(preset(name))
+    tracker.initialise(GivenState(STRIP, np.full(8, 1e155)))
+    estimate = tracker.process(draw_strip(STRIP), START)
+    assert np.isfinite(estimate.covariance).all()
 
 
 OTHERS = {

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -66,3 +68,10 @@ def test_what_is_out_of_order_is_what_is_refused(step):
         return False
 
     assert is_out_of_order(FIRST.stamp, FIRST.stamp + step) == is_refused()
+
+
+@pytest.mark.parametrize("stamp", [math.nan, math.inf, -math.inf, 2**63, None, "3"])
+@pytest.mark.parametrize("before", [None, FIRST])
+def test_what_is_no_time_is_refused(before, stamp):
+    with pytest.raises(FrameError, match="is no time; give whole nanoseconds"):
+        succession(before, FrameMark((320, 240), stamp), 5.0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
@@ -14,9 +15,14 @@ from cable_tracker.cable.model.limits import clip_to_limits, possible_limits, st
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
+from cable_tracker.errors import FrameError
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 Range = TypeVar("Range", float, FloatArray)
+
+HUGE = 1e9
+"""Standard deviations beyond it say nothing, "not known", and rates beyond it are none [px, rad,
+per second]. Rates have no limits: drawn so, their covariance would not be finite."""
 
 SMALLEST_RANGE = 1e-6
 """Smallest width of the search box in d, alpha, w, beta [px, rad]."""
@@ -57,19 +63,27 @@ class GivenState:
     state : CableState
         Mean [px, rad, per second].
     sigma : FloatArray
-        Standard deviations, shape (8,) [px, rad, per second]. An infinite one means "not known":
-        that component is drawn as in a random start. NaN means "not said": the component is taken
-        as known well, see `usual_sigma`.
+        Standard deviations, shape (8,) [px, rad, per second]. An infinite one, or one beyond
+        `HUGE`, which becomes infinite, means "not known": that component is drawn as in a
+        random start. NaN means "not said": the component is taken as known well, see `usual_sigma`.
     is_guess : bool
         Whether it may be another thing than the cable, as what a detector finds.
     point : GivenPoint or None
         Where the cable passes, if that is all that is known of d and alpha.
+
+    Raises
+    ------
+    FrameError
+        The sigmas are not eight numbers.
     """
 
     state: CableState
     sigma: FloatArray
     is_guess: bool = False
     point: GivenPoint | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sigma", _eight_sigmas(self.sigma))
 
     @classmethod
     def around(cls, state: CableState, *, is_guess: bool = False) -> GivenState:
@@ -78,9 +92,11 @@ class GivenState:
 
     @property
     def is_acceptable(self) -> bool:
-        """Whether what is given is finite, and no sigma negative."""
+        """Whether what is given is finite, no rate beyond `HUGE`, and no sigma negative."""
         is_point_acceptable = self.point is None or self.point.is_acceptable
-        return self.state.is_finite() and not bool(np.any(self.sigma < 0.0)) and is_point_acceptable
+        is_moving_possibly = bool((np.abs(self.state.to_array()[POSE_SIZE:]) <= HUGE).all())
+        is_state_acceptable = self.state.is_finite() and is_moving_possibly
+        return is_state_acceptable and not bool(np.any(self.sigma < 0.0)) and is_point_acceptable
 
     @property
     def is_certain(self) -> bool:
@@ -107,6 +123,26 @@ class GivenState:
         if self.point is not None:
             known.insert(0, f"through x {self.point.x:.1f} px, y {self.point.y:.1f} px")
         return ", ".join(known) or "nothing is known"
+
+
+def _eight_sigmas(given: ArrayLike) -> FloatArray:
+    """Return standard deviations (8,) as they were given, huge ones infinite.
+
+    Raises
+    ------
+    FrameError
+        They are not eight numbers.
+    """
+    try:
+        sigma = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        sigma = np.empty(0)
+    if sigma.shape != (STATE_SIZE,):
+        raise FrameError(
+            "give eight standard deviations of a start: of d, alpha, w, beta and of their rates;"
+            " inf where one is not known, NaN where it is not said"
+        )
+    return np.where(sigma > HUGE, np.inf, sigma)
 
 
 def usual_sigma(image_width: int) -> FloatArray:

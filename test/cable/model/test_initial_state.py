@@ -16,6 +16,7 @@ from cable_tracker.cable.model.limits import possible_limits, state_limits
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.errors import FrameError
 
 COUNT = 20_000
 DEGREE = np.pi / 180
@@ -191,3 +192,27 @@ def test_a_state_is_certain_when_all_of_it_is_given_and_it_is_no_guess():
     sigma = np.zeros(8)
     sigma[4:] = np.inf
     assert GivenState(KNOWN, sigma).is_certain
+
+
+@pytest.mark.parametrize(
+    "sigma",
+    [np.full(4, 2.0), [2.0, 0.01, 2.0, 0.01], np.full((8, 1), 2.0), 2.0, None, ["wide"] * 8],
+    ids=str,
+)
+def test_sigmas_that_are_not_eight_are_refused_with_what_is_needed(sigma):
+    with pytest.raises(FrameError, match="eight standard deviations"):
+        GivenState(KNOWN, sigma)
+
+
+def test_a_list_of_sigmas_is_as_good_as_an_array():
+    sigma = [2.0, 0.01, np.nan, np.inf, 1, 1, 1, 1]
+    np.testing.assert_array_equal(GivenState(KNOWN, sigma).sigma, np.array(sigma))
+
+
+@pytest.mark.parametrize("huge", [1e100, 1e155, 1e300])
+def test_a_huge_sigma_says_that_nothing_is_known(huge, rng):
+    given = GivenState(KNOWN, np.full(8, huge))
+    assert np.isinf(given.sigma).all()
+    assert not given.is_certain
+    states = draw_given_states(given, parameters(), 320, rng)
+    assert np.isfinite(np.cov(states.T)).all()
