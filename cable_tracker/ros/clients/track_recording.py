@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import cast
+from typing import TypeGuard, cast
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
@@ -60,8 +60,18 @@ def track_recording_over_ros(
     frames: Iterable[Frame],
     nodes: LockstepNodes,
     results: ResultFolder,
+    vehicle: RecordedVehicle | None = None,
 ) -> RecordingError | None:
-    """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`."""
+    """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`.
+
+    Parameters
+    ----------
+    frames, nodes, results
+        See `track_in_lockstep`.
+    vehicle : RecordedVehicle or None
+        The one that the nodes were made with.
+    """
+    in_metres = _wants_metres(vehicle)
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_truth(results.bag, frame)
@@ -70,21 +80,32 @@ def track_recording_over_ros(
         cloud = None
         if node_topics.PARTICLES in recorded.messages:
             cloud = read_particles(recorded.read(node_topics.PARTICLES))
-        results.add(frame, _row(frame, recorded, state), cloud)
+        results.add(frame, _row(frame, recorded, state, in_metres=in_metres), cloud)
         return state
 
     return track_in_lockstep(frames, nodes, take)
 
 
+def _wants_metres(vehicle: RecordedVehicle | None) -> TypeGuard[RecordedVehicle]:
+    return vehicle is not None and vehicle.wants_metres
+
+
 def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:
-    if vehicle is None or not vehicle.wants_metres:
+    if not _wants_metres(vehicle):
         return {}
     values = cast(dict[str, ParameterValue], vehicle.vehicle.values)
     # Without instruments nothing is sent that a frame could wait for.
     return {**values, **EVERY_MEASUREMENT} if vehicle.has_instruments else values
 
 
-def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
+def _row(
+    frame: Frame, recorded: RecordedFrame, state: Message, *, in_metres: bool = True
+) -> EstimateRow:
+    """Return the row of the table for an answered frame.
+
+    The node always says why it has no metres. Without `in_metres` none are wanted: the row says
+    nothing of them, as without ROS.
+    """
     values = report_facts(recorded.read(node_topics.FRAME_REPORT))
     number = partial(fact_number, values)
     claimed = read_state(state)
@@ -99,7 +120,7 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         evidence=number("evidence"),
         hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
         ms=number("ms"),
-        metres=read_row_metres(values),
-        no_metres=values.get(NO_METRES_KEY, ""),
+        metres=read_row_metres(values) if in_metres else None,
+        no_metres=values.get(NO_METRES_KEY, "") if in_metres else "",
         event=values.get("event", ""),
     )

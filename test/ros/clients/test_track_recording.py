@@ -6,6 +6,9 @@ from rclpy.serialization import serialize_message
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.messages import report_metres
+from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.ros.clients.track_recording import _row
@@ -22,6 +25,7 @@ from cable_tracker.tracking.status_words import REFUSED
 FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))
 STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)
 MILLISECONDS = 1.25
+PLACE = CrossTrack(0.25, 0.5, 0.125, 0.06, np.diag([0.04, 0.05, 0.01, 0.02]), 1.0, -2.0)
 
 
 def estimate_of(
@@ -74,3 +78,18 @@ def test_the_row_is_the_one_made_without_ros(
 
 def test_a_refused_frame_has_no_numbers() -> None:
     assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED, event="too small")
+
+
+@pytest.mark.parametrize("known", [PLACE, Withheld(Reason.NO_ALTITUDE, "none has come")])
+def test_metres_stand_in_the_row_where_they_are_wanted_alone(known: CrossTrack | Withheld) -> None:
+    """The node, which knows no recording, measures with what it hears, or says why not."""
+    estimate = estimate_of(TrackingStatus.TRACKING, None, ())
+    header = make_header(RclpyMessages(), FRAME.stamp, "camera")
+    facts = report_values(estimate, MILLISECONDS) | report_metres(known)
+    report = make_report(RclpyMessages(), header, estimate.status.value, facts)
+    recorded = RecordedFrame({node_topics.FRAME_REPORT: serialize_message(report)}, "TRACKING")
+    sigma = estimate.standard_deviations()[:4]
+    state = make_state(RclpyMessages(), header, estimate.state, sigma)
+    wanted = row_of(FRAME, estimate, MILLISECONDS, known)
+    assert _row(FRAME, recorded, state, in_metres=True) == wanted
+    assert _row(FRAME, recorded, state, in_metres=False) == row_of(FRAME, estimate, MILLISECONDS)
