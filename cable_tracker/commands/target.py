@@ -68,7 +68,7 @@ def target(  # noqa: PLR0917
     ] = DETECT,
     preset_name: Annotated[
         TargetPresetName | None,
-        typer.Option("--preset", help="Values to start from.  [default: default]"),
+        typer.Option("--preset", help="Values to start from; --params wins.  [default: default]"),
     ] = None,
     params: ParamsOption = None,
     seed: SeedOption = None,

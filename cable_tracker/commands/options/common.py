@@ -42,13 +42,13 @@ InitOption = Annotated[
 ]
 PresetOption = Annotated[
     PresetName | None,
-    typer.Option("--preset", help="Values to start from.  [default: default]"),
+    typer.Option("--preset", help="Values to start from; --params wins.  [default: default]"),
 ]
 ParamsOption = Annotated[
     Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
 ]
 SeedOption = Annotated[
-    int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
+    int | None, typer.Option(help="Seed of the random numbers; wins over that of --params.")
 ]
 SourceArgument = Annotated[
     Path,

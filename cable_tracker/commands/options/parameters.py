@@ -113,14 +113,23 @@ def given_values(file: Path | None, words: Iterable[str] | None) -> dict[str, ob
 def chosen_parameters(
     preset_name: str | None, values: dict[str, object], seed: int | None
 ) -> TrackerParameters:
-    """Combine preset, values of the user, and seed; options win over a file.
+    """Combine preset, values of the user, and seed.
+
+    Parameters
+    ----------
+    preset_name : str or None
+        Preset of the option `--preset`; one that stands among the values wins.
+    values : dict
+        Values of `given_values`, by name.
+    seed : int or None
+        Seed of the option `--seed`, which wins over one among the values.
 
     Raises
     ------
     ParameterError
         There is no such preset, a name is unknown, or a value is not acceptable.
     """
-    base = preset(preset_name or str(values.get("preset", "default")))
+    base = preset(_base_name(preset_name, values))
     parameters = _tuned(base, values, seed, TRACKER_NODE_PARAMETERS)
     for remark in parameters.remarks():
         messages.print(f"note: {remark}", soft_wrap=True)
@@ -142,8 +151,21 @@ def chosen_target(
     preset_name: str | None, values: dict[str, object], seed: int | None
 ) -> TargetParameters:
     """Combine preset, values and seed for a target; see `chosen_parameters`."""
-    base = target_preset(preset_name or str(values.get("preset", "default")))
+    base = target_preset(_base_name(preset_name, values))
     return _tuned(base, values, seed, TARGET_NODE_PARAMETERS)
+
+
+def _base_name(option: str | None, values: dict[str, object]) -> str:
+    """Return the preset to start from; values win over the option, which a note says."""
+    if "preset" not in values:
+        return option or "default"
+    named = str(values["preset"])
+    if option not in {None, named}:
+        messages.print(
+            f"note: the preset {named} is used, which the parameters name, not --preset {option}",
+            soft_wrap=True,
+        )
+    return named
 
 
 def _tuned(

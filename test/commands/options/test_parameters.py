@@ -39,6 +39,50 @@ def test_values_on_the_command_line_win_over_those_of_the_file(tmp_path):
     assert (chosen.particle_count, chosen.seed, chosen.filter) == (300, 3, "bootstrap")
 
 
+def filter_of(tmp_path, preset_name, in_file, words) -> str:
+    file = tmp_path / "mine.yaml"
+    file.write_text(in_file)
+    return chosen_parameters(preset_name, given_values(file, words), None).filter
+
+
+@pytest.mark.parametrize(
+    ("preset_name", "in_file", "words", "chosen"),
+    [
+        (None, "{}", [], "multi_hypothesis"),
+        ("thesis", "{}", [], "bootstrap"),
+        ("default", "preset: thesis", [], "bootstrap"),
+        ("thesis", "preset: default", [], "multi_hypothesis"),
+        ("default", "{}", ["preset=thesis"], "bootstrap"),
+        ("default", "preset: default", ["preset=thesis"], "bootstrap"),
+        ("thesis", "preset: thesis", ["preset=default"], "multi_hypothesis"),
+    ],
+)
+def test_of_presets_that_of_p_wins_over_that_of_the_file_and_that_over_the_option(
+    tmp_path, preset_name, in_file, words, chosen
+):
+    assert filter_of(tmp_path, preset_name, in_file, words) == chosen
+
+
+def test_a_preset_of_targets_in_a_file_wins_over_the_option():
+    assert chosen_target("default", {"preset": "thesis"}, None) == chosen_target("thesis", {}, None)
+
+
+def test_an_option_that_another_preset_wins_over_is_noted(tmp_path, capsys):
+    filter_of(tmp_path, "thesis", "preset: thesis", [])
+    assert "note" not in capsys.readouterr().err
+    filter_of(tmp_path, "thesis", "preset: default", [])
+    noted = capsys.readouterr().err.replace("\n", " ")
+    assert "the preset default is used, which the parameters name, not --preset thesis" in noted
+
+
+@pytest.mark.parametrize("choose", [chosen_parameters, chosen_target])
+def test_the_option_for_the_seed_wins_over_all_other_seeds(choose, tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("seed: 3\n")
+    values = given_values(file, ["seed=4"])
+    assert [choose(None, values, seed).seed for seed in (None, 5)] == [4, 5]
+
+
 def test_what_only_nodes_read_is_noted_on_the_command_line_alone(capsys, tmp_path):
     file = tmp_path / "node.yaml"
     file.write_text("input_timeout: 2.0\n")
