@@ -122,7 +122,8 @@ class CameraNode(ProcessNode):
         self._watch = InputWatch(time.monotonic())
         self._enabled = True
         self._status = self._published_status = TrackingStatus.INITIALISING.value
-        self._frame_id = ""
+        self._frame_id: str | None = None
+        self._unchecked: dict[int, str] = {}
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
         start = node_parameters.declare_all(self, CAMERA_START_PARAMETERS, read_only=True)
@@ -178,6 +179,10 @@ class CameraNode(ProcessNode):
 
     def _subscribe_more(self) -> None:
         """Subscribe to what belongs to the camera's frames; called when the node is warm."""
+
+    def _drop_start(self, number: int, error: FrameError) -> None:
+        """Forget a prior that was taken before the first image, and turns out to be wrong."""
+        raise NotImplementedError
 
     def _on_switched_on(self) -> None:
         """Do what follows the restart when the node is enabled again."""
@@ -327,6 +332,7 @@ class CameraNode(ProcessNode):
 
     def _answer(self, frame: CameraFrame) -> None:
         self._frame_id = frame.header.frame_id
+        self._check_early_starts()
         stamp = frame.stamp or self._time_of(frame.arrival)
         header = self._header_for_answer(frame, stamp)
         if not self._enabled or self._warm_up is not None:
@@ -420,11 +426,29 @@ class CameraNode(ProcessNode):
         if frame_id and self._frame_id and frame_id != self._frame_id:
             raise FrameError(f"it is in {frame_id!r}, not in the image frame {self._frame_id!r}")
 
+    def _note_start(self, frame_id: str, number: int = 0) -> None:
+        """Remember the frame of a prior that was taken, of a target by its number.
+
+        Before the first image nothing is known that the prior's frame could be compared with.
+        """
+        if self._frame_id is None:
+            self._unchecked[number] = frame_id
+
+    def _check_early_starts(self) -> None:
+        """Drop priors that were taken before the first image, and are in another frame."""
+        unchecked, self._unchecked = self._unchecked, {}
+        for number, frame_id in unchecked.items():
+            try:
+                self._check_frame_id(frame_id)
+            except FrameError as error:
+                self._drop_start(number, error)
+
     # Services.
 
     def on_reset(self, request: Message, response: Message) -> Message:
         """Forget everything and start as at the beginning."""
         self.get_logger().info("reset: the tracker starts anew with the next frame")
+        self._unchecked = {}
         self._restart()
         self._change_status(TrackingStatus.INITIALISING.value)
         response.success = True

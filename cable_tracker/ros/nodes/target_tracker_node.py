@@ -203,15 +203,23 @@ class TargetTrackerNode(CameraNode):
 
     def on_initial_target(self, message: Message, number: int = 0) -> None:
         """Follow from the next frame on what is marked: two corners of a box, or an outline."""
+        frame_id = str(message.header.frame_id)
         try:
-            self._check_frame_id(str(message.header.frame_id))
+            self._check_frame_id(frame_id)
             start = read_start(message)
             if self._estimates:
                 start.check(self._estimates[0].image_size)
         except FrameError as error:
             self._refuse_mark(number, error)
             return
+        self._note_start(frame_id, number)
         self._marks[number] = start
+
+    def _drop_start(self, number: int, error: FrameError) -> None:
+        """Forget a mark that was taken before the first image, and start as without it."""
+        self._refuse_mark(number, error)
+        self._marks.pop(number, None)
+        self._marks = dict(enumerate(self._begins.boxes)) | self._marks
 
     def _figures(self) -> dict[str, str]:
         figures: dict[str, str] = {}

@@ -157,17 +157,28 @@ class TrackerNode(CameraNode):
 
     def on_initial_state(self, message: Message) -> None:
         """Start the next frame from an operator's or planner's prior."""
+        frame_id = str(message.header.frame_id)
         try:
-            self._check_frame_id(str(message.header.frame_id))
+            self._check_frame_id(frame_id)
             prior = read_prior(message)
             self._tracker.initialise(prior)
             self._search.stop()
         except FrameError as error:
-            self.get_logger().warning(f"initial_state refused: {error}")
+            self._refuse_prior(error)
             return
+        self._note_start(frame_id)
         self.get_logger().info(f"initial_state taken: {prior.words()}")
         if not self._enabled:
             self._prior_while_disabled = prior
+
+    def _refuse_prior(self, error: FrameError) -> None:
+        self.get_logger().warning(f"initial_state refused: {error}")
+
+    def _drop_start(self, number: int, error: FrameError) -> None:
+        """Forget a prior that was taken before the first image, and start as without it."""
+        self._refuse_prior(error)
+        self._prior_while_disabled = None
+        self._restart()
 
     def on_reset(self, request: Message, response: Message) -> Message:
         """Forget everything, also a prior, and start as at the beginning."""

@@ -244,6 +244,20 @@ class TestMarks:
         show(node, 1)
         assert node.status == "INITIALISING"
 
+    @pytest.mark.parametrize(
+        ("parameter", "status"), [("wait", "INITIALISING"), ("140,105,185,134", "TRACKING")]
+    )
+    def test_a_mark_in_another_frame_than_the_first_image_is_dropped_with_it(
+        self, world: Any, show: Callable[..., None], parameter: str, status: str
+    ) -> None:
+        node = world.target_tracker(initial_target=parameter)
+        node.on_initial_target(polygon((20, 20), (60, 60), frame_id="other"))
+        show(node, 0)
+        assert "it is in 'other', not in the image frame 'eye'" in node.statistics.last_event
+        for index in range(1, 4):
+            show(node, index)
+        assert node.status == status
+
     def test_a_target_that_does_not_stand_out_is_told_and_not_claimed(
         self, world: Any, show: Callable[..., None], diagnostics: Callable[..., list[Any]]
     ) -> None:

@@ -468,8 +468,9 @@ def prior_message(
     *,
     variances: tuple[float, float, float] = (0.0, 0.0, 0.0),
     quaternion: tuple[float, float] | None = None,
+    frame_id: str = "",
 ) -> PoseWithCovarianceStamped:
-    message = PoseWithCovarianceStamped()
+    message = PoseWithCovarianceStamped(header=Header(frame_id=frame_id))
     pose = message.pose.pose
     pose.position.x, pose.position.y = distance * math.cos(yaw), distance * math.sin(yaw)
     turn = (math.sin(yaw / 2), math.cos(yaw / 2)) if quaternion is None else quaternion
@@ -478,6 +479,9 @@ def prior_message(
     covariance[[0, 7, 35]] = variances
     message.pose.covariance = covariance
     return message
+
+
+OF_ANOTHER_FRAME = "initial_state refused: it is in 'map', not in the image frame 'eye'"
 
 
 class TestInitialState:
@@ -551,6 +555,62 @@ class TestInitialState:
         world.show(node, image_message())
         assert node.status == "INITIALISING"
         assert node.statistics.tracked == 1
+
+    def test_one_in_another_frame_is_refused(
+        self, world: Any, image_message: Callable[..., Any], capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        world.show(node, image_message())
+        node.on_initial_state(prior_message(-90.0, 0.3, frame_id="map"))
+        assert OF_ANOTHER_FRAME in capfd.readouterr().err
+        assert node.tracker._given is None
+
+    @pytest.mark.parametrize("enabled", [True, False])
+    def test_one_in_another_frame_than_the_first_image_is_dropped_with_it(
+        self,
+        world: Any,
+        truth: CableState,
+        near: str,
+        image_message: Callable[..., Any],
+        capfd: pytest.CaptureFixture[str],
+        enabled: bool,
+    ) -> None:
+        node = world.tracker(initial_state=near, filter="bootstrap")
+        node.on_enable(SetBool.Request(data=enabled), SetBool.Response())
+        node.on_initial_state(prior_message(-90.0, 0.3, frame_id="map"))
+        world.show(node, image_message())
+        assert OF_ANOTHER_FRAME in capfd.readouterr().err
+        node.on_enable(SetBool.Request(data=True), SetBool.Response())
+        world.show(node, image_message(index=1))
+        # What the parameter says is there again.
+        mean = node.tracker.particles.states[:, 0].mean()
+        assert mean == pytest.approx(truth.distance, abs=5.0)
+        assert OF_ANOTHER_FRAME not in capfd.readouterr().err
+
+    @pytest.mark.parametrize("frame_id", ["eye", ""])
+    def test_the_last_one_before_the_first_image_counts(
+        self,
+        world: Any,
+        truth: CableState,
+        image_message: Callable[..., Any],
+        capfd: pytest.CaptureFixture[str],
+        frame_id: str,
+    ) -> None:
+        node = world.tracker(filter="bootstrap")
+        node.on_initial_state(prior_message(-90.0, 0.3, frame_id="map"))
+        node.on_initial_state(prior_message(truth.distance, truth.angle, frame_id=frame_id))
+        world.show(node, image_message())
+        assert "refused" not in capfd.readouterr().err
+        assert node.tracker.particles.states[:, 0].std() < 4.0
+
+    def test_one_that_a_reset_has_forgotten_is_not_told_again(
+        self, world: Any, image_message: Callable[..., Any], capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        node.on_initial_state(prior_message(-90.0, 0.3, frame_id="map"))
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        world.show(node, image_message())
+        assert "refused" not in capfd.readouterr().err
 
     def test_one_sent_while_disabled_counts_when_enabled(
         self, world: Any, truth: CableState, image_message: Callable[..., Any]
