@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from numbers import Integral, Real
 from typing import Any, ClassVar, Self, TypeAlias, TypeVar, cast
 
 from cable_tracker.errors import ParameterError
@@ -87,18 +88,22 @@ class ParameterSpec:
 
 
 def _check_type(spec: ParameterSpec, value: object) -> ParameterValue:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        if spec.kind is float:
-            return _to_float(value)
-        if spec.kind is int and (isinstance(value, int) or value.is_integer()):
+    # `Real` has those of NumPy, too; what is kept, written to files and declared is a plain number.
+    if isinstance(value, Real) and not isinstance(value, bool):
+        if spec.kind is int and isinstance(value, Integral):
             return int(value)
+        plain = _to_float(value)
+        if spec.kind is float:
+            return plain
+        if spec.kind is int and plain.is_integer():
+            return int(plain)
     if spec.kind in (bool, str) and isinstance(value, spec.kind):
         return cast(ParameterValue, value)
     wanted = {bool: "true or false", int: "a whole number", float: "a number", str: "a word"}
     raise ParameterError(f"{spec.name}: {value!r} is not {wanted[spec.kind]}")
 
 
-def _to_float(value: float) -> float:
+def _to_float(value: Real) -> float:
     try:
         return float(value)
     except OverflowError:  # A whole number may have any length.

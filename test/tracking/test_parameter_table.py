@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import ClassVar
 
+import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError
@@ -80,3 +82,34 @@ def test_a_preset_is_found_by_its_name():
 def test_words_are_the_values_with_choices_and_numbers_are_none():
     assert LampParameters(bulbs=1).words() == LampParameters(bulbs=2).words() == ("white",)
     assert LampParameters(bulbs=1, colour="red").words() == ("red",)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "plain"),
+    [
+        ("bulbs", np.int64(3), 3),
+        ("bulbs", np.uint8(3), 3),
+        ("bulbs", np.float32(3.0), 3),
+        ("bulbs", Fraction(3), 3),
+        ("brightest", np.float32(0.5), 0.5),
+        ("brightest", np.float64(0.5), 0.5),
+        ("brightest", np.int32(1), 1.0),
+        ("brightest", Fraction(1, 2), 0.5),
+    ],
+)
+def test_numbers_of_other_kinds_are_taken_and_kept_as_plain_ones(name, value, plain):
+    kept = getattr(LampParameters().replaced({name: value}), name)
+    assert kept == plain
+    assert type(kept) is type(plain)
+
+
+@pytest.mark.parametrize("value", [np.float32(2.5), np.nan, np.inf, np.bool_(True), True, 2j, "2"])
+def test_what_is_no_whole_number_is_refused_where_one_is_meant(value):
+    with pytest.raises(ParameterError, match=r"bulbs: .* is not a whole number"):
+        LampParameters().replaced({"bulbs": value})
+
+
+@pytest.mark.parametrize("value", [np.bool_(True), True, 2j, "2", np.ones(2)])
+def test_what_is_no_number_is_refused_where_one_is_meant(value):
+    with pytest.raises(ParameterError, match=r"brightest: .* is not a number"):
+        LampParameters().replaced({"brightest": value})
