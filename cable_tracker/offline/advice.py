@@ -18,6 +18,9 @@ TRACKING = TrackingStatus.TRACKING.value
 NEAR_LIMIT = 1.1
 """A width within this factor of a limit is taken to be held by it."""
 
+MOST_DIGITS = 17
+"""Digits that any number is told in exactly."""
+
 
 def advice(
     rows: Sequence[EstimateRow],
@@ -46,13 +49,15 @@ def advice(
     is_clear = bool(evidence) and max(evidence) >= needed
     if presence and not is_likely:
         lines.append(
-            f"presence: at most {max(presence):.0%}, presence_to_track asks for"
-            f" {parameters.presence_to_track:.0%}; is the cable in view, with both its borders?"
+            f"presence: at most {_below(100 * max(presence), 100 * parameters.presence_to_track)}%,"
+            f" presence_to_track asks for {100 * parameters.presence_to_track:g}%; is the cable in"
+            " view, with both its borders?"
         )
     if evidence and not is_clear:
+        reached = _below(max(evidence), needed)
         lines.append(
-            f"evidence: the weaker border reached {max(evidence):.2g}, {asking} asks for"
-            f" {needed:.3g}{_more_for_thin(needed, width, parameters)}; try a lower one, or learn a"
+            f"evidence: the weaker border reached {reached}, {asking} asks for"
+            f" {needed:g}{_more_for_thin(needed, width, parameters)}; try a lower one, or learn a"
             " response table from labelled frames of yours (cable-tracker label, learn)"
         )
     if is_likely and is_clear:
@@ -61,6 +66,12 @@ def advice(
         lines += _width_advice(width, parameters)
     lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
     return lines
+
+
+def _below(value: float, limit: float) -> str:
+    """Return a value in as few digits, three at least, as show that it is below a limit."""
+    texts = (f"{value:.{digits}g}" for digits in range(3, MOST_DIGITS))
+    return next((text for text in texts if float(text) < limit), repr(value))
 
 
 def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParameters) -> str:
@@ -77,8 +88,8 @@ def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParamet
     needed, usable = parameters.confirmation_time, (stamps[-1] - stamps[0]) / NANOSECONDS
     if usable < needed:
         return (
-            f"usable frames span {usable:.3g} s, a claim takes confirmation_time ({needed:g} s);"
-            " look into why frames were refused, or record for longer"
+            f"usable frames span {_below(usable, needed)} s, a claim takes confirmation_time"
+            f" ({needed:g} s); look into why frames were refused, or record for longer"
         )
     return (
         "presence and evidence were high enough, but not together for confirmation_time"

@@ -36,6 +36,23 @@ def test_what_was_too_low_is_said_with_what_is_asked_for():
     assert "presence:" not in words(rows(presence=1.0), [], PARAMETERS)
 
 
+def test_what_was_all_but_reached_does_not_look_reached():
+    thesis = preset("thesis")
+    assert "border reached 1.58, evidence_to_track asks for 1.6" in words(
+        rows(1.0, 1.58), [], thesis
+    )
+    assert "border reached 1.59996, " in words(rows(1.0, 1.59996), [], thesis)
+    assert "at most 79.6%, presence_to_track asks for 80%" in words(rows(0.796), [], PARAMETERS)
+    assert "at most 79.996%, " in words(rows(0.79996), [], PARAMETERS)
+
+
+def test_frames_that_span_all_but_the_confirmation_do_not_seem_to_span_it():
+    confirmed = PARAMETERS.replaced({"confirmation_time": 0.4})
+    brief = [replace(row, stamp=index * 99_990_000) for index, row in enumerate(rows(1.0, 3.0))]
+    said = words(brief, [], confirmed)
+    assert "usable frames span 0.39996 s, a claim takes confirmation_time (0.4 s)" in said
+
+
 def test_a_thin_cable_is_asked_for_more_evidence():
     assert "evidence_to_find asks for 1.35" in words(rows(), [(32.0, 1280)] * 3, BY_BORDERS)
     assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, BY_BORDERS)
