@@ -14,9 +14,18 @@ from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 
 UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))
 """Turns px² and rad² of d, alpha, w, beta into px² and deg²."""
+
+LENGTHS = [
+    StateColumn.DISTANCE,
+    StateColumn.WIDTH,
+    StateColumn.DISTANCE_RATE,
+    StateColumn.WIDTH_RATE,
+]
+"""Columns that are in pixels."""
 
 LONGEST_STEP = 1.5
 """Longest time from one frame to the next one, as a multiple of the usual: after more than that
@@ -43,6 +52,21 @@ def parted_at_gaps(states: FloatArray, stamps: IndexArray) -> FloatArray:
     steps = np.diff(stamps) / NANOSECONDS
     gaps = np.flatnonzero((steps <= 0.0) | (steps > LONGEST_STEP * usual_step(stamps))) + 1
     return np.insert(states, gaps, np.nan, axis=0)
+
+
+def at_reference_width(states: FloatArray, widths: FloatArray) -> FloatArray:
+    """Return states (N, 8), of pictures of widths (N,) [px], in px of the reference width."""
+    scaled = states.copy()
+    scaled[:, LENGTHS] *= (REFERENCE_WIDTH / widths)[:, None]
+    return scaled
+
+
+def per_reference_frame(variances: FloatArray, step: float) -> FloatArray:
+    """Return variances of steps of a time [s] as those of frames at the reference rate.
+
+    They grow with the time, as those of the filter's diffusion do.
+    """
+    return variances / (step * REFERENCE_RATE)
 
 
 def increment_variances(states: FloatArray) -> FloatArray:

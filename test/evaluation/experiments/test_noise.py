@@ -8,8 +8,10 @@ from scenario_states import scenario_states
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.noise import (
+    at_reference_width,
     increment_variances,
     parted_at_gaps,
+    per_reference_frame,
     usual_step,
 )
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
@@ -108,3 +110,15 @@ def test_scenarios_have_the_variances_of_the_thesis(name, seed):
     np.testing.assert_array_equal(wanted, THESIS_TABLE[name])
     measured = increment_variances(scenario_states(name, seed))
     np.testing.assert_allclose(measured, wanted, rtol=0.15)
+
+
+def test_lengths_of_wide_pictures_are_those_of_the_reference_width():
+    states = np.array([[10.0, 0.1, 4.0, 0.2, 8.0, 0.3, 2.0, 0.4], [20.0] * 8])
+    narrow = at_reference_width(states, np.array([640.0, np.nan]))
+    np.testing.assert_allclose(narrow[0], [5.0, 0.1, 2.0, 0.2, 4.0, 0.3, 1.0, 0.4])
+    assert np.isnan(narrow[1, [0, 2, 4, 6]]).all()
+    assert states[0, 0] == 10.0
+
+
+def test_variances_grow_with_the_time_between_frames_as_those_of_the_filter_do():
+    np.testing.assert_allclose(per_reference_frame(np.array([2.0, 4.0]), 0.08), [1.0, 2.0])
