@@ -17,6 +17,10 @@ LEAST_SIDE = 3.0
 LEAST_THICKNESS = 0.5
 """Corners of an outline that are nearer than this to one line enclose nothing [px]."""
 
+FARTHEST = 1e6
+"""Corners farther from the picture's are taken to be so far: OpenCV's numbers have 32 bits, and it
+walks along all rows in between [px]."""
+
 ROUNDNESS = 0.95
 """Axes of the ellipse that a box stands for, against its sides."""
 
@@ -103,16 +107,15 @@ class TargetStart:
     def mask(self, shape: tuple[int, int], zoom: float) -> BoolArray:
         """Return the mask in a picture of `shape`, `zoom` times smaller than the frame."""
         mask = np.zeros(shape, np.uint8)
+        corners = np.clip(self.corners / zoom, -FARTHEST, FARTHEST)
         if self.is_box:
-            left, top, right, bottom = (value / zoom for value in self.box)
+            (left, top), (right, bottom) = corners.min(axis=0), corners.max(axis=0)
             turns = np.linspace(0.0, 2.0 * math.pi, 49)[:-1]
             middle = ((left + right) / 2, (top + bottom) / 2)
             half = (ROUNDNESS * (right - left) / 2, ROUNDNESS * (bottom - top) / 2)
             corners = np.stack(
                 (middle[0] + half[0] * np.cos(turns), middle[1] + half[1] * np.sin(turns)), axis=1
             )
-        else:
-            corners = self.corners / zoom
         # A pixel's centre is at its number and a half, as boxes count.
         cv2.fillPoly(mask, [np.round((corners - 0.5) * 16).astype(np.int32)], 1, cv2.LINE_8, 4)
         inside: BoolArray = mask > 0

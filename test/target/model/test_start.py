@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 import pytest
 
@@ -42,3 +43,32 @@ def test_an_outline_is_taken_as_it_is():
 def test_what_is_no_area_is_refused(corners):
     with pytest.raises(FrameError):
         TargetStart(np.array(corners, dtype=float))
+
+
+@pytest.mark.parametrize("far", [1e7, 1e9, 1e30])
+@pytest.mark.filterwarnings("error")
+def test_corners_far_outside_mark_what_they_enclose_of_the_picture(far):
+    corners = np.array([[100.0, 50.0], [far, 50.0], [far, 90.0], [100.0, 90.0]])
+    expected = np.zeros((240, 320), bool)
+    expected[50:90, 100:] = True
+    mask = TargetStart(corners).mask((240, 320), 1.0)
+    assert (mask != expected).sum() <= 220 + 40
+    mirrored = TargetStart(320.0 - corners[:, ::-1]).mask((320, 320), 1.0)
+    assert mirrored.any()
+    assert not mirrored[:, :229].any()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_box_that_ends_far_outside_is_as_one_that_ends_outside():
+    """Of its ellipse nothing need lie in the picture."""
+    far, near = (TargetStart.from_box(100, 50, end, 90) for end in (1e30, 1e6))
+    np.testing.assert_array_equal(far.mask((240, 320), 1.0), near.mask((240, 320), 1.0))
+
+
+@pytest.mark.parametrize("zoom", [0.5, 1.0, 3.0])
+def test_corners_that_a_marked_target_may_have_are_taken_as_they_are(zoom):
+    corners = np.random.default_rng(2).uniform(-9000.0, 9000.0, (5, 2))
+    expected = np.zeros((240, 320), np.uint8)
+    points = np.round((corners / zoom - 0.5) * 16).astype(np.int32)
+    cv2.fillPoly(expected, [points], 1, cv2.LINE_8, 4)
+    np.testing.assert_array_equal(TargetStart(corners).mask((240, 320), zoom), expected > 0)
