@@ -54,8 +54,14 @@ def fingerprint_of(task: object) -> str:
     return hashlib.sha256(described.encode(errors="surrogateescape")).hexdigest()
 
 
-def keep_result(task: object, result: object, store: Path) -> None:
+def keep_result(fingerprint: str, result: object, store: Path) -> None:
     """Write the result of a task into a store, which is made if it is not there.
+
+    Parameters
+    ----------
+    fingerprint : str
+        See `fingerprint_of`; taken before the task is run, for its files may be written to
+        meanwhile.
 
     Raises
     ------
@@ -65,7 +71,7 @@ def keep_result(task: object, result: object, store: Path) -> None:
     try:
         store.mkdir(parents=True, exist_ok=True)
         with (
-            atomic_file(store / fingerprint_of(task), by_many=True) as part,
+            atomic_file(store / fingerprint, by_many=True) as part,
             part.open("wb") as file,
         ):
             _Keeper(file).dump(result)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from cable_tracker.campaigns.result_store import keep_result, kept_result
+from cable_tracker.campaigns.result_store import fingerprint_of, keep_result, kept_result
 from cable_tracker.campaigns.settings import Workers, campaign_settings
 from cable_tracker.errors import ResourceError
 from cable_tracker.libraries import one_thread
@@ -32,15 +32,19 @@ def run_and_keep(
 ) -> Result:
     """Do a task, and keep its result if there is a store.
 
+    It is kept as that of the files as they were at the beginning: what is written to while the task
+    runs, as labels that are corrected, is done again next time.
+
     Raises
     ------
     OutputError
         The result cannot be written.
     """
+    fingerprint = "" if store is None else fingerprint_of(task)
     with one_thread():
         result = task.run(advance)
     if store is not None:
-        keep_result(task, result, store)
+        keep_result(fingerprint, result, store)
     return result
 
 

@@ -95,13 +95,13 @@ def test_names_are_kept_however_python_writes_them(tmp_path, monkeypatch):
     by_name = lambda self, _protocol: (getattr, (type(self), self.name))  # noqa: E731
     monkeypatch.setattr(TrackingStatus, "__reduce_ex__", by_name)
     task = Counting(1, tmp_path / "notes")
-    keep_result(task, {"status": [TrackingStatus.LOST]}, tmp_path / "store")
+    keep_result(fingerprint_of(task), {"status": [TrackingStatus.LOST]}, tmp_path / "store")
     assert kept_result(task, tmp_path / "store") == ({"status": [TrackingStatus.LOST]},)
 
 
 def test_a_result_is_kept_for_its_own_task_only(tmp_path):
     first, second = (Counting(number, tmp_path / "notes") for number in (1, 2))
-    keep_result(first, {"frames": 3}, tmp_path / "store")
+    keep_result(fingerprint_of(first), {"frames": 3}, tmp_path / "store")
     assert kept_result(first, tmp_path / "store") == ({"frames": 3},)
     assert kept_result(second, tmp_path / "store") is None
     assert kept_result(first, None) is None
@@ -129,7 +129,7 @@ def test_a_task_may_speak_of_names_that_are_not_utf_8(tmp_path):
 def test_a_result_that_cannot_be_written_is_reported(tmp_path):
     (tmp_path / "store").touch()
     with pytest.raises(OutputError, match="store: cannot be written"):
-        keep_result(Counting(1, tmp_path), 1, tmp_path / "store")
+        keep_result(fingerprint_of(Counting(1, tmp_path)), 1, tmp_path / "store")
 
 
 def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_path):
@@ -147,7 +147,7 @@ def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_pa
 
 def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
     store = tmp_path / f"out.{STORE}"
-    keep_result(Counting(1, tmp_path / "notes"), 1, store)
+    keep_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
     result = fingerprint_of(Counting(1, tmp_path / "notes"))
     (store / f".{result}.4711.part").write_bytes(b"half a res")
     (store / ".default_7.partial" / "default_7").mkdir(parents=True)
@@ -159,7 +159,7 @@ def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
 @pytest.mark.parametrize("name", ["thesis.tex", "photos/1.jpg", ".hidden"])
 def test_a_folder_of_the_name_of_a_store_that_holds_anything_else_is_left_alone(tmp_path, name):
     store = tmp_path / f"out.{STORE}"
-    keep_result(Counting(1, tmp_path / "notes"), 1, store)
+    keep_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
     (store / name).parent.mkdir(exist_ok=True)
     (store / name).write_text("my own")
     with (
@@ -169,6 +169,28 @@ def test_a_folder_of_the_name_of_a_store_that_holds_anything_else_is_left_alone(
         pass
     assert (store / name).read_text() == "my own"
     assert kept_result(Counting(1, tmp_path / "notes"), store) == (1,)
+
+
+@dataclass(frozen=True)
+class ReadingLabels(Counting):
+    """Reads a file, into which other labels are saved while the task goes on."""
+
+    def fingerprint(self):
+        return self.notes.read_text()
+
+    def run(self, advance):
+        read = self.notes.read_text()
+        self.notes.write_text("new labels")
+        return read
+
+
+def test_what_was_written_to_while_a_task_ran_is_done_again(tmp_path):
+    task = ReadingLabels(1, tmp_path / "labels.txt")
+    task.notes.write_text("old labels")
+    settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
+    assert run_all([task], workers=settings) == ["old labels"]
+    assert run_all([task], workers=settings) == ["new labels"]
+    assert run_all([task], workers=settings) == ["new labels"]
 
 
 class Attack:
