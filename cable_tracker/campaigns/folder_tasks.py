@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -12,7 +11,6 @@ from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.atomic_output import holds, output_file
-from cable_tracker.errors import UnreachableError
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -124,9 +122,9 @@ def run_in_folder(
 ) -> str:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
-    Where it fails, the earlier one is removed, unless its input cannot be reached: that may come
-    back. A folder without a marker, which no task has left, is neither replaced nor removed: it may
-    be the recording itself.
+    Where it fails, the earlier one stays: an option that was mistyped, a full disk or one that is
+    not mounted is soon put right, and its marker says what it is a result of. A folder without a
+    marker, which no task has left, is not replaced: it may be the recording itself.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
@@ -144,19 +142,7 @@ def run_in_folder(
     fingerprint, place = task.fingerprint(), root / task.name
     with output_file(place, holds(MARKER), overwrite=True) as folder:
         folder.mkdir()
-        try:
-            task.run(folder, advance)
-        except UnreachableError as error:
-            if not is_result(place):
-                raise
-            raise UnreachableError(
-                f"{error}; its earlier results stay in {place} and do not count here"
-            ) from error
-        except Exception:
-            # Only here: a run that another one has kept out must not take its results away.
-            if is_result(place):
-                shutil.rmtree(place, ignore_errors=True)
-            raise
+        task.run(folder, advance)
         marker = json.dumps(_marker(fingerprint, version))
         (folder / MARKER).write_text(marker, encoding="utf-8")
     return fingerprint

@@ -20,6 +20,7 @@ from cable_tracker.campaigns.folder_tasks import (
     TaskState,
     is_done,
     is_marked,
+    is_result,
     run_in_folder,
 )
 from cable_tracker.campaigns.result_tasks import ResultTask, run_and_keep
@@ -96,8 +97,8 @@ def run_folder_tasks(
 ) -> list[Outcome]:
     """Run tasks, each of which leaves a folder with its name; one that fails ends no other.
 
-    An earlier result stays until the new one is complete; where its task fails now, it is removed,
-    unless the input of the task cannot be reached.
+    An earlier result stays until the new one is complete, and where its task fails now; then the
+    outcome says so.
 
     Parameters
     ----------
@@ -158,11 +159,17 @@ def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Ou
         with one_thread():
             run_in_folder(task, root, __version__, advance)
     except CableTrackerError as error:
-        return Outcome(task.name, TaskState.FAILED, str(error))
+        return _failed(task.name, root, str(error))
     # One that fails ends no other, whatever goes wrong; so it is with workers.
     except Exception as error:  # noqa: BLE001
-        return Outcome(task.name, TaskState.FAILED, _unexpected(error))
+        return _failed(task.name, root, _unexpected(error))
     return Outcome(task.name, TaskState.DONE)
+
+
+def _failed(name: str, root: Path, reason: str) -> Outcome:
+    if is_result(root / name):
+        reason += f"; its earlier results stay in the folder {name} and do not count here"
+    return Outcome(name, TaskState.FAILED, reason)
 
 
 def _run_on(
@@ -221,7 +228,8 @@ def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa
     # An earlier result may lie here, where a worker has put its own elsewhere.
     if not reason and not is_marked(root / name, done.fingerprint, __version__):
         reason = f"its result is not in {root}; workers on other machines must share this folder"
-    return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), done.total
+    outcome = _failed(name, root, reason) if reason else Outcome(name, TaskState.DONE)
+    return outcome, done.total
 
 
 def _unexpected(error: BaseException) -> str:

@@ -117,9 +117,10 @@ def survey(  # noqa: PLR0917
         )  # fmt: skip
     _print(result, output, time.monotonic() - begin)
     if all(row.state != "done" for row in result.rows):
+        kept = f"; the earlier map in {output} is as it was" if result.is_earlier_map_kept else ""
         raise RecordingError(
             f"none of the {len(result.rows)} recordings could be surveyed; see what is said of each"
-            " above"
+            f" above{kept}"
         )
 
 
@@ -192,7 +193,8 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
             f" {output / RECORDINGS} holds earlier results; name these recordings too",
             soft_wrap=True,
         )
-    console.print(f"  {output / REPORT}", soft_wrap=True)
+    if not result.is_earlier_map_kept:
+        console.print(f"  {output / REPORT}", soft_wrap=True)
 
 
 def _print_routes(result: SurveyResult) -> None:

@@ -84,6 +84,8 @@ class SurveyResult:
     left_out : tuple of str
         Names of earlier results beside these, of recordings that were not given this time: they are
         not in the map.
+    is_earlier_map_kept : bool
+        Whether no recording could be surveyed, and the map of an earlier survey is as it was.
     """
 
     routes: tuple[MergedRoute, ...]
@@ -91,6 +93,7 @@ class SurveyResult:
     outcomes: tuple[Outcome, ...]
     rows: tuple[RecordingRow, ...]
     left_out: tuple[str, ...]
+    is_earlier_map_kept: bool = False
 
 
 def holds_survey(output: Path) -> bool:
@@ -141,7 +144,8 @@ def run_survey(
     """Survey recordings, merge their routes, and write everything into a folder.
 
     Without a datum the first fix of the first recording that has one is taken. Recordings that
-    cannot be laid on the earth keep routes of their own.
+    cannot be laid on the earth keep routes of their own. Where no recording can be surveyed, an
+    earlier map stays.
 
     Raises
     ------
@@ -193,12 +197,19 @@ def _put_together(
                 # What is damaged is not kept: the next `--resume` does it again.
                 forget(root / outcome.name)
         rows.append(row)
+    if not dives and _holds_map(output):
+        return SurveyResult((), (), tuple(outcomes), tuple(rows), (), is_earlier_map_kept=True)
     try:
         routes, names = _write_all(output, list(dives.values()), rows, datum)
     except OSError as error:
         raise write_failure(output, error) from error
     left_out = _results_in(root) - {outcome.name for outcome in outcomes}
     return SurveyResult(routes, names, tuple(outcomes), tuple(rows), tuple(sorted(left_out)))
+
+
+def _holds_map(output: Path) -> bool:
+    """Tell whether a folder holds the map of a survey in which a recording could be surveyed."""
+    return (output / FRAMES).is_file()
 
 
 def _results_in(root: Path) -> set[str]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 
 import pytest
-from campaign_tasks import Failing, Square, Unreachable
+from campaign_tasks import Failing, Square
 
 from cable_tracker.campaigns.folder_tasks import (
     MARKER,
@@ -12,7 +12,7 @@ from cable_tracker.campaigns.folder_tasks import (
     is_done,
     run_in_folder,
 )
-from cable_tracker.errors import OutputError, RecordingError, UnreachableError
+from cable_tracker.errors import OutputError, RecordingError
 
 
 def run(task, root):
@@ -40,11 +40,13 @@ def test_names_that_are_not_utf_8_count_too(tmp_path):
     assert fingerprint_of_files(one) != fingerprint_of_files(other)
 
 
-def test_a_task_that_fails_leaves_nothing_of_an_earlier_one(tmp_path):
+def test_a_task_that_fails_leaves_the_results_of_an_earlier_one(tmp_path):
     run(Square(3), tmp_path)
     with pytest.raises(RecordingError, match="no frames"):
-        run(Failing(3), tmp_path)
-    assert not list(tmp_path.iterdir())
+        run(Failing(3, parameter="mistyped"), tmp_path)
+    assert [each.name for each in tmp_path.iterdir()] == ["number_3"]
+    assert is_done(Square(3), tmp_path / "number_3", "1.0")
+    assert not is_done(Failing(3, parameter="mistyped"), tmp_path / "number_3", "1.0")
 
 
 def test_a_file_that_is_written_to_has_another_fingerprint(tmp_path):
@@ -73,16 +75,7 @@ def test_results_that_count_no_more_are_done_again(tmp_path):
     assert is_done(Square(3), tmp_path / "number_3", "1.0")
 
 
-def test_an_earlier_result_stays_while_the_input_cannot_be_reached(tmp_path):
-    run(Square(3), tmp_path)
-    folder = tmp_path / "number_3"
-    with pytest.raises(UnreachableError, match=rf"no such file; .* results stay in {folder}"):
-        run(Unreachable(3, parameter="gone"), tmp_path)
-    assert is_done(Square(3), folder, "1.0")
-    assert not is_done(Unreachable(3, parameter="gone"), folder, "1.0")
-
-
-def test_without_an_earlier_result_nothing_is_said_to_stay(tmp_path):
-    with pytest.raises(UnreachableError, match=r"no such file$"):
-        run(Unreachable(3), tmp_path)
+def test_a_task_that_fails_leaves_nothing_where_there_was_nothing(tmp_path):
+    with pytest.raises(RecordingError, match="no frames"):
+        run(Failing(3), tmp_path)
     assert not list(tmp_path.iterdir())

@@ -20,6 +20,7 @@ from campaign_tasks import (  # noqa: E402
     KillsItsWorkerOnce,
     Square,
     SquareResult,
+    Unreachable,
     done_elsewhere,
     of_an_earlier_version,
 )
@@ -104,11 +105,25 @@ def test_an_earlier_result_stays_until_the_new_one_is_complete(tmp_path):
     assert [(tmp_path / f"number_{n}/square.txt").read_text() for n in (1, 2)] == ["1", "4"]
 
 
-@pytest.mark.parametrize("task", [Failing(1), Erring(1)])
-def test_a_task_that_fails_now_leaves_no_earlier_result(tmp_path, task):
+@pytest.mark.parametrize("where", [ALONE, "both"])
+@pytest.mark.parametrize("failing", [Failing, Erring, Unreachable])
+def test_a_task_that_fails_now_leaves_its_earlier_result_and_says_so(
+    request, tmp_path, where, failing
+):
+    settings = request.getfixturevalue(where) if isinstance(where, str) else where
     run_folder_tasks([Square(1)], tmp_path, ALONE)
-    assert states(run_folder_tasks([task], tmp_path, ALONE)) == [TaskState.FAILED]
-    assert not (tmp_path / "number_1").exists()
+    (outcome,) = run_folder_tasks([failing(1, parameter="mistyped")], tmp_path, settings)
+    assert outcome.state is TaskState.FAILED
+    assert outcome.reason.endswith(
+        "; its earlier results stay in the folder number_1 and do not count here"
+    )
+    assert states(run_folder_tasks([Square(1)], tmp_path, ALONE, resume=True)) == [TaskState.KEPT]
+
+
+def test_without_an_earlier_result_nothing_is_said_to_stay(tmp_path):
+    (outcome,) = run_folder_tasks([Unreachable(3)], tmp_path, ALONE)
+    assert outcome.reason.endswith("no such file")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_result_that_another_run_is_making_anew_stays(tmp_path):

@@ -141,6 +141,15 @@ def test_only_broken_recordings_are_an_error(tmp_path, run):
     assert "none of the 1 recordings could be surveyed" in said
 
 
+def test_a_mistyped_topic_leaves_an_earlier_map_and_says_so(surveyed, dives, run, tmp_path):
+    output = shutil.copytree(surveyed, tmp_path / "out")
+    before = (output / "events.csv").read_bytes()
+    code, said = run("survey", *dives, "--output", output, "--resume", "--topic", "/camera/imge")
+    assert code == USER_ERROR
+    assert "the earlier map in" in said and "is as it was" in said
+    assert (output / "events.csv").read_bytes() == before
+
+
 def test_pictures_are_thinned_as_asked(tmp_path, dives, run):
     code, said = run("survey", dives[0], "--output", tmp_path / "out", "--most-rate", 2)
     assert code == 0

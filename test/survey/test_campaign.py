@@ -164,7 +164,7 @@ def test_a_kept_dive_whose_frames_are_damaged_is_a_row_that_failed(surveyed, tmp
     result = run_survey(surveyed[2], output, SurveySettings(), ALONE, resume=True)
     assert result.outcomes[0].state is TaskState.KEPT and not result.routes
     assert "survey the recording again" in result.rows[0].state
-    assert "survey the recording again" in (output / "report.html").read_text()
+    assert result.is_earlier_map_kept
 
 
 def test_earlier_dives_that_are_not_named_again_are_told(bag, surveyed, tmp_path):
@@ -232,3 +232,33 @@ def test_a_dive_whose_name_is_no_utf8_is_surveyed_and_named_in_all_files(bag, tm
     result = run_survey([dive, broken], output, SurveySettings(pictures=False), ALONE)
     assert [row.name for row in result.rows] == ["dive\\xe9", "broken\\xe9.mcap"]
     assert "dive\\xe9" in (output / "report.html").read_text(encoding="utf-8")
+
+
+def contents(folder):
+    return {
+        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+def test_a_mistyped_option_takes_neither_results_nor_map_away(bag, tmp_path):
+    output = tmp_path / "map"
+    run_survey([bag], output, SurveySettings(), ALONE)
+    before = contents(output)
+    mistyped = SurveySettings(ForwardSettings(topic="/camera/imge"))
+    result = run_survey([bag], output, mistyped, ALONE, resume=True)
+    assert [outcome.state for outcome in result.outcomes] == [TaskState.FAILED]
+    assert result.is_earlier_map_kept and not result.routes
+    assert contents(output) == before
+    again = run_survey([bag], output, SurveySettings(), ALONE, resume=True)
+    assert [outcome.state for outcome in again.outcomes] == [TaskState.KEPT]
+    assert not again.is_earlier_map_kept
+
+
+def test_a_survey_of_broken_recordings_alone_has_a_report(tmp_path):
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(b"no bag")
+    for _ in range(2):
+        result = run_survey([broken], tmp_path / "map", SurveySettings(), ALONE)
+        assert not result.is_earlier_map_kept
+        assert "broken.mcap" in (tmp_path / "map/report.html").read_text()
+        (tmp_path / "map/report.html").unlink()
