@@ -29,6 +29,7 @@ from cable_tracker.commands.options.campaigns import (
     WorkersOption,
     chosen_cluster,
     seeds_from,
+    whole_path,
 )
 from cable_tracker.commands.options.common import (
     ForceOption,
@@ -147,7 +148,8 @@ def evaluate(  # noqa: PLR0917
     numbers = seeds_from(seeds, first_seed)
     chosen = None
     if source is not None:
-        chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+        path, labels = whole_path(source), whole_path(truth)
+        chosen = ChosenRecording(path, topic, rate, labels, skip_bad_frames, allow_outside)
     if targets:
         tuned = tuned_targets(params)
         followed = TargetCampaign(

@@ -40,6 +40,7 @@ from cable_tracker.commands.options.campaigns import (
     SchedulerOption,
     chosen_cluster,
     seeds_from,
+    whole_path,
 )
 from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
 from cable_tracker.errors import ParameterError
@@ -153,7 +154,7 @@ def loop(  # noqa: PLR0917
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     arguments = _shared_arguments(request, detector, params)
-    files = _files_of(params)
+    files = _files_of(params, scheduler)
     tasks = [LoopTask(method, each, arguments, files) for method in methods for each in chosen]
     path = output if output is not None else Path("loop_runs")
     _run_several(tasks, path, cluster, force=force, resume=resume)
@@ -165,12 +166,23 @@ def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dic
     return values | {"seed": seed} | ({"detector": detector} if detector is not None else {})
 
 
-def _files_of(params: Path | None) -> tuple[Path, ...]:
-    """Return a parameter file and the response table that it names."""
+def _files_of(params: Path | None, scheduler: str | None) -> tuple[Path, ...]:
+    """Return a parameter file and the response table that it names.
+
+    Raises
+    ------
+    ParameterError
+        Each worker of a scheduler would look for the table in the folder where it was started.
+    """
     if params is None:
         return ()
-    table = read_parameter_file(params).get("response_table")
-    return (params, *([Path(str(table))] if table else []))
+    name = str(read_parameter_file(params).get("response_table") or "")
+    if scheduler is not None and name and not Path(name).is_absolute():
+        raise ParameterError(
+            f"response_table: {params} names {name}, which workers elsewhere would not find; give"
+            f" its whole path, {whole_path(Path(name))}"
+        )
+    return tuple(map(whole_path, [params, *([Path(name)] if name else [])]))
 
 
 def _shared_arguments(

@@ -19,6 +19,8 @@ from cable_tracker.commands.options.campaigns import (
     ResumeOption,
     SchedulerOption,
     chosen_cluster,
+    whole_path,
+    with_whole_paths,
 )
 from cable_tracker.commands.options.common import (
     AltitudeOption,
@@ -95,14 +97,15 @@ def survey(  # noqa: PLR0917
     Each recording is tracked forwards and smoothed backwards; dives over the same cable are merged.
     """
     values = read_parameter_file(params) if params is not None else {}
+    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
     forward = ForwardSettings(
-        parameters=chosen_parameters(preset_name.value if preset_name else None, values, seed),
+        parameters=with_whole_paths(parameters),
         topic=topic,
         rate=rate,
         choice=chosen_instruments(
             camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
         ),
-        vehicle=vehicle.resolve() if vehicle is not None else None,
+        vehicle=whole_path(vehicle),
         most_rate=most_rate,
     )
     limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)

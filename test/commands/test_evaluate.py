@@ -203,3 +203,23 @@ def test_a_malformed_line_of_the_truth_is_named(command, labels, tmp_path):
     code, _, messages = command("evaluate", "--source", labels, "--output", tmp_path / "out")
     assert code == 2
     assert f"line {len(labels.read_text().splitlines())} is malformed" in messages
+
+
+def test_what_a_worker_is_sent_does_not_depend_on_where_it_was_started(
+    monkeypatch, command, labels, tmp_path
+):
+    sent = []
+    monkeypatch.setattr(
+        "cable_tracker.commands.evaluate.evaluate_cables",
+        lambda campaign, *_args, **_options: sent.append(campaign),
+    )
+    monkeypatch.chdir(tmp_path)
+    source = labels.relative_to(tmp_path)
+    code, _, _ = command(
+        "evaluate", "--source", source, "--truth", source, "-p", "response_table=table.json"
+    )
+    assert code == 0
+    (campaign,) = sent
+    assert [each.path for each in campaign.sequences] == [labels]
+    assert [each.truth for each in campaign.sequences] == [labels]
+    assert campaign.filters[0].parameters.response_table == str(tmp_path / "table.json")

@@ -145,3 +145,12 @@ def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
     with pytest.raises(OutputError):
         _run_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
     assert (tmp_path / "out.tasks" / "default_0").is_dir()
+
+
+def test_a_table_that_workers_elsewhere_would_not_find_is_refused(command, tmp_path):
+    (tmp_path / "mine.yaml").write_text("response_table: table.json\n")
+    code, _, error = command(
+        "loop", "--seeds", 2, "--params", "mine.yaml", "--scheduler", "tcp://127.0.0.1:9"
+    )
+    assert code == 2
+    assert f"give its whole path, {tmp_path / 'table.json'}" in error

@@ -150,6 +150,20 @@ def test_a_mistyped_topic_leaves_an_earlier_map_and_says_so(surveyed, dives, run
     assert (output / "events.csv").read_bytes() == before
 
 
+def test_what_a_worker_is_sent_does_not_depend_on_where_it_was_started(monkeypatch, tmp_path, run):
+    sent = []
+
+    def note(paths, output, settings, *_args, **_options):
+        sent.append(settings)
+        raise ParameterError("that will do")
+
+    monkeypatch.setattr("cable_tracker.commands.survey.run_survey", note)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text("response_table: table.json\n")
+    run("survey", "dive", "--output", "map", "--params", "mine.yaml")
+    assert sent[0].forward.parameters.response_table == str(tmp_path / "table.json")
+
+
 def test_pictures_are_thinned_as_asked(tmp_path, dives, run):
     code, said = run("survey", dives[0], "--output", tmp_path / "out", "--most-rate", 2)
     assert code == 0

@@ -19,6 +19,7 @@ from cable_tracker.commands.console.terminal import (
     print_files,
     progress_bar,
 )
+from cable_tracker.commands.options.campaigns import with_whole_paths
 from cable_tracker.commands.options.parameters import chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
@@ -76,7 +77,7 @@ def tuned_filters(
     """
     more = given_values(None, words)
     if table is not None:
-        more["response_table"] = str(table.resolve())
+        more["response_table"] = str(table)
     if not (files or more):
         return ()
     given = {file.stem: given_values(file, None) for file in files or ()} or {"tuned": {}}
@@ -86,7 +87,7 @@ def tuned_filters(
             f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
         )
     return tuple(
-        ConfiguredFilter(name, chosen_parameters(None, values | more, None))
+        ConfiguredFilter(name, with_whole_paths(chosen_parameters(None, values | more, None)))
         for name, values in given.items()
     )
 

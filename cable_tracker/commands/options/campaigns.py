@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, overload
 
 import typer
 
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.campaigns.settings import DASHBOARD, LARGEST_WORKER_COUNT, ClusterSettings
 from cable_tracker.commands.console.terminal import messages
 from cable_tracker.errors import ParameterError
@@ -64,6 +66,26 @@ def chosen_cluster(
 
 def _say_where(dashboard: str) -> None:
     messages.print(f"Dask's pages: {dashboard}", soft_wrap=True)
+
+
+@overload
+def whole_path(path: Path) -> Path: ...
+@overload
+def whole_path(path: None) -> None: ...
+def whole_path(path: Path | None) -> Path | None:
+    """Return a path as workers find it too, which may have been started in other folders.
+
+    Links stay links: their names are those that the user knows.
+    """
+    return path.absolute() if path is not None else None
+
+
+def with_whole_paths(parameters: TrackerParameters) -> TrackerParameters:
+    """Return parameters that name their files as workers find them too; see `whole_path`."""
+    if not parameters.response_table:
+        return parameters
+    table = whole_path(Path(parameters.response_table))
+    return parameters.replaced({"response_table": str(table)})
 
 
 def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:

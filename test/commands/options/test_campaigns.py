@@ -1,7 +1,15 @@
+from pathlib import Path
+
 import pytest
 
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import LARGEST_WORKER_COUNT
-from cable_tracker.commands.options.campaigns import MEMORY, chosen_cluster
+from cable_tracker.commands.options.campaigns import (
+    MEMORY,
+    chosen_cluster,
+    whole_path,
+    with_whole_paths,
+)
 from cable_tracker.errors import ParameterError
 
 
@@ -26,3 +34,12 @@ def test_the_address_of_the_pages_is_said_when_it_is_known(capsys):
     assert capsys.readouterr().err == ""
     settings.tell_dashboard("http://127.0.0.1:8787/status")
     assert capsys.readouterr().err == "Dask's pages: http://127.0.0.1:8787/status\n"
+
+
+def test_workers_in_other_folders_are_told_the_whole_paths(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    parameters = preset("default").replaced({"response_table": "mine/table.json"})
+    assert with_whole_paths(parameters).response_table == str(tmp_path / "mine/table.json")
+    assert with_whole_paths(preset("default")) == preset("default")
+    assert whole_path(Path("../dive")) == tmp_path / "../dive"
+    assert whole_path(None) is None
