@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -87,6 +87,56 @@ def _local(settings: ClusterSettings) -> LocalCluster:
 def version_here() -> str:
     """Return the version of this package in this process."""
     return __version__
+
+
+class OtherVersions:
+    """Workers of another version that come while a campaign runs.
+
+    Parameters
+    ----------
+    client : Client
+        The campaign's.
+    version : str
+        Version of the campaign.
+    tell : callable
+        Told of each worker that is retired.
+
+    Attributes
+    ----------
+    has_retired : bool
+        Whether a worker was retired.
+    """
+
+    def __init__(self, client: Client, version: str, tell: Callable[[str], None]) -> None:
+        self._client, self._version, self._tell = client, version, tell
+        self.has_retired = False
+
+    def retire(self) -> bool:
+        """Retire such workers; tell whether one of the right version is left, else retire none.
+
+        A worker that refuses a task is free for the next one at once: left alone it would take
+        whatever the others have not begun.
+        """
+        found = self._client.run(version_here, on_error="return")
+        if self._version not in found.values():
+            return False
+        # What cannot be reached now is no worker of another version.
+        others = {
+            address: f"has cable_tracker {version}"
+            if isinstance(version, str)
+            else "cannot load it"
+            for address, version in found.items()
+            if version != self._version and isinstance(version, str | ImportError | AttributeError)
+        }
+        if others:
+            self._client.retire_workers(list(others))
+            self.has_retired = True
+        for address, what in others.items():
+            self._tell(
+                f"the worker at {address} {what}, the campaign {self._version}; it is retired, and"
+                " the others do its tasks; install one version on all workers"
+            )
+        return True
 
 
 def check_versions(client: Client) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -13,7 +14,7 @@ from distributed import Client, as_completed, get_worker
 from distributed.scheduler import KilledWorker
 
 from cable_tracker import __version__
-from cable_tracker.campaigns.cluster import connected
+from cable_tracker.campaigns.cluster import OtherVersions, connected
 from cable_tracker.campaigns.folder_tasks import (
     FolderTask,
     Outcome,
@@ -33,6 +34,9 @@ PROGRESS = "cable_tracker progress"
 
 TELL_EVERY = 0.5
 """Workers tell no more often [s]."""
+
+MOST_REFUSALS = 3
+"""Number of times that a task is given to the workers anew; each time others have come between."""
 
 Result = TypeVar("Result")
 
@@ -66,6 +70,14 @@ class _Done(NamedTuple):
     fingerprint: str = ""
 
 
+class _Ended(NamedTuple):
+    """A task that has ended: its number, and its result, or what was raised."""
+
+    number: int
+    result: Any
+    error: BaseException | None
+
+
 def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) -> _Done:
     """Do a task in a worker."""
     if version != __version__:
@@ -79,11 +91,12 @@ def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) ->
     return _Done("", teller.total, fingerprint)
 
 
+REFUSAL = "the worker has cable_tracker "
+"""Beginning of what a worker of another version says of each task. All versions say it so."""
+
+
 def _other_version(version: str) -> str:
-    return (
-        f"the worker has cable_tracker {__version__}, the campaign {version}; install one version"
-        " on all workers"
-    )
+    return f"{REFUSAL}{__version__}, the campaign {version}; install one version on all workers"
 
 
 def run_folder_tasks(
@@ -150,7 +163,8 @@ def run_folder_tasks(
             end(_do_here(task, root, advance))
     elif left:
         with connected(settings) as client:
-            _run_on(client, left, root, (advance, end))
+            others = OtherVersions(client, __version__, settings.tell)
+            _run_on(client, others, left, root, (advance, end))
     return [outcomes[name] for name in names]
 
 
@@ -174,6 +188,7 @@ def _failed(name: str, root: Path, reason: str) -> Outcome:
 
 def _run_on(
     client: Client,
+    others: OtherVersions,
     tasks: Sequence[FolderTask],
     root: Path,
     tell: tuple[Callable[[int], None], Callable[[Outcome], None]],
@@ -182,39 +197,63 @@ def _run_on(
     progress = _Progress(advance)
     place = str(root.resolve())
     calls = [(task, number, place, __version__) for number, task in enumerate(tasks)]
-    with closing(_as_they_end(client, _folder_in_worker, calls, progress)) as ended:
-        for number, future in ended:
-            outcome, total = _outcome(future, tasks[number].name, root)
-            progress.end(number, total)
+    with closing(_as_they_end(client, others, _folder_in_worker, calls, progress)) as ended:
+        for each in ended:
+            outcome, total = _outcome(each, tasks[each.number].name, root)
+            progress.end(each.number, total)
             end(outcome)
 
 
 def _as_they_end(
     client: Client,
+    others: OtherVersions,
     work: Callable[..., Any],
     calls: Sequence[tuple[Any, ...]],
     progress: _Progress,
-) -> Generator[tuple[int, Any]]:
-    """Call `work` with each tuple of arguments; yield number and future of each that has ended.
+) -> Generator[_Ended]:
+    """Call `work` with each tuple of arguments; yield each that has ended.
 
-    When the generator is closed, what has not ended is given up.
+    What a worker of another version has refused is done by others, as long as there are any. When
+    the generator is closed, what has not ended is given up.
     """
     client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
     futures = {
         client.submit(work, *arguments, pure=False): number
         for number, arguments in enumerate(calls)
     }
+    refusals: Counter[int] = Counter()
+    ended = as_completed(futures)
     try:
-        for future in as_completed(futures):
-            yield futures[future], future
+        for future in ended:
+            number, error = futures[future], future.exception()
+            each = _Ended(number, None if error is not None else future.result(), error)
+            if refusals[number] < MOST_REFUSALS and _is_for_others(each, others):
+                refusals[number] += 1
+                again = client.submit(work, *calls[number], pure=False)
+                futures[again] = number
+                ended.add(again)
+            else:
+                yield each
     finally:
         client.cancel(list(futures))
         client.unsubscribe_topic(PROGRESS)
 
 
-def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa: ANN401
-    """Return what came of a future, which has no type, and how many frames it had."""
-    error = future.exception()
+def _is_for_others(ended: _Ended, others: OtherVersions) -> bool:
+    """Tell whether a task has failed for its worker's version, and another worker may do it."""
+    error = ended.error
+    reason = str(error) if error is not None else ended.result[0]
+    if isinstance(reason, str) and reason.startswith(REFUSAL):
+        return others.retire()
+    # A version that is far away may not even be able to read the task.
+    if error is None or isinstance(error, KilledWorker | CableTrackerError):
+        return False
+    return others.retire() and others.has_retired
+
+
+def _outcome(ended: _Ended, name: str, root: Path) -> tuple[Outcome, int]:
+    """Return what came of a task, and how many frames it had."""
+    error = ended.error
     if isinstance(error, KilledWorker):
         done = _Done(
             "its worker was ended several times, perhaps for want of memory; give more memory", 0
@@ -223,7 +262,7 @@ def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa
         done = _Done(_unexpected(error), 0)
     else:
         # One of an earlier version, which came late, tells less.
-        done = _Done(*future.result())
+        done = _Done(*ended.result)
     reason = done.reason
     # An earlier result may lie here, where a worker has put its own elsewhere.
     if not reason and not is_marked(root / name, done.fingerprint, __version__):
@@ -286,12 +325,20 @@ def run_on_cluster(
     calls = [(task, number, __version__, store) for number, task in enumerate(tasks)]
     with (
         connected(settings.cluster) as client,
-        closing(_as_they_end(client, _result_in_worker, calls, progress)) as ended,
+        closing(
+            _as_they_end(
+                client,
+                OtherVersions(client, __version__, settings.cluster.tell),
+                _result_in_worker,
+                calls,
+                progress,
+            )
+        ) as ended,
     ):
-        for number, future in ended:
-            _raise_what_stopped(future.exception())
-            results[number], total = future.result()
-            progress.end(number, total)
+        for each in ended:
+            _raise_what_stopped(each.error)
+            results[each.number], total = each.result
+            progress.end(each.number, total)
     return [results[number] for number in range(len(tasks))]
 
 

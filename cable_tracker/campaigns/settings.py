@@ -14,7 +14,7 @@ DASHBOARD = "127.0.0.1:8787"
 """Address at which Dask serves its pages, if it is asked to."""
 
 
-def _say_nothing(_address: str) -> None:
+def _say_nothing(_text: str) -> None:
     pass
 
 
@@ -34,6 +34,8 @@ class ClusterSettings:
         Serve Dask's pages at `DASHBOARD`.
     tell_dashboard : callable
         Told the address of Dask's pages once they are served.
+    tell : callable
+        Told what the user should know of the workers.
 
     Raises
     ------
@@ -46,6 +48,7 @@ class ClusterSettings:
     memory: str = "4 GiB"
     dashboard: bool = False
     tell_dashboard: Callable[[str], None] = field(default=_say_nothing, repr=False, compare=False)
+    tell: Callable[[str], None] = field(default=_say_nothing, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not 1 <= self.workers <= LARGEST_WORKER_COUNT:

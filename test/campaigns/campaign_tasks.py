@@ -105,3 +105,10 @@ def done_elsewhere(task: Square, *_arguments: object) -> object:
 def of_an_earlier_version(*_arguments: object) -> tuple[str, int]:
     """Stand for a worker whose version came before fingerprints were told."""
     return "the worker has cable_tracker 0.1", 0
+
+
+def become_another_version() -> None:
+    """Make a worker process one of another version of the package."""
+    from cable_tracker.campaigns import cluster, runner  # noqa: PLC0415
+
+    cluster.__version__ = runner.__version__ = "0.0.9"

@@ -21,6 +21,7 @@ from campaign_tasks import (  # noqa: E402
     Square,
     SquareResult,
     Unreachable,
+    become_another_version,
     done_elsewhere,
     of_an_earlier_version,
 )
@@ -50,6 +51,24 @@ def cluster():
             yield running
     finally:
         os.environ["PYTHONPATH"] = before
+
+
+@pytest.fixture
+def mixed(monkeypatch):
+    """Two worker processes, one of them of another version, which came after a campaign began."""
+    monkeypatch.setenv("PYTHONPATH", f"{HERE}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
+    monkeypatch.setattr("cable_tracker.campaigns.cluster.check_versions", lambda _client: None)
+    with (
+        LocalCluster(
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+            silence_logs=50,
+        ) as running,
+        Client(running) as client,
+    ):  # fmt: skip
+        late = next(iter(client.run(os.getpid)))
+        client.run(become_another_version, workers=[late])
+        told = []
+        yield ClusterSettings(scheduler=running.scheduler_address, tell=told.append), late, told
 
 
 @pytest.fixture
@@ -257,6 +276,21 @@ def test_a_worker_of_another_version_that_comes_later_does_nothing(both, tmp_pat
     outcomes = run_folder_tasks([Square(1), Square(2)], tmp_path, both)
     assert states(outcomes) == [TaskState.FAILED] * 2
     assert "install one version" in outcomes[0].reason
+
+
+def test_a_worker_of_another_version_that_comes_later_takes_no_tasks_from_the_others(
+    mixed, tmp_path
+):
+    settings, late, told = mixed
+    outcomes = run_folder_tasks([Square(n) for n in range(12)], tmp_path, settings)
+    assert states(outcomes) == [TaskState.DONE] * 12
+    (note,) = told
+    assert late in note and "0.0.9" in note and "retired" in note
+
+
+def test_results_are_sent_back_by_the_others_too(mixed):
+    results = run_all([SquareResult(n) for n in range(12)], workers=CampaignSettings(mixed[0]))
+    assert results == [n * n for n in range(12)]
 
 
 def test_no_scheduler_is_said(tmp_path, monkeypatch):

@@ -61,7 +61,7 @@ def chosen_cluster(
             "dashboard: one worker needs no Dask, which would serve it; give --workers 2 or more,"
             " or leave out --dashboard"
         )
-    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where)
+    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where, _note)
 
 
 def _say_where(dashboard: str) -> None:
@@ -86,6 +86,10 @@ def with_whole_paths(parameters: TrackerParameters) -> TrackerParameters:
         return parameters
     table = whole_path(Path(parameters.response_table))
     return parameters.replaced({"response_table": str(table)})
+
+
+def _note(text: str) -> None:
+    messages.print(f"note: {text}", soft_wrap=True)
 
 
 def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
