@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 import sys
 from collections.abc import Mapping
@@ -14,6 +15,7 @@ from cable_tracker import __version__
 from cable_tracker.commands.console.lazy_group import LazyGroup, with_optional_hints
 from cable_tracker.commands.console.stop_signals import Stopped, StopSignals
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
+from cable_tracker.printable import encodable
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -52,6 +54,9 @@ and function of each, or what holds further commands."""
 COMMANDS: Mapping[str, str] = MappingProxyType(
     {name: place for group in GROUPS.values() for name, place in group.items()}
 )
+
+IN_ANY_LOCALE = "cable_tracker.in_any_locale"
+"""Name under which Python knows `encodable`."""
 
 FORMER_NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -108,10 +113,11 @@ def _say(text: str, style: str | None = None) -> None:
     messages.print(text, style=style, soft_wrap=True)
 
 
-def _print_any_name() -> None:
-    """Print names of files that are not UTF-8 as `ls` does, byte for byte, in every locale."""
+def _print_in_any_locale() -> None:
+    """Print names of files byte for byte, as `ls` does, and what a locale lacks as numbers."""
+    codecs.register_error(IN_ANY_LOCALE, encodable)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="surrogateescape")
+        sys.stdout.reconfigure(errors=IN_ANY_LOCALE)
 
 
 def main() -> None:
@@ -122,7 +128,7 @@ def main() -> None:
     """
     signals = StopSignals()
     signals.install()
-    _print_any_name()
+    _print_in_any_locale()
     try:
         app()
     except CableTrackerError as error:

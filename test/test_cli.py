@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import os
 import signal
 import subprocess
 import sys
@@ -586,6 +587,31 @@ def test_names_that_are_not_utf_8_are_printed_byte_for_byte(monkeypatch):
     cli.main()
     out.flush()
     assert out.buffer.getvalue() == b"Tauchg\xe4nge\n"
+
+
+@pytest.mark.parametrize(
+    ("encoding", "printed"),
+    [
+        ("utf-8", "α in ° of Tauchg".encode()),
+        ("latin-1", b"\\u03b1 in \xb0 of Tauchg"),
+        ("ascii", b"\\u03b1 in \\xb0 of Tauchg"),
+    ],
+)
+def test_what_an_encoding_lacks_is_printed_as_a_number(monkeypatch, encoding, printed):
+    out = io.TextIOWrapper(io.BytesIO(), encoding)
+    monkeypatch.setattr("sys.stdout", out)
+    monkeypatch.setattr(cli, "app", lambda: print("α in ° of Tauchg\udce4nge"))
+    cli.main()
+    out.flush()
+    assert out.buffer.getvalue() == printed + b"\xe4nge\n"
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+def test_units_are_printed_in_every_locale(encoding):
+    words = [sys.executable, "-m", "cable_tracker.cli", "parameters"]
+    environment = {**os.environ, "PYTHONIOENCODING": encoding}
+    printed = subprocess.run(words, capture_output=True, env=environment, check=True)
+    assert b"px" in printed.stdout and not printed.stderr
 
 
 def test_an_error_is_told_with_what_is_kept(run, monkeypatch):
