@@ -3,6 +3,8 @@ from __future__ import annotations
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 from contextlib import closing, suppress
 
 import pytest
@@ -95,3 +97,52 @@ def test_a_database_with_a_suffix_in_upper_case_is_checked_too(tmp_path):
         database.execute("CREATE VIEW messages AS SELECT 1")
     with pytest.raises(RecordingError, match="views"):
         open_source(path)
+
+
+WITHOUT_UTF8 = {
+    **os.environ,
+    "LC_ALL": "C",
+    "PYTHONUTF8": "0",
+    "PYTHONCOERCECLOCALE": "0",
+}
+
+
+def run_without_utf8(program, path):
+    """Run a program in a locale without UTF-8; return what it prints."""
+    words = [sys.executable, "-c", program, os.fsencode(path)]
+    done = subprocess.run(words, env=WITHOUT_UTF8, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode(errors="replace")
+    return done.stdout.decode().split()
+
+
+READ = """
+import sys
+from pathlib import Path
+from cable_tracker.sequences.bags.bag import BagSource
+print(len(list(BagSource(Path(sys.argv[1])).frames())))
+"""
+
+WRITE = """
+import sys
+from pathlib import Path
+from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.typestores import typestore
+with BagWriter(Path(sys.argv[1]), "STORAGE") as bag:
+    text = typestore().types["std_msgs/msg/String"]("x")
+    bag.write("/note", "std_msgs/msg/String", text, 1)
+"""
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_bag_is_read_where_the_locale_is_not_utf_8(make_bag, storage):
+    assert run_without_utf8(READ, make_bag("über", storage=storage)) == ["5"]
+
+
+@pytest.mark.parametrize("name", ["über", os.fsdecode(b"\xfcber")])
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_bag_that_was_written_where_the_locale_is_not_utf_8_is_read_elsewhere(
+    tmp_path, storage, name
+):
+    path = tmp_path / name
+    run_without_utf8(WRITE.replace("STORAGE", storage), path)
+    assert len(list(open_storage(path).messages(["/note"]))) == 1
