@@ -55,7 +55,7 @@ def survey(  # noqa: PLR0917
         str | None,
         typer.Option(
             help="Latitude,longitude of the local frame's origin in degrees."
-            "  [default: the first fix]"
+            "  [default: with --resume that of the earlier results, else the first fix]"
         ),
     ] = None,
     resume: ResumeOption = False,

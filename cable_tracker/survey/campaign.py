@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,7 +29,12 @@ from cable_tracker.sequences.recording_files import recording_files
 from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
-from cable_tracker.survey.outputs.surveyed_dive import SurveyedDive, read_surveyed
+from cable_tracker.survey.outputs.surveyed_dive import (
+    Origin,
+    SurveyedDive,
+    read_origin,
+    read_surveyed,
+)
 from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
 from cable_tracker.survey.routes.merging import MergedRoute, merge
 
@@ -143,9 +149,10 @@ def run_survey(
 ) -> SurveyResult:
     """Survey recordings, merge their routes, and write everything into a folder.
 
-    Without a datum the first fix of the first recording that has one is taken. Recordings that
-    cannot be laid on the earth keep routes of their own. Where no recording can be surveyed, an
-    earlier map stays.
+    Without a datum that of earlier results is taken, where these are kept: with another one they
+    would all have to be made anew. Else it is the first fix of the first recording that has one.
+    Recordings that cannot be laid on the earth keep routes of their own. Where no recording can be
+    surveyed, an earlier map stays.
 
     Raises
     ------
@@ -154,13 +161,15 @@ def run_survey(
     OutputError
         The folder cannot be written.
     """
-    datum = settings.datum or find_datum(paths, settings.forward)
+    root = output / RECORDINGS
+    earlier = _origins_in(root) if resume else {}
+    datum = settings.datum or _usual_datum(earlier.values())
+    datum = datum or find_datum(paths, settings.forward)
     settings = replace(settings, datum=datum)
     names = names_of(paths)
     tasks = [
         SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)
     ]
-    root = output / RECORDINGS
 
     def finished() -> int:
         return sum(is_done(task, root / task.name, __version__) for task in tasks)
@@ -168,6 +177,22 @@ def run_survey(
     with saying_what_stays(root, finished):
         outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
         return _put_together(output, outcomes, datum)
+
+
+def _origins_in(root: Path) -> dict[str, Origin]:
+    """Return of what the earlier results in a folder are, as far as they say so, by their names."""
+    if not root.is_dir():
+        return {}
+    found = {
+        folder.name: read_origin(folder) for folder in sorted(root.iterdir()) if is_result(folder)
+    }
+    return {name: origin for name, origin in found.items() if origin is not None}
+
+
+def _usual_datum(origins: Iterable[Origin]) -> tuple[float, float] | None:
+    """Return the datum of most earlier results [deg]; None: they have none."""
+    counts = Counter(origin.datum for origin in origins if origin.datum is not None)
+    return counts.most_common(1)[0][0] if counts else None
 
 
 def _put_together(

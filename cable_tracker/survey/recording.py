@@ -28,7 +28,7 @@ from cable_tracker.survey.navigation.georeference import Georeference, georefere
 from cable_tracker.survey.navigation.poses import Poses, joined_poses, poses_of_rows
 from cable_tracker.survey.outputs.frames import FRAMES, write_frames
 from cable_tracker.survey.outputs.pictures import write_pictures
-from cable_tracker.survey.outputs.surveyed_dive import SurveyedDive, write_summary
+from cable_tracker.survey.outputs.surveyed_dive import Origin, SurveyedDive, write_summary
 from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
 from cable_tracker.survey.routes.merging import PlacedRoute
@@ -144,7 +144,7 @@ def survey_recording(
         surveyed, course = analyse(dive, settings)
         try:
             write_frames(folder / FRAMES, surveyed.name, dive, course)
-            write_summary(folder, surveyed)
+            write_summary(folder, surveyed, Origin(path.resolve(), settings.datum))
             if settings.pictures:
                 write_pictures(recording, folder / PICTURES, surveyed)
         except OSError as error:

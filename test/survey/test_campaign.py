@@ -1,6 +1,7 @@
 import csv
 import os
 import shutil
+from dataclasses import replace
 
 import pytest
 from rewriting import rewritten
@@ -13,7 +14,7 @@ from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import SurveyTask, holds_survey, run_survey
 from cable_tracker.survey.frames.forward_pass import ForwardSettings
-from cable_tracker.survey.outputs.surveyed_dive import read_surveyed
+from cable_tracker.survey.outputs.surveyed_dive import read_origin, read_surveyed
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.routes.events import Limits
 
@@ -262,3 +263,46 @@ def test_a_survey_of_broken_recordings_alone_has_a_report(tmp_path):
         assert not result.is_earlier_map_kept
         assert "broken.mcap" in (tmp_path / "map/report.html").read_text()
         (tmp_path / "map/report.html").unlink()
+
+
+def states(result):
+    return [outcome.state for outcome in result.outcomes]
+
+
+@pytest.fixture(scope="module")
+def another(tmp_path_factory):
+    """A dive over the same cable whose first fix is another, and whose name sorts first."""
+    path = tmp_path_factory.mktemp("other_dives") / "a_dive"
+    dive = Simulated(length=3.0, rate=5.0, image_size=(160, 120), current=0.0, seed=2)
+    write_survey_bag(path, dive)
+    return path
+
+
+def test_a_dive_that_is_added_before_the_others_does_not_make_them_others(bag, another, tmp_path):
+    plain = SurveySettings(pictures=False)
+    run_survey([bag], tmp_path / "map", plain, ALONE)
+    both = run_survey([another, bag], tmp_path / "map", plain, ALONE, resume=True)
+    assert states(both) == [TaskState.DONE, TaskState.KEPT]
+    again = run_survey([another, bag], tmp_path / "map", plain, ALONE, resume=True)
+    assert states(again) == [TaskState.KEPT] * 2
+
+
+def test_a_datum_that_was_given_stays_until_another_is_given(bag, tmp_path):
+    output, given = tmp_path / "map", SurveySettings(datum=(54.2, 7.8), pictures=False)
+    run_survey([bag], output, given, ALONE)
+    plain = replace(given, datum=None)
+    assert states(run_survey([bag], output, plain, ALONE, resume=True)) == [TaskState.KEPT]
+    other = replace(given, datum=(54.3, 7.8))
+    assert states(run_survey([bag], output, other, ALONE, resume=True)) == [TaskState.DONE]
+    assert states(run_survey([bag], output, plain, ALONE)) == [TaskState.DONE]
+    assert read_origin(output / "recordings/dive").datum not in {given.datum, other.datum}
+
+
+@pytest.mark.parametrize(
+    "content", ["", "[]", "{}", '{"recording": 3, "datum": null}', '{"recording": "/a"}',
+                '{"recording": "/a", "datum": [1]}', '{"recording": "/a", "datum": "ab"}']
+)  # fmt: skip
+def test_results_that_do_not_say_of_what_they_are_have_no_origin(tmp_path, content):
+    assert read_origin(tmp_path) is None
+    (tmp_path / "dive.json").write_text(content)
+    assert read_origin(tmp_path) is None

@@ -6,7 +6,7 @@ import json
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import BadZipFile
 
 import numpy as np
@@ -56,7 +56,22 @@ class SurveyedDive:
     seconds: float
 
 
-def write_summary(folder: Path, surveyed: SurveyedDive) -> None:
+class Origin(NamedTuple):
+    """What the results of a recording are of.
+
+    Attributes
+    ----------
+    recording : Path
+        The whole path of the recording.
+    datum : (float, float) or None
+        Latitude and longitude of the local frame's origin [deg]; None: the frame of odometry.
+    """
+
+    recording: Path
+    datum: tuple[float, float] | None
+
+
+def write_summary(folder: Path, surveyed: SurveyedDive, origin: Origin) -> None:
     """Write what has come of a recording into its folder, for `read_surveyed`."""
     arrays: dict[str, Any] = {}
     for number, placed in enumerate(surveyed.routes):
@@ -68,6 +83,8 @@ def write_summary(folder: Path, surveyed: SurveyedDive) -> None:
     np.savez(folder / ROUTES, **arrays)
     content = {
         "name": surveyed.name,
+        "recording": str(origin.recording),
+        "datum": origin.datum,
         "on_earth": surveyed.on_earth,
         "notes": list(surveyed.notes),
         "frames": surveyed.frames,
@@ -103,6 +120,19 @@ def read_surveyed(folder: Path) -> SurveyedDive:
         raise RecordingError(
             f"{folder}: holds no surveyed dive ({error}); survey the recording again"
         ) from error
+
+
+def read_origin(folder: Path) -> Origin | None:
+    """Return what the results in a folder are of; None where they do not say so, or are damaged."""
+    try:
+        content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        recording, datum = content["recording"], content["datum"]
+        if datum is not None:
+            latitude, longitude = datum
+            datum = (float(latitude), float(longitude))
+        return Origin(Path(recording), datum)
+    except UNREADABLE:
+        return None
 
 
 def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -> PlacedRoute:  # noqa: ANN401
