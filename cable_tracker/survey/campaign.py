@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -114,8 +115,16 @@ def holds_survey(output: Path) -> bool:
     return not found or any(map(is_result, found))
 
 
-def names_of(paths: Sequence[Path]) -> list[str]:
+def names_of(paths: Sequence[Path], earlier: Mapping[str, Path] | None = None) -> list[str]:
     """Return what recordings are called: as their files, with the folder before where two agree.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The recordings.
+    earlier : mapping of str to Path or None
+        Whole paths of recordings by names that they have already: these they keep, and no other
+        recording gets one of them.
 
     Raises
     ------
@@ -126,15 +135,24 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     twice = sorted({str(path) for path in whole if whole.count(path) > 1})
     if twice:
         raise ParameterError(f"{', '.join(twice)} is given twice; leave one out")
-    names = short = [printable(path.name) for path in whole]
-    for depth in range(2, max(len(path.parts) for path in whole) + 1):
-        if len(set(names)) == len(names):
+    names: dict[Path, str] = {}
+    for name, recording in (earlier or {}).items():
+        if recording in whole:
+            names.setdefault(recording, name)
+    new = [path for path in whole if path not in names]
+    names |= zip(new, _new_names(new, set(earlier or ())), strict=True)
+    return [names[path] for path in whole]
+
+
+def _new_names(paths: Sequence[Path], taken: Set[str]) -> list[str]:
+    """Return a name for each whole path, none of which is taken or given twice."""
+    names = short = [printable(path.name) for path in paths]
+    agree = {name for name in short if name in taken or short.count(name) > 1}
+    for depth in range(2, max((len(path.parts) for path in paths), default=0) + 1):
+        if len(set(names)) == len(names) and taken.isdisjoint(names):
             break
-        long = [printable("_".join(path.parts[-depth:]).replace("/", "")) for path in whole]
-        names = [
-            folders if short.count(own) > 1 else own
-            for own, folders in zip(short, long, strict=True)
-        ]
+        long = [printable("_".join(path.parts[-depth:]).replace("/", "")) for path in paths]
+        names = [folders if own in agree else own for own, folders in zip(short, long, strict=True)]
     return names
 
 
@@ -151,8 +169,8 @@ def run_survey(
 
     Without a datum that of earlier results is taken, where these are kept: with another one they
     would all have to be made anew. Else it is the first fix of the first recording that has one.
-    Recordings that cannot be laid on the earth keep routes of their own. Where no recording can be
-    surveyed, an earlier map stays.
+    Recordings keep the names of their earlier results likewise. Those that cannot be laid on the
+    earth keep routes of their own. Where no recording can be surveyed, an earlier map stays.
 
     Raises
     ------
@@ -166,7 +184,7 @@ def run_survey(
     datum = settings.datum or _usual_datum(earlier.values())
     datum = datum or find_datum(paths, settings.forward)
     settings = replace(settings, datum=datum)
-    names = names_of(paths)
+    names = names_of(paths, _names_in_use(earlier, paths))
     tasks = [
         SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)
     ]
@@ -176,7 +194,7 @@ def run_survey(
 
     with saying_what_stays(root, finished):
         outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
-        return _put_together(output, outcomes, datum)
+        return _put_together(output, outcomes, datum, paths)
 
 
 def _origins_in(root: Path) -> dict[str, Origin]:
@@ -189,6 +207,19 @@ def _origins_in(root: Path) -> dict[str, Origin]:
     return {name: origin for name, origin in found.items() if origin is not None}
 
 
+def _names_in_use(earlier: Mapping[str, Origin], paths: Sequence[Path]) -> dict[str, Path]:
+    """Return the recordings of earlier results by their names.
+
+    One that is neither given nor where it was may have been moved, and be given under another path.
+    """
+    named = {path.resolve() for path in paths}
+    return {
+        name: origin.recording
+        for name, origin in earlier.items()
+        if origin.recording in named or os.path.lexists(origin.recording)
+    }
+
+
 def _usual_datum(origins: Iterable[Origin]) -> tuple[float, float] | None:
     """Return the datum of most earlier results [deg]; None: they have none."""
     counts = Counter(origin.datum for origin in origins if origin.datum is not None)
@@ -199,6 +230,7 @@ def _put_together(
     output: Path,
     outcomes: Sequence[Outcome],
     datum: tuple[float, float] | None,
+    paths: Sequence[Path],
 ) -> SurveyResult:
     """Merge what has come of all recordings, and write it."""
     root = output / RECORDINGS
@@ -228,7 +260,7 @@ def _put_together(
         routes, names = _write_all(output, list(dives.values()), rows, datum)
     except OSError as error:
         raise write_failure(output, error) from error
-    left_out = _results_in(root) - {outcome.name for outcome in outcomes}
+    left_out = _results_of_others(root, paths) - {outcome.name for outcome in outcomes}
     return SurveyResult(routes, names, tuple(outcomes), tuple(rows), tuple(sorted(left_out)))
 
 
@@ -237,9 +269,15 @@ def _holds_map(output: Path) -> bool:
     return (output / FRAMES).is_file()
 
 
-def _results_in(root: Path) -> set[str]:
-    """Return the names of the recordings whose results lie in a folder."""
-    return {printable(folder.name) for folder in root.iterdir() if is_result(folder)}
+def _results_of_others(root: Path, paths: Sequence[Path]) -> set[str]:
+    """Return the names of results in a folder that are of none of some recordings."""
+    named = {path.resolve() for path in paths}
+    own = {name for name, origin in _origins_in(root).items() if origin.recording in named}
+    return {
+        printable(folder.name)
+        for folder in root.iterdir()
+        if is_result(folder) and folder.name not in own
+    }
 
 
 def _write_all(

@@ -2,6 +2,7 @@ import csv
 import os
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from rewriting import rewritten
@@ -12,7 +13,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
-from cable_tracker.survey.campaign import SurveyTask, holds_survey, run_survey
+from cable_tracker.survey.campaign import SurveyTask, holds_survey, names_of, run_survey
 from cable_tracker.survey.frames.forward_pass import ForwardSettings
 from cable_tracker.survey.outputs.surveyed_dive import read_origin, read_surveyed
 from cable_tracker.survey.recording import SurveySettings
@@ -306,3 +307,55 @@ def test_results_that_do_not_say_of_what_they_are_have_no_origin(tmp_path, conte
     assert read_origin(tmp_path) is None
     (tmp_path / "dive.json").write_text(content)
     assert read_origin(tmp_path) is None
+
+
+@pytest.fixture(scope="module")
+def days(bag, tmp_path_factory):
+    """Dives of one name, on two days."""
+    root = tmp_path_factory.mktemp("week")
+    return [shutil.copytree(bag, root / day / "dive") for day in ("monday", "tuesday")]
+
+
+def test_a_second_dive_of_the_same_name_leaves_the_first_its_own(days, tmp_path):
+    plain = SurveySettings(pictures=False)
+    run_survey(days[:1], tmp_path / "map", plain, ALONE)
+    both = run_survey(days, tmp_path / "map", plain, ALONE, resume=True)
+    assert [outcome.name for outcome in both.outcomes] == ["dive", "tuesday_dive"]
+    assert states(both) == [TaskState.KEPT, TaskState.DONE]
+    assert both.left_out == ()
+
+
+def test_a_dive_takes_no_results_of_another_one_of_its_name_away(days, tmp_path):
+    plain = SurveySettings(pictures=False)
+    run_survey(days[:1], tmp_path / "map", plain, ALONE)
+    second = run_survey(days[1:], tmp_path / "map", plain, ALONE, resume=True)
+    assert [outcome.name for outcome in second.outcomes] == ["tuesday_dive"]
+    assert second.left_out == ("dive",)
+
+
+def test_a_dive_that_was_moved_keeps_its_results(days, tmp_path):
+    plain = SurveySettings(pictures=False)
+    dive = shutil.copytree(days[0], tmp_path / "a/dive")
+    run_survey([dive], tmp_path / "map", plain, ALONE)
+    moved = dive.rename(tmp_path / "dive")
+    assert states(run_survey([moved], tmp_path / "map", plain, ALONE, resume=True)) == [
+        TaskState.KEPT
+    ]
+
+
+def test_earlier_results_of_a_named_dive_under_another_name_are_not_left_out(days, tmp_path):
+    plain = SurveySettings(pictures=False)
+    run_survey(days, tmp_path / "map", plain, ALONE)
+    alone = run_survey(days[:1], tmp_path / "map", plain, ALONE)
+    assert [outcome.name for outcome in alone.outcomes] == ["dive"]
+    assert alone.left_out == ("tuesday_dive",)
+
+
+def test_names_that_are_taken_are_not_given_again():
+    first, second = Path("/monday/dive"), Path("/tuesday/dive")
+    assert names_of([first, second]) == ["monday_dive", "tuesday_dive"]
+    assert names_of([first, second], {"dive": first}) == ["dive", "tuesday_dive"]
+    assert names_of([second], {"dive": first}) == ["tuesday_dive"]
+    assert names_of([first], {"dive": first, "monday_dive": first}) == ["dive"]
+    taken = {"dive": first, "tuesday_dive": Path("/a")}
+    assert names_of([Path("/week/tuesday/dive")], taken) == ["week_tuesday_dive"]
