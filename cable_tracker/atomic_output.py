@@ -43,13 +43,18 @@ def any_name(_name: str) -> bool:
     return True
 
 
-def _refuse_foreign_files(path: Path, is_own_name: Callable[[str], bool]) -> None:
-    """Raise OutputError if a folder that is to be replaced holds what was put there later."""
+def _foreign_files(path: Path, is_own_name: Callable[[str], bool]) -> list[str]:
+    """Return the names of what was put into a folder later, in order; hidden files do not count."""
     if path.is_symlink() or not path.is_dir():
-        return
+        return []
     # Hidden files are those of file managers.
     names = (each.name for each in path.iterdir() if not each.name.startswith("."))
-    foreign = sorted(name for name in names if not is_own_name(name))
+    return sorted(name for name in names if not is_own_name(name))
+
+
+def _refuse_foreign_files(path: Path, is_own_name: Callable[[str], bool]) -> None:
+    """Raise OutputError if a folder that is to be replaced holds what was put there later."""
+    foreign = _foreign_files(path, is_own_name)
     if foreign:
         more = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
         raise OutputError(
@@ -74,7 +79,10 @@ class PartialOutput:
         replaced.
     is_own_name : callable
         Tells by its name whether a file in an earlier folder was written with it. A folder with
-        others, which the user has put there, is not replaced.
+        others, which the user has put there, is not replaced. Those that are put there while the
+        new one is made are carried over into it.
+    carries_over : bool
+        Carry over also those that are there already, instead of refusing to replace the folder.
 
     Attributes
     ----------
@@ -95,7 +103,9 @@ class PartialOutput:
         overwrite: bool,
         is_ours: Callable[[Path], bool],
         is_own_name: Callable[[str], bool] = any_name,
+        carries_over: bool = False,
     ) -> None:
+        self._is_own_name = is_own_name
         if path.name in ("", ".."):
             raise OutputError(f"{path}: is no name for a new output; choose one")
         self.path = path
@@ -111,7 +121,8 @@ class PartialOutput:
                     f"{path}: is no earlier output of this kind and is not overwritten;"
                     " choose another name"
                 )
-            _refuse_foreign_files(path, is_own_name)
+            if not carries_over:
+                _refuse_foreign_files(path, is_own_name)
         self._lock: FolderLock | None = None
         try:
             self._take_partial()
@@ -146,7 +157,7 @@ class PartialOutput:
             _delete(left)
 
     def commit(self) -> None:
-        """Move the content into place.
+        """Move the content into place, and with it what the user has put there meanwhile.
 
         Raises
         ------
@@ -154,20 +165,37 @@ class PartialOutput:
             It cannot be moved; then it is removed, and what lay there before is left.
         """
         replaced = self._partial / ".replaced"
+        carried: list[tuple[Path, Path]] = []
         try:
             _write_through(self.content)
             if self.path.exists() or self.path.is_symlink():
                 self.path.rename(replaced)
+                self._carry_over(replaced, carried)
             self.content.rename(self.path)
         except BaseException as error:
             # A signal may come between the two, as well as an error.
             if replaced.exists() and not self.path.exists():
+                for here, there in carried:
+                    if there.exists() and not here.exists():
+                        there.rename(here)
                 replaced.rename(self.path)
             self.discard()
             if isinstance(error, OSError):
                 raise write_failure(self.path, error) from error
             raise
         self.discard()
+
+    def _carry_over(self, replaced: Path, carried: list[tuple[Path, Path]]) -> None:
+        """Move files that are not of this output into the new folder, and note from where to where.
+
+        Only here, once no name leads to the earlier folder any more, none can be added unseen.
+        """
+        for name in _foreign_files(replaced, self._is_own_name):
+            place = self.content / name
+            while place.exists():
+                place = place.with_name(f"{place.name}.earlier")
+            carried.append((replaced / name, place))
+            (replaced / name).rename(place)
 
     def discard(self) -> None:
         """Remove the content, and let other runs write to the path."""
@@ -221,6 +249,7 @@ def output_file(
     *,
     overwrite: bool,
     is_own_name: Callable[[str], bool] = any_name,
+    carries_over: bool = False,
 ) -> Iterator[Path]:
     """Give the name of a file to write, which appears at its path when the context ends well.
 
@@ -232,7 +261,7 @@ def output_file(
         Tells whether what lies there is of the same kind; nothing else is ever replaced.
     overwrite : bool
         Replace an earlier file of the kind.
-    is_own_name : callable
+    is_own_name, carries_over
         See `PartialOutput`; where it is a folder.
 
     Raises
@@ -240,7 +269,13 @@ def output_file(
     OutputError
         The path is taken, or the disk does not let us write.
     """
-    partial = PartialOutput(path, overwrite=overwrite, is_ours=is_ours, is_own_name=is_own_name)
+    partial = PartialOutput(
+        path,
+        overwrite=overwrite,
+        is_ours=is_ours,
+        is_own_name=is_own_name,
+        carries_over=carries_over,
+    )
     try:
         yield partial.content
         partial.commit()

@@ -13,6 +13,7 @@ from cable_tracker.atomic_output import (
     PartialOutput,
     any_name,
     atomic_file,
+    output_file,
     output_folder,
     write_bytes,
 )
@@ -121,6 +122,69 @@ def test_what_the_user_has_put_into_an_earlier_folder_is_not_lost(tmp_path):
         replace()
     assert (tmp_path / "out" / "tracker.yaml").read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def replacing(path: Path) -> PartialOutput:
+    """Begin a folder with a file `new`, in place of one with files `old` and `new`."""
+    path.mkdir()
+    (path / "old").touch()
+    own = {"old", "new"}.__contains__
+    folder = PartialOutput(path, overwrite=True, is_ours=always, is_own_name=own)
+    folder.content.mkdir()
+    (folder.content / "new").touch()
+    return folder
+
+
+def test_what_the_user_puts_into_an_earlier_folder_meanwhile_is_carried_over(tmp_path):
+    folder = replacing(tmp_path / "out")
+    (tmp_path / "out/notes.txt").write_text("an hour of thoughts")
+    (tmp_path / "out/photos").mkdir()
+    (tmp_path / "out/photos/1.jpg").touch()
+    folder.commit()
+    assert sorted(path.name for path in tmp_path.rglob("*")) == [
+        "1.jpg", "new", "notes.txt", "out", "photos",
+    ]  # fmt: skip
+    assert (tmp_path / "out/notes.txt").read_text() == "an hour of thoughts"
+
+
+def test_so_it_is_where_the_new_folder_has_a_file_of_that_name(tmp_path):
+    folder = replacing(tmp_path / "out")
+    (folder.content / "notes.txt").write_text("ours")
+    (tmp_path / "out/notes.txt").write_text("mine")
+    folder.commit()
+    assert (tmp_path / "out/notes.txt").read_text() == "ours"
+    assert (tmp_path / "out/notes.txt.earlier").read_text() == "mine"
+
+
+def test_what_was_put_there_stays_when_the_move_fails(tmp_path, monkeypatch):
+    folder = replacing(tmp_path / "out")
+    (tmp_path / "out/notes.txt").write_text("an hour of thoughts")
+    rename = Path.rename
+
+    def stop_at_the_new_one(self, target):
+        if self == folder.content:
+            raise KeyboardInterrupt
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", stop_at_the_new_one)
+    with pytest.raises(KeyboardInterrupt):
+        folder.commit()
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["notes.txt", "old", "out"]
+
+
+def test_a_folder_that_carries_files_over_is_not_refused_for_them(tmp_path):
+    (tmp_path / "out").mkdir()
+    for name in ("old", "notes.txt"):
+        (tmp_path / "out" / name).touch()
+    with output_file(
+        tmp_path / "out",
+        always,
+        overwrite=True,
+        is_own_name={"old"}.__contains__,
+        carries_over=True,
+    ) as folder:
+        folder.mkdir()
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["notes.txt", "out"]
 
 
 def test_a_folder_of_another_kind_is_never_replaced(tmp_path):

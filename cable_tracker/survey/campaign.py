@@ -12,6 +12,7 @@ from pathlib import Path
 from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file
 from cable_tracker.campaigns.folder_tasks import (
+    MARKER,
     Outcome,
     TaskState,
     fingerprint_of_files,
@@ -31,15 +32,20 @@ from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
 from cable_tracker.survey.outputs.surveyed_dive import (
+    ROUTES,
+    SUMMARY,
     Origin,
     SurveyedDive,
     read_origin,
     read_surveyed,
 )
-from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
+from cable_tracker.survey.recording import PICTURES, SurveySettings, find_datum, survey_recording
 from cable_tracker.survey.routes.merging import MergedRoute, merge
 
 RECORDINGS, REPORT = "recordings", "report.html"
+OWN_NAMES = frozenset({FRAMES, ROUTES, SUMMARY, PICTURES, MARKER})
+"""All that is ever written into the folder of a recording."""
+
 WITHOUT_PLACE = "without_place"
 """Folder of the map of routes that are not on the earth, where others are."""
 
@@ -68,6 +74,11 @@ class SurveyTask:
         vehicle = forward.vehicle or own_vehicle_file(self.path)
         files = (*recording_files(self.path), vehicle, *forward.parameters.files)
         return f"{fingerprint_of_files(*files)} {self.settings!r}"
+
+    @staticmethod
+    def is_own_name(name: str) -> bool:
+        """Tell whether a survey writes a file of this name into the folder of a recording."""
+        return name in OWN_NAMES
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Survey it."""

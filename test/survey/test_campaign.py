@@ -359,3 +359,13 @@ def test_names_that_are_taken_are_not_given_again():
     assert names_of([first], {"dive": first, "monday_dive": first}) == ["dive"]
     taken = {"dive": first, "tuesday_dive": Path("/a")}
     assert names_of([Path("/week/tuesday/dive")], taken) == ["week_tuesday_dive"]
+
+
+def test_notes_beside_the_results_of_a_dive_stay_when_it_is_surveyed_anew(bag, tmp_path):
+    for _ in range(2):
+        run_survey([bag], tmp_path / "map", SurveySettings(), ALONE)
+        (tmp_path / "map/recordings/dive/notes.txt").write_text("an hour of thoughts")
+    run_survey([bag], tmp_path / "map", SurveySettings(pictures=False), ALONE)
+    assert {each.name for each in (tmp_path / "map/recordings/dive").iterdir()} == {
+        "dive.json", "frames.parquet", "notes.txt", "routes.npz", "task.json",
+    }  # fmt: skip
