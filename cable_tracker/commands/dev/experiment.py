@@ -36,7 +36,11 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     write_experiment,
 )
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
-from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
+from cable_tracker.evaluation.experiments.thesis_experiments import (
+    EXPERIMENTS,
+    FILES,
+    Experiment,
+)
 
 
 def experiment(  # noqa: PLR0917
@@ -95,8 +99,8 @@ def experiment(  # noqa: PLR0917
 
 
 def _is_of_experiment(name: str) -> bool:
-    """Tell by its name whether an experiment may have written a file: the names follow from it."""
-    return name in {TABLE_MARKDOWN, STORE} or Path(name).suffix in {".csv", ".png"}
+    """Tell by its name whether an experiment writes a file, also another one than this."""
+    return name == STORE or name in FILES
 
 
 def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:

@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.gradients.scan_filters import REACH
-from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
@@ -22,13 +22,17 @@ from cable_tracker.evaluation.evaluation_sequences import (
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
+    TABLE_CSV,
+    TABLE_MARKDOWN,
     ExperimentResult,
     FigureFile,
     ResultTable,
 )
+from cable_tracker.evaluation.experiments.metres_experiment import TABLES as METRES_TABLES
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.experiments.motion_experiment import MotionExperiment
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
@@ -333,3 +337,21 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
     }
 )
 """Functions that make an experiment from its seeds, by the name on the command line."""
+
+FILES = frozenset(
+    {
+        TABLE_MARKDOWN,
+        TABLE_CSV,
+        *(f"sequence_{name}.png" for name in THESIS_SEQUENCES),
+        "clear_starts.csv",
+        "reinitialisation.png",
+        "speed.png",
+        *(table.file_name for table in ABLATION_TABLES),
+        *(file_name for _, file_name in METRES_TABLES.values()),
+        *(f"{name}.csv" for name in PRESETS),
+        "roc.png",
+        "coverage.csv",
+        "factors.csv",
+    }
+)
+"""Names of all files that experiments write."""

@@ -11,6 +11,7 @@ from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     EXPERIMENTS,
+    FILES,
     SPEED_SEQUENCE,
     SpeedExperiment,
 )
@@ -38,6 +39,17 @@ def test_an_experiment_writes_table_and_figure(monkeypatch, tmp_path):
         "speed.png",
     }
     assert "particles" in result.stdout
+    assert run("speed", "--seeds", 1, "--output", tmp_path / "out", "--force").exit_code == 0
+
+
+@pytest.mark.parametrize("name", ["my_depths.csv", "photo.png", "notes.txt"])
+def test_files_of_the_users_beside_an_experiment_are_not_lost(tmp_path, name):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/table.md").touch()
+    (tmp_path / "out" / name).write_text("mine")
+    result = run("strips", "--seeds", 1, "--output", tmp_path / "out", "--force")
+    assert f"{name}: would be lost" in str(result.exception)
+    assert (tmp_path / "out" / name).read_text() == "mine"
 
 
 def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
@@ -51,6 +63,7 @@ def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
     written = [path for path in (tmp_path / "out").iterdir() if path.is_file()]
     files = {path.name: path.read_text() for path in written}
     assert set(files) == {"table.md", "taken_away.csv", "built_up.csv"}
+    assert set(files) <= FILES
     assert files["taken_away.csv"].splitlines()[1].startswith("any_width,")
     assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
 
