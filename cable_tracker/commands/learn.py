@@ -15,6 +15,7 @@ from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.response_table import is_table
 from cable_tracker.commands.console.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.learning_sources import (
+    FrameTally,
     LearningPlan,
     count_frames,
     describe_origin,
@@ -113,7 +114,7 @@ def learn(  # noqa: PLR0917
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
     say_left_out(left_out)
     elsewhere, changes = np.random.default_rng(parameters.seed).spawn(2)
-    counts = ResponseCounts(elsewhere)
+    counts, tally = ResponseCounts(elsewhere), FrameTally()
     damages: list[RecordingError] = []
     with ExitStack() as stack:
         for path in paths:
@@ -125,7 +126,7 @@ def learn(  # noqa: PLR0917
         for sequence in sequences:
             shown = counted(sequence.frames(), progress)
             try:
-                count_frames(counts, sequence, shown, parameters, plan, rng=changes)
+                count_frames(counts, sequence, shown, parameters, plan, tally=tally, rng=changes)
             except RecordingError as damage:
                 damages.append(damage)
         if damages and not counts.frames:
@@ -135,7 +136,7 @@ def learn(  # noqa: PLR0917
         )
         table.save(file)
     console.print(
-        f"{counts.frames} frames, {counts.border_points} points on borders,"
+        f"{tally.words()}, {counts.border_points} points on borders,"
         f" {counts.background_points} elsewhere",
         soft_wrap=True,
     )

@@ -183,6 +183,27 @@ def total_of(sequences: Iterable[LabelledSequence]) -> int | None:
     return sum(known) if len(known) == len(counts) else None
 
 
+@dataclass(slots=True)
+class FrameTally:
+    """Number of frames that were counted, kept up where counting breaks off, too.
+
+    Attributes
+    ----------
+    recorded : int
+        Number of labelled frames as they are.
+    harder : int
+        Number of harder copies of them.
+    """
+
+    recorded: int = 0
+    harder: int = 0
+
+    def words(self) -> str:
+        """Say how many there are."""
+        copies = f" and {self.harder} harder copies of them" if self.harder else ""
+        return f"{self.recorded} frames{copies}"
+
+
 def count_frames(
     counts: ResponseCounts,
     sequence: LabelledSequence,
@@ -190,12 +211,15 @@ def count_frames(
     parameters: TrackerParameters,
     plan: LearningPlan,
     *,
+    tally: FrameTally,
     rng: np.random.Generator,
 ) -> None:
     """Count the labelled and the empty ones of every K-th frame, as the tracker sees them.
 
     Parameters
     ----------
+    tally : FrameTally
+        Gets how many labelled ones were counted.
     rng : numpy.random.Generator
         Draws how much harder frames are made.
 
@@ -218,9 +242,12 @@ def count_frames(
             counts.add_background(working_image_for(image, parameters))
             continue
         polarity = counts.add(working_image_for(image, parameters), frame.truth)
-        for _ in range(plan.harder if polarity is not None else 0):
+        if polarity is None:
+            continue
+        tally.recorded += 1
+        for _ in range(plan.harder):
             harder = working_image_for(made_harder(image, frame.truth, rng), parameters)
-            counts.add(harder, frame.truth, polarity)
+            tally.harder += counts.add(harder, frame.truth, polarity) is not None
 
 
 def describe_origin(

@@ -58,7 +58,7 @@ def left_behind():
 def test_a_bag_with_ground_truth_makes_a_table_for_track(command, bag):
     code, printed, messages = command("learn", bag, "--output", "table.json")
     assert (code, messages) == (0, "")
-    assert printed.startswith(f"{2 * FRAMES} frames, ")
+    assert printed.startswith(f"{FRAMES} frames and {FRAMES} harder copies of them, ")
     source = "dive; as they are and with the cable faded, blurred and in noise"
     assert printed.endswith(f"learnt from {source}: table.json\n")
     table = load_table("table.json")
@@ -99,8 +99,13 @@ def test_several_sources_and_scenarios_add_up(command, bag, labels):
         f"simulated S6, tune_cl* with seed 3, 7 frames of each; dive; {labels.name};"
         " one frame in 5; as they are and with the cable faded, blurred and in noise, 2 times"
     )
-    # The frames 0 and 5 of four sequences, each three times.
-    assert printed.startswith(f"{4 * 2 * 3} frames, ")
+    # The frames 0 and 5 of four sequences, each of them also harder, twice.
+    assert printed.startswith(f"{4 * 2} frames and {4 * 2 * 2} harder copies of them, ")
+
+
+def test_without_harder_frames_nothing_is_said_of_them(command, bag):
+    _, printed, _ = command("learn", bag, "--harder", 0, "--output", "table.json")
+    assert printed.startswith(f"{FRAMES} frames, ")
 
 
 def test_harder_frames_teach_fainter_borders(command, bag):
@@ -199,7 +204,7 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
         "learn", labels, "--output", "table.json", "--skip-bad-frames", "--force"
     )
     assert code == 0
-    assert printed.startswith(f"{2 * (FRAMES - 1)} frames")
+    assert printed.startswith(f"{FRAMES - 1} frames and ")
 
 
 @pytest.mark.parametrize(
