@@ -20,7 +20,7 @@ from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 Range = TypeVar("Range", float, FloatArray)
 
-HUGE = 1e9
+HUGE = 1e15
 """Standard deviations beyond it say nothing, "not known", and rates beyond it are none [px, rad,
 per second]. Rates have no limits: drawn so, their covariance would not be finite."""
 
