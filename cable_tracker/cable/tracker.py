@@ -144,8 +144,8 @@ class CableTracker:
         Raises
         ------
         FrameError
-            The state is not finite, a rate is beyond all sense, a sigma is negative, or the width
-            is known and not positive.
+            The state is not finite, a rate is beyond `HUGE`, a sigma is negative, or the width is
+            known and not positive.
         """
         if not given.is_acceptable:
             raise FrameError(

@@ -10,7 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
-from cable_tracker.atomic_output import any_name, holds, output_file
+from cable_tracker.atomic_output import holds, output_file
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -36,6 +36,10 @@ class FolderTask(Protocol):
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Do it, and write all results into a folder, which exists; tell of the progress."""
+        ...
+
+    def is_own_name(self, name: str) -> bool:
+        """Tell whether it writes a file of this name; others are the user's, and are kept."""
         ...
 
 
@@ -125,7 +129,7 @@ def run_in_folder(
     Where it fails, the earlier one stays: an option that was mistyped, a full disk or one that is
     not mounted is soon put right, and its marker says what it is a result of. A folder without a
     marker, which no task has left, is not replaced: it may be the recording itself. Files that are
-    not of the task are carried over, where it has a method `is_own_name` that knows its own.
+    not of the task are carried over.
 
     The marker tells of the input as it was at the beginning: what was still being written then is
     done again next time.
@@ -141,9 +145,8 @@ def run_in_folder(
         The results cannot be written, or something else lies in their place.
     """
     fingerprint, place = task.fingerprint(), root / task.name
-    own = getattr(task, "is_own_name", any_name)
     with output_file(
-        place, holds(MARKER), overwrite=True, is_own_name=own, carries_over=True
+        place, holds(MARKER), overwrite=True, is_own_name=task.is_own_name, carries_over=True
     ) as folder:
         folder.mkdir()
         task.run(folder, advance)

@@ -163,8 +163,7 @@ def run_folder_tasks(
             end(_do_here(task, root, advance))
     elif left:
         with connected(settings) as client:
-            others = OtherVersions(client, __version__, settings.tell)
-            _run_on(client, others, left, root, (advance, end))
+            _run_on(client, settings.tell, left, root, (advance, end))
     return [outcomes[name] for name in names]
 
 
@@ -188,7 +187,7 @@ def _failed(name: str, root: Path, reason: str) -> Outcome:
 
 def _run_on(
     client: Client,
-    others: OtherVersions,
+    tell_user: Callable[[str], None],
     tasks: Sequence[FolderTask],
     root: Path,
     tell: tuple[Callable[[int], None], Callable[[Outcome], None]],
@@ -197,7 +196,7 @@ def _run_on(
     progress = _Progress(advance)
     place = str(root.resolve())
     calls = [(task, number, place, __version__) for number, task in enumerate(tasks)]
-    with closing(_as_they_end(client, others, _folder_in_worker, calls, progress)) as ended:
+    with closing(_as_they_end(client, tell_user, _folder_in_worker, calls, progress)) as ended:
         for each in ended:
             outcome, total = _outcome(each, tasks[each.number].name, root)
             progress.end(each.number, total)
@@ -206,7 +205,7 @@ def _run_on(
 
 def _as_they_end(
     client: Client,
-    others: OtherVersions,
+    tell_user: Callable[[str], None],
     work: Callable[..., Any],
     calls: Sequence[tuple[Any, ...]],
     progress: _Progress,
@@ -221,7 +220,7 @@ def _as_they_end(
         client.submit(work, *arguments, pure=False): number
         for number, arguments in enumerate(calls)
     }
-    refusals: Counter[int] = Counter()
+    others, refusals = OtherVersions(client, __version__, tell_user), Counter[int]()
     ended = as_completed(futures)
     try:
         for future in ended:
@@ -326,13 +325,7 @@ def run_on_cluster(
     with (
         connected(settings.cluster) as client,
         closing(
-            _as_they_end(
-                client,
-                OtherVersions(client, __version__, settings.cluster.tell),
-                _result_in_worker,
-                calls,
-                progress,
-            )
+            _as_they_end(client, settings.cluster.tell, _result_in_worker, calls, progress)
         ) as ended,
     ):
         for each in ended:

@@ -94,8 +94,8 @@ class GivenState:
     def is_acceptable(self) -> bool:
         """Whether what is given is finite, no rate beyond `HUGE`, and no sigma negative."""
         is_point_acceptable = self.point is None or self.point.is_acceptable
-        is_moving_possibly = bool((np.abs(self.state.to_array()[POSE_SIZE:]) <= HUGE).all())
-        is_state_acceptable = self.state.is_finite() and is_moving_possibly
+        are_rates_acceptable = bool((np.abs(self.state.to_array()[POSE_SIZE:]) <= HUGE).all())
+        is_state_acceptable = self.state.is_finite() and are_rates_acceptable
         return is_state_acceptable and not bool(np.any(self.sigma < 0.0)) and is_point_acceptable
 
     @property

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from cable_tracker.atomic_output import any_name
 from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import needing_dask
 from cable_tracker.campaigns.settings import ClusterSettings
@@ -59,6 +60,8 @@ class LoopTask:
     seed: int
     arguments: tuple[str, ...]
     files: tuple[Path, ...] = ()
+
+    is_own_name = staticmethod(any_name)
 
     @property
     def name(self) -> str:

@@ -332,7 +332,8 @@ class CameraNode(ProcessNode):
 
     def _answer(self, frame: CameraFrame) -> None:
         self._frame_id = frame.header.frame_id
-        self._check_early_starts()
+        if self._unchecked:
+            self._check_early_starts()
         stamp = frame.stamp or self._time_of(frame.arrival)
         header = self._header_for_answer(frame, stamp)
         if not self._enabled or self._warm_up is not None:

@@ -5,7 +5,7 @@ other polarity is counted as such, at a cost: without the cost, anything would b
 changes often enough. Most of a bright cable is bright, or a shadow would be one, too.
 
 A cost for each band, whatever its length, was tried in place of one for each stretch: of the banded
-cables of the worlds to tune on fewer were found, at no cost did it guard better.
+cables of the worlds to tune on fewer were found, and no other world was the better for it.
 """
 
 from __future__ import annotations
@@ -91,9 +91,9 @@ def fill_by_stretch(
 
 
 @compiled_inside
-def is_reversed(stretches: int, stretch: int) -> bool:
+def is_reversed(reversed_ones: int, stretch: int) -> bool:
     """Tell whether a stretch is one of the reversed ones, see `CableMeasures.reversed`."""
-    return (stretches >> stretch) & 1 == 1
+    return (reversed_ones >> stretch) & 1 == 1
 
 
 @compiled_inside

@@ -23,8 +23,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.borders.border_points import Crossings, padded_count, pixel_at
 from cable_tracker.cable.measure.gradients.scan_lines import ScanLines
 from cable_tracker.cable.measure.gradients.texture_sums import (
@@ -54,8 +55,8 @@ FEWEST_PIXELS = 12
 """Minimum number of pixels in each window; with fewer the texture says nothing."""
 
 PIXELS = TENSOR_SIZE
-"""Columns of what is added up on a side of a border: the sums of `texture_sums`, and the number of
-pixels."""
+"""Column of the number of pixels in what is added up on a side of a border: it comes after those of
+`texture_sums`."""
 
 COLUMNS = TENSOR_SIZE + 1
 """Number of these columns."""
@@ -175,7 +176,11 @@ def add_texture(
 
 @compiled_inside
 def _add_windows(
-    sums: Image, begins: IndexArray, ends: IndexArray, count: int, texture: FloatArray
+    sums: Image,
+    begins: NDArray[np.uint32],
+    ends: NDArray[np.uint32],
+    count: int,
+    texture: FloatArray,
 ) -> None:
     """Add windows of lines, from `begins` to `ends`, to the texture of a side, shape (4,)."""
     # As variables, they stay in registers.
