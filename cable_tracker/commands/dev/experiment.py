@@ -27,7 +27,7 @@ from cable_tracker.commands.options.campaigns import (
 )
 from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment, ColdAblationExperiment
 from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -53,13 +53,15 @@ def experiment(  # noqa: PLR0917
     row: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"Of ablation: {' | '.join(ROW_NAMES)}; may be given several times."
-            "  [default: all]"
+            help=f"Of ablation and ablation_cold: {' | '.join(ROW_NAMES)}; may be given several"
+            " times.  [default: all; of ablation_cold those with one part changed]"
         ),
     ] = None,
     frames: Annotated[
         int | None,
-        typer.Option(help="Of roc and coverage: only so many frames of each dive.", min=1),
+        typer.Option(
+            help="Of ablation_cold, roc and coverage: only so many frames of each dive.", min=1
+        ),
     ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,
@@ -72,7 +74,8 @@ def experiment(  # noqa: PLR0917
 
     sequences: section 5.2.3, from the true beginning. reinitialisation: 5.2.4, a random start every
     100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of
-    the preset `default` is worth. metres: errors of the metric output. motion: what odometry is
+    the preset `default` is worth, from the true beginning. ablation_cold: the same on the worlds to
+    report on, from cold starts. metres: errors of the metric output. motion: what odometry is
     worth to the filter, sound or broken. roc: useful frames against wrongly claimed ones over the
     thresholds. strips: crisp strips of any width from a cold start. coverage: how often the truth
     lies inside the stated covariance.
@@ -106,17 +109,20 @@ def _is_of_experiment(name: str) -> bool:
 def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
     if not rows:
         return chosen
-    if not isinstance(chosen, AblationExperiment):
-        raise ParameterError("--row chooses what the experiment ablation runs; leave it out")
+    if not isinstance(chosen, AblationExperiment | ColdAblationExperiment):
+        raise ParameterError(
+            "--row chooses what the experiments ablation and ablation_cold run; leave it out"
+        )
     return replace(chosen, rows=tuple(rows))
 
 
 def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
     if frames is None:
         return chosen
-    if not isinstance(chosen, RocExperiment | CoverageExperiment):
+    if not isinstance(chosen, ColdAblationExperiment | RocExperiment | CoverageExperiment):
         raise ParameterError(
-            "--frames cuts the dives of the experiments roc and coverage; leave it out"
+            "--frames cuts the dives of the experiments ablation_cold, roc and coverage; leave it"
+            " out"
         )
     return replace(chosen, limit=frames)
 

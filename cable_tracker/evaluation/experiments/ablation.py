@@ -14,11 +14,13 @@ from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
+    available_worlds,
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation_rows import (
     ABLATION_TABLES,
     ROW_NAMES,
+    TAKEN_AWAY,
     AblationRow,
     AblationTable,
     check_row_names,
@@ -31,10 +33,12 @@ from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 MEAN_METRICS = (
-    "wrong_claims", "silence", "median_d", "median_alpha", "nees_median", "ms",
+    "wrong_claims", "silence", "false_tracking", "median_d", "median_alpha", "nees_median", "ms",
     "inside_2_sigma_d", "inside_2_sigma_alpha", "inside_2_sigma_w", "inside_2_sigma_beta",
 )  # fmt: skip
 """Given as means over the sequences, beside the frames lost."""
@@ -55,7 +59,7 @@ Losses: TypeAlias = Mapping[tuple[str, int], float]
 
 @dataclass(frozen=True, slots=True)
 class AblationExperiment(CampaignExperiment):
-    """Follow the sequences from their true beginning with one part changed, or parts added.
+    """Follow sequences with one part changed, or parts added.
 
     Attributes
     ----------
@@ -65,11 +69,17 @@ class AblationExperiment(CampaignExperiment):
         Rows to run, keys of `ROW_NAMES`.
     sequences : tuple of EvaluationSequence
         Sequences to run on.
+    start : Start
+        What the trackers are told at the beginning.
+    notes : tuple of str
+        What is said of the sequences, below the tables.
     """
 
     seeds: tuple[int, ...]
     rows: tuple[str, ...] = ROW_NAMES
     sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
+    start: Start = Start.TRUTH
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_row_names(self.rows)
@@ -84,7 +94,7 @@ class AblationExperiment(CampaignExperiment):
             for name in ROW_NAMES
             if name in self.rows
         )
-        return Campaign((), self.sequences, self.seeds, Start.TRUTH, filters=filters)
+        return Campaign((), self.sequences, self.seeds, self.start, filters=filters)
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
@@ -101,9 +111,42 @@ class AblationExperiment(CampaignExperiment):
             rows=tuple(_cells(row, results) for row in rows),
             title=table.title,
             file_name=table.file_name,
-            notes=(EXPLANATION, *(_note(row, table) for row in rows)),
+            notes=(EXPLANATION, *(_note(row, table) for row in rows), *self.notes),
             brief=BRIEF_COLUMNS,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class ColdAblationExperiment(CampaignExperiment):
+    """The ablation on the worlds to report on, from cold starts.
+
+    There the parts earn their keep that find a cable; a start from the truth does not ask for them.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive through each world.
+    rows : tuple of str
+        Rows to run, keys of `ROW_NAMES`.
+    limit : int or None
+        Number of frames used of each world; None: all.
+    """
+
+    seeds: tuple[int, ...]
+    rows: tuple[str, ...] = tuple(row.name for row in TAKEN_AWAY.rows)
+    limit: int | None = None
+
+    def campaign(self) -> Campaign:
+        """Return what is run."""
+        return self._ablation().campaign()
+
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables."""
+        return self._ablation().result_of(results)
+
+    def _ablation(self) -> AblationExperiment:
+        sequences, notes = available_worlds(worlds_of(Split.REPORT), self.limit)
+        return AblationExperiment(self.seeds, self.rows, sequences, Start.RANDOM, notes)
 
 
 def _headings(sequences: Sequence[str]) -> tuple[str, ...]:

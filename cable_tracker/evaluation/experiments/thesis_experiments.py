@@ -21,7 +21,10 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     simulated_sequences,
 )
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.ablation import (
+    AblationExperiment,
+    ColdAblationExperiment,
+)
 from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
@@ -329,6 +332,7 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "reinitialisation": ReinitialisationExperiment,
         "speed": SpeedExperiment,
         "ablation": AblationExperiment,
+        "ablation_cold": ColdAblationExperiment,
         "metres": MetresExperiment,
         "motion": MotionExperiment,
         "roc": RocExperiment,

@@ -84,7 +84,7 @@ def test_results_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
 
 def test_rows_are_only_for_the_ablation(tmp_path):
     result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
-    assert str(result.exception).startswith("--row chooses what the experiment ablation runs")
+    assert str(result.exception).startswith("--row chooses what the experiments ablation and")
     result = run("speed", "--frames", 5, "--output", tmp_path / "out")
     assert str(result.exception).startswith("--frames cuts the dives of the experiments")
     assert not any(tmp_path.iterdir())

@@ -5,7 +5,15 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment, mean_and_error
+from cable_tracker.evaluation.experiments.ablation import (
+    AblationExperiment,
+    ColdAblationExperiment,
+    mean_and_error,
+)
+from cable_tracker.evaluation.experiments.ablation_rows import TAKEN_AWAY
+from cable_tracker.evaluation.runs import Start
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.split import Split
 
 pytestmark = pytest.mark.slow
 
@@ -84,3 +92,27 @@ def test_the_error_of_single_runs_is_unknown():
     mean, error = mean_and_error({("S1", 0): 1.0, ("S2", 0): 3.0}, ("S1", "S2"))
     assert mean == pytest.approx(2.0)
     assert math.isnan(error)
+
+
+def test_the_cold_ablation_starts_from_nothing_on_worlds_to_report_on_alone():
+    campaign = ColdAblationExperiment((3,), limit=5).campaign()
+    reported = {world.name for world in worlds_of(Split.REPORT)}
+    assert campaign.start is Start.RANDOM
+    assert {sequence.name for sequence in campaign.sequences} <= reported
+    assert {sequence.frame_count() for sequence in campaign.sequences} == {5}
+    assert [each.name for each in campaign.filters] == [row.name for row in TAKEN_AWAY.rows]
+
+
+def test_the_cold_ablation_tells_of_claims_without_a_cable(monkeypatch):
+    monkeypatch.setattr(
+        "cable_tracker.evaluation.experiments.ablation.available_worlds",
+        lambda worlds, limit: (
+            simulated_sequences(("S3", "no_cable"), limit),
+            ("`x` is left out",),
+        ),
+    )
+    table, _ = ColdAblationExperiment((1,), ("default",), 3).run(1, lambda count: None).tables
+    assert "false tracking [%]" in table.headings
+    assert table.headings[-2:] == ("S3: frames lost [%]", "no_cable: frames lost [%]")
+    assert table.rows[0][-1] == "–"
+    assert table.notes[-1] == "`x` is left out"
