@@ -7,7 +7,7 @@ import io
 import pickle
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import is_dataclass
 from enum import Enum
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from cable_tracker import __version__
-from cable_tracker.atomic_output import atomic_file
+from cable_tracker.atomic_output import atomic_file, output_folder
 from cable_tracker.campaigns.folder_tasks import MARKER
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
@@ -133,7 +133,7 @@ def stored_beside(
 ) -> Iterator[CampaignSettings]:
     """Give settings with which results lie beside an output folder until that is complete.
 
-    Then `move_store` puts them into it. A campaign that goes on finds them in either place; one
+    A campaign that goes on finds them in either place; one
     that does not removes those of an earlier campaign that was ended.
 
     Raises
@@ -170,10 +170,37 @@ def _is_left(path: Path) -> bool:
     return _RESULT_FILE.fullmatch(path.name) is not None
 
 
-def move_store(settings: CampaignSettings, folder: Path) -> None:
-    """Put the results that were kept into the folder of their campaign.
+@contextmanager
+def campaign_folder(
+    output: Path,
+    marker: str,
+    cluster: ClusterSettings,
+    *,
+    force: bool,
+    resume: bool,
+    is_own_name: Callable[[str], bool],
+) -> Iterator[tuple[Path, CampaignSettings]]:
+    """Give the folder of a campaign to write into, as `output_folder`, and its settings.
 
-    Call it last: where the report is stopped, the folder goes, and with it all that lies in it.
+    The results of its tasks lie beside the folder until the context ends well, then in it.
+
+    Parameters
+    ----------
+    force : bool
+        Replace an earlier folder of the kind.
+    resume : bool
+        Go on with an earlier campaign, whose folder is replaced as well.
+
+    Raises
+    ------
+    OutputError
+        The path is taken, holds something else, or cannot be written.
     """
-    if settings.store is not None and settings.store.is_dir():
-        shutil.move(settings.store, folder / STORE)
+    with (
+        output_folder(output, marker, overwrite=force or resume, is_own_name=is_own_name) as folder,
+        stored_beside(output, cluster, resume=resume) as settings,
+    ):
+        yield folder, settings
+        # Last: where the report is stopped, the folder goes, and with it all that lies in it.
+        if settings.store is not None and settings.store.is_dir():
+            shutil.move(settings.store, folder / STORE)

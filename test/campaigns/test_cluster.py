@@ -18,7 +18,9 @@ from cable_tracker.campaigns.cluster import (  # noqa: E402
 from cable_tracker.campaigns.settings import ClusterSettings  # noqa: E402
 
 
-def test_workers_that_are_started_here_keep_freed_memory():
+def test_workers_that_are_started_here_keep_freed_memory(monkeypatch):
+    for name in KEPT_MEMORY:  # Dask leaves those of a cluster before in this process.
+        monkeypatch.delenv(name, raising=False)
     with connected(ClusterSettings(workers=1)) as client:
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert {name: int(found[name]) for name in KEPT_MEMORY} == KEPT_MEMORY

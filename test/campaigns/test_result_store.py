@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from campaign_tasks import Square
 
+from cable_tracker.atomic_output import any_name
 from cable_tracker.campaigns.folder_tasks import run_in_folder
 from cable_tracker.campaigns.result_store import (
     STORE,
+    campaign_folder,
     fingerprint_of,
     keep_result,
     kept_result,
-    move_store,
     stored_beside,
 )
 from cable_tracker.campaigns.result_tasks import run_all
@@ -135,11 +136,13 @@ def test_a_result_that_cannot_be_written_is_reported(tmp_path):
 def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_path):
     output = tmp_path / "out"
     task = Counting(1, tmp_path / "notes")
-    with stored_beside(output, ClusterSettings(), resume=False) as settings:
+    with campaign_folder(
+        output, "table.md", ClusterSettings(), force=False, resume=False, is_own_name=any_name
+    ) as (folder, settings):
         run_all([task], workers=settings)
+        (folder / "table.md").touch()
         assert (tmp_path / f"out.{STORE}").is_dir()
-        output.mkdir()
-        move_store(settings, output)
+        assert not output.exists()
     assert (output / STORE / fingerprint_of(task)).is_file()
     with stored_beside(output, ClusterSettings(), resume=True) as settings:
         assert kept_result(task, settings.store) == (1,)

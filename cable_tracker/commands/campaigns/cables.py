@@ -8,8 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.terminal import (
@@ -106,15 +105,9 @@ def evaluate_cables(
     """
     header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
     total = campaign.frame_count()
-    with (
-        output_folder(
-            output,
-            REPORT,
-            overwrite=force or resume,
-            is_own_name=OWN_NAMES.__contains__,
-        ) as folder,
-        stored_beside(output, cluster, resume=resume) as settings,
-    ):
+    with campaign_folder(
+        output, REPORT, cluster, force=force, resume=resume, is_own_name=OWN_NAMES.__contains__
+    ) as (folder, settings):
         with progress_bar("evaluating", total) as progress:
             results = evaluate_methods(
                 campaign, workers=settings, advance=lambda count: advance(progress, count)
@@ -127,7 +120,6 @@ def evaluate_cables(
                 methods=_descriptions(campaign),
                 sequences={each.name: each.description for each in campaign.sequences},
             )
-        move_store(settings, folder)
     _print_table(summary_table(results, PRINTED_METRICS))
     _say_refusals(results)
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)

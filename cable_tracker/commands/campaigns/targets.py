@@ -10,8 +10,7 @@ from pathlib import Path
 
 import cv2
 
-from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.console.machine import machine, typed_command
@@ -136,15 +135,10 @@ def evaluate_targets(
         for seed in campaign.seeds
         for sequence in campaign.sequences
     ]
-    with (
-        output_folder(
-            output,
-            TABLE_MARKDOWN,
-            overwrite=force or resume,
-            is_own_name=OWN_NAMES.__contains__,
-        ) as folder,
-        stored_beside(output, cluster, resume=resume) as settings,
-    ):
+    is_own_name = OWN_NAMES.__contains__
+    with campaign_folder(
+        output, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=is_own_name
+    ) as (folder, settings):
         with progress_bar("following", None if None in counts else total) as progress:
             parts = run_all(tasks, workers=settings, advance=lambda count: advance(progress, count))
         results = [each for part in parts for each in part]
@@ -153,7 +147,6 @@ def evaluate_targets(
         table = markdown_table(results, campaign.methods, note).encode(errors="replace").decode()
         write_figures(folder / FIGURES_CSV, results)
         (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
-        move_store(settings, folder)
     console.print(table)
     print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))
 

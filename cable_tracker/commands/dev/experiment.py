@@ -9,8 +9,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.result_store import STORE, move_store, stored_beside
+from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.terminal import advance, print_files, print_table, progress_bar
 from cable_tracker.commands.options.campaigns import (
@@ -87,16 +86,12 @@ def experiment(  # noqa: PLR0917
     path = output if output is not None else Path(f"experiment_{name}")
     note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
-    with (
-        output_folder(
-            path, TABLE_MARKDOWN, overwrite=force or resume, is_own_name=_is_of_experiment
-        ) as folder,
-        stored_beside(path, cluster, resume=resume) as settings,
-    ):
+    with campaign_folder(
+        path, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=_is_of_experiment
+    ) as (folder, settings):
         with progress_bar(name, chosen.frame_count()) as progress:
             result = chosen.run(settings, lambda count: advance(progress, count))
         write_experiment(folder, result, note)
-        move_store(settings, folder)
     _print(result)
     print_files(path, result.file_names())
 
