@@ -145,7 +145,7 @@ class Controller:
         ----------
         time : float
             Time of the measurements [s]; a clock that is set back stands still for one step, and
-            where the cable was is forgotten.
+            where the cable was is forgotten. A frame that was overtaken sets none back.
         cable : Cable or None
             Line of the cable; None if the tracker does not say.
         pose : Pose or None

@@ -5,16 +5,26 @@ from __future__ import annotations
 LONGEST_STEP = 1.0
 """Longest time that one step counts for in what is integrated [s]."""
 
+LATE = 0.2
+"""A step back by no more is that of a frame which was overtaken on the way; the tracker refuses it
+[s]."""
+
+ROUNDING = 1e-6
+"""Differences between times of day are off by up to so much: they are stamps in seconds [s]."""
+
 
 class StepClock:
     """Adds up the time from step to step; what a clock is set back by does not count.
+
+    A step back of at most `LATE` sets no clock back: time stands still until the steps are past the
+    newest one again.
 
     Attributes
     ----------
     now : float
         Time that has passed since the first step [s].
     was_set_back : bool
-        Whether the time of the last step was before that of the step before.
+        Whether the time of the last step was before that of the step before, by more than `LATE`.
     """
 
     def __init__(self) -> None:
@@ -31,8 +41,9 @@ class StepClock:
             Time of this step, of any clock [s].
         """
         difference = 0.0 if self._last is None else time - self._last
-        self._last = time
-        self.was_set_back = difference < 0.0
+        self.was_set_back = difference < -LATE - ROUNDING
+        if self._last is None or difference > 0.0 or self.was_set_back:
+            self._last = time
         passed = max(difference, 0.0)
         self.now += passed
         return min(passed, LONGEST_STEP)

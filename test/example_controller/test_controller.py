@@ -206,6 +206,13 @@ def test_nor_along_one_from_before_a_clock_was_set_back(following):
     assert following.mode is Mode.STOPPED
 
 
+def test_a_frame_that_was_overtaken_on_the_way_does_not_end_a_search(following):
+    list(following.sees_nothing(4.0))
+    following.controller.step(following.time - 0.12, None, following.pose)
+    list(following.sees_nothing(4.0))
+    assert following.mode is Mode.SEARCHING
+
+
 @pytest.mark.parametrize("blind", [0.0, 5.0])
 def test_a_vehicle_that_moves_fast_has_not_jumped(following, blind):
     following.has_odometry = False

@@ -1,6 +1,7 @@
 import pytest
 
-from cable_tracker.example_controller.step_clock import LONGEST_STEP, StepClock
+from cable_tracker.example_controller.step_clock import LATE, LONGEST_STEP, StepClock
+from cable_tracker.tracking import succession
 
 
 def test_time_adds_up_from_step_to_step():
@@ -16,6 +17,22 @@ def test_what_a_clock_is_set_back_by_does_not_count():
     ]
     assert steps == [(0.0, False), (0.5, False), (0.0, True), (0.25, False), (0.0, False)]
     assert clock.now == 0.75
+
+
+def test_late_is_what_is_late_for_the_tracker():
+    assert LATE == succession.LATE
+
+
+@pytest.mark.parametrize("late", [0.04, LATE])
+@pytest.mark.parametrize("start", [1000.0, 1.7e9])
+def test_a_frame_that_was_overtaken_sets_no_clock_back_and_lets_time_stand_still(start, late):
+    clock = StepClock()
+    steps = []
+    for time in (start, start + 0.5, start + 0.5 - late, start + 0.6):
+        steps.append(clock.advance(time))
+        assert not clock.was_set_back
+    assert steps == pytest.approx([0.0, 0.5, 0.0, 0.1], abs=1e-6)
+    assert clock.now == pytest.approx(0.6, abs=1e-6)
 
 
 def test_a_long_gap_passes_but_is_not_integrated():
