@@ -77,7 +77,7 @@ class SearchSettings:
         Way along the line at which the search ends [m]; a vehicle that does not get there ends it
         after a time.
     confirmations : int
-        Number of sightings in a row that end the search.
+        Number of sightings in a row that end the search; refused frames between them do not count.
     """
 
     patience: float = 0.4
@@ -138,7 +138,9 @@ class Controller:
         """Mode of the controller."""
         return self._mode
 
-    def step(self, time: float, cable: Cable | None, pose: Pose | None) -> Command:
+    def step(
+        self, time: float, cable: Cable | None, pose: Pose | None, *, is_look: bool = True
+    ) -> Command:
         """Return the command for a time.
 
         Parameters
@@ -151,6 +153,9 @@ class Controller:
         pose : Pose or None
             From odometry; None without. Then a lost cable is not searched for. Where it jumps,
             where the cable was is forgotten.
+        is_look : bool
+            Whether the tracker has looked at the frame. One that it has refused says nothing of the
+            cable: it neither interrupts sightings in a row nor is one of them; time goes on.
         """
         seconds = self._clock.advance(time)
         if self._clock.was_set_back or self._has_jumped(pose):
@@ -162,7 +167,7 @@ class Controller:
             is_back = self._in_a_row >= self._settings.search.confirmations
             if is_back or self._mode is Mode.FOLLOWING:
                 return self._follow(seconds, cable, pose)
-        else:
+        elif is_look:
             self._in_a_row = 0
         self._command = self._without(seconds, pose)
         return self._command

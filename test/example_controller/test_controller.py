@@ -37,14 +37,17 @@ class Trial:
     def mode(self) -> Mode:
         return self.controller.mode
 
-    def sees(self, cable: Cable | None) -> Command:
+    def sees(self, cable: Cable | None, *, is_look: bool = True) -> Command:
         self.time += STEP
         pose = self.pose if self.has_odometry else None
-        self.command = self.controller.step(self.time, cable, pose)
+        self.command = self.controller.step(self.time, cable, pose, is_look=is_look)
         yaw = self.pose.yaw + self.command.turn * STEP
         way = self.command.surge * STEP
         self.pose = Pose(self.pose.x + way * math.cos(yaw), self.pose.y + way * math.sin(yaw), yaw)
         return self.command
+
+    def passes_over_a_frame(self) -> Command:
+        return self.sees(None, is_look=False)
 
     def sees_the_x_axis(self, seconds: float) -> None:
         for _ in range(round(seconds / STEP)):
@@ -80,6 +83,23 @@ def test_the_cable_must_be_seen_several_times_in_a_row():
         trial.sees(AHEAD)
     assert trial.mode is Mode.FOLLOWING
     assert trial.command.surge > 0.0
+
+
+def test_frames_that_were_refused_neither_confirm_a_cable_nor_interrupt_its_sightings():
+    trial = Trial()
+    for number in range(SEARCH.confirmations):
+        assert trial.mode is Mode.WAITING
+        for _ in range(number):
+            trial.passes_over_a_frame()
+        trial.sees(AHEAD)
+    assert trial.mode is Mode.FOLLOWING
+
+
+def test_of_refused_frames_alone_a_vehicle_does_not_go_on(following):
+    for _ in range(round((SEARCH.patience + SEARCH.pause) / STEP) - 1):
+        following.passes_over_a_frame()
+    assert following.command == STOP
+    assert following.mode is Mode.STOPPED
 
 
 def test_a_frame_without_an_answer_changes_nothing(following):

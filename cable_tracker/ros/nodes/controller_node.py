@@ -111,6 +111,7 @@ class ControllerNode(GuidanceNode):
             return None
         return self._poses[nearest]
 
-    def _command(self, stamp: int, is_claimed: bool) -> Command:
+    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
         cable = self._cables.get(stamp) if is_claimed else None
-        return self._controller.step(stamp / NANOSECONDS, cable, self._pose_at(stamp))
+        seconds, pose = stamp / NANOSECONDS, self._pose_at(stamp)
+        return self._controller.step(seconds, cable, pose, is_look=is_look)

@@ -68,6 +68,6 @@ class FollowerNode(GuidanceNode):
     def _announces_place(self, report: Message) -> bool:
         return node_topics.RELATIVE_POSE in target_topics(report)
 
-    def _command(self, stamp: int, is_claimed: bool) -> Command:
+    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
         place = self._places.get(stamp) if is_claimed else None
         return self._follower.step(stamp / NANOSECONDS, place)

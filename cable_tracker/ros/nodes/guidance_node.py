@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, TypeVar, cast
 
@@ -24,6 +25,7 @@ from cable_tracker.sequences.messages.headers import has_room_for, make_header, 
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.parameter_table import ParameterSpec
 from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
+from cable_tracker.tracking.succession import is_out_of_order
 
 Kept = TypeVar("Kept")
 
@@ -44,6 +46,26 @@ REPORT_PATIENCE = 3.0
 
 POLL = 0.005
 """Longest sleep while a `state` waits for what belongs to it [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reported:
+    """What the tracker's report says of a frame.
+
+    Attributes
+    ----------
+    has_place : bool
+        Whether a place in metres comes with it.
+    is_refused : bool
+        Whether it could not be used.
+    """
+
+    has_place: bool
+    is_refused: bool
+
+
+UNREPORTED = Reported(has_place=True, is_refused=False)
+"""What is taken for granted of a frame whose report has not come."""
 
 
 class GuidanceNode(ProcessNode):
@@ -94,7 +116,8 @@ class GuidanceNode(ProcessNode):
         self._diagnostics = publisher(
             self, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
-        self._expects_metres: OrderedDict[int, bool] = OrderedDict()
+        self._reports: OrderedDict[int, Reported] = OrderedDict()
+        self._last_look: int | None = None
         self._status = ""
         self._last_accepted = time.monotonic()
         self._awaits_report_since: float | None = None
@@ -124,8 +147,18 @@ class GuidanceNode(ProcessNode):
         """Tell whether a place in metres comes with a frame, by the tracker's report of it."""
         raise NotImplementedError
 
-    def _command(self, stamp: int, is_claimed: bool) -> Command:
-        """Return the answer to a frame of a time [ns]."""
+    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
+        """Return the answer to a frame.
+
+        Parameters
+        ----------
+        stamp : int
+            Its time [ns].
+        is_claimed : bool
+            Whether the tracker claims something in it.
+        is_look : bool
+            Whether the tracker has looked at it; False for one that it has refused.
+        """
         raise NotImplementedError
 
     def _number(self, name: str) -> float:
@@ -147,7 +180,7 @@ class GuidanceNode(ProcessNode):
         if self._awaits_report_since is None:
             self._awaits_report_since = now
         waited = now - self._awaits_report_since
-        if self._expects_metres or self._is_report_missed or waited <= REPORT_PATIENCE:
+        if self._reports or self._is_report_missed or waited <= REPORT_PATIENCE:
             return
         self._is_report_missed = True
         self.get_logger().warning(
@@ -159,16 +192,28 @@ class GuidanceNode(ProcessNode):
 
     def on_report(self, message: Message) -> None:
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
+        stamp = stamp_of(message.header)
         has_place = bool(message.status) and self._announces_place(message)
-        keep(self._expects_metres, stamp_of(message.header), has_place)
         self._status = report_status(message) if message.status else ""
-        if self._status != REFUSED:
+        is_refused = self._status == REFUSED
+        # A frame that comes twice is refused the second time; what came with the first still does.
+        if not (is_refused and stamp in self._reports):
+            keep(self._reports, stamp, Reported(has_place, is_refused))
+        if not is_refused:
             self._last_accepted = time.monotonic()
+
+    def _is_look(self, stamp: int, is_claimed: bool) -> bool:
+        """Tell whether the tracker has looked at a frame of a time [ns], or has refused it."""
+        if is_claimed:
+            return True
+        # The times tell it also of a frame that comes twice: its report is that of the first.
+        is_late = self._last_look is not None and is_out_of_order(self._last_look, stamp)
+        return not (is_late or self._reports.get(stamp, UNREPORTED).is_refused)
 
     def _idle_status(self) -> str:
         """Return the tracker's status while it looks at nothing; empty: it looks."""
-        # A refused frame among others is like one without a cable; of refused ones alone a
-        # vehicle that follows or searches would learn nothing.
+        # A refused frame among others is passed over; of refused ones alone a vehicle that follows
+        # or searches would learn nothing.
         blind_for = time.monotonic() - self._last_accepted if self._status == REFUSED else 0.0
         is_idle = self._status in IDLE_STATUSES or blind_for > self._number("state_timeout")
         return self._status if is_idle else ""
@@ -194,11 +239,14 @@ class GuidanceNode(ProcessNode):
             self._stop_while_idle(stamp, idle)
             return
         has_time = time.monotonic() - came < self._number("settle_time")
-        is_placed = is_claimed and self._expects_metres.get(stamp, True)
+        is_placed = is_claimed and self._reports.get(stamp, UNREPORTED).has_place
         if has_time and not self._is_complete(stamp, is_placed):
             return
         self._states.pop(0)
-        command = self._command(stamp, is_claimed)
+        is_look = self._is_look(stamp, is_claimed)
+        if is_look:
+            self._last_look = stamp
+        command = self._command(stamp, is_claimed, is_look)
         # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._report_mode_change(stamp)
         self._send(command)

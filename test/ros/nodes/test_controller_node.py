@@ -264,7 +264,7 @@ def test_while_every_frame_is_refused_the_vehicle_stands(world, tracker, diagnos
     assert any(command.linear.x > 0.0 for command in tracker.commands[-10:])
 
 
-def test_one_refused_frame_is_like_one_without_a_cable(world, tracker, diagnostics):
+def test_one_refused_frame_stops_no_vehicle(world, tracker, diagnostics):
     node = world.controller(**PATIENT)
     tracker.is_heard()
     tracker.tells(0.0, frames=10)
@@ -272,6 +272,43 @@ def test_one_refused_frame_is_like_one_without_a_cable(world, tracker, diagnosti
     tracker.refuses()
     assert tracker.commands[-1].linear.x > 0.0
     assert "REFUSED" not in [words for words, _ in diagnostics(node)]
+
+
+@pytest.mark.parametrize("is_sent_twice", [False, True])
+def test_a_cable_that_refused_frames_come_between_is_followed(world, tracker, is_sent_twice):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    for _ in range(CONFIRMATIONS):
+        assert node.mode is Mode.WAITING
+        tracker.next_frame()
+        tracker.says_odometry()
+        tracker.reports("TRACKING", offset="0.0")
+        tracker.says_cross_track(0.0, 0.0)
+        tracker.says_state(claims=True)
+        if not is_sent_twice:
+            tracker.next_frame()
+            tracker.says_odometry()
+        tracker.reports("REFUSED")
+        tracker.says_state(claims=False)
+        world.empty_queues()
+    assert node.mode is Mode.FOLLOWING
+
+
+def test_a_frame_that_comes_twice_waits_for_what_came_with_the_first(world, tracker):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/tracker/frame_report"))
+    tracker.says_odometry()
+    tracker.reports("TRACKING", offset="0.0")
+    tracker.says_state(claims=True)
+    tracker.reports("REFUSED")
+    tracker.says_state(claims=False)
+    world.empty_queues()
+    assert not tracker.commands
+    tracker.says_cross_track(0.0, 0.0)
+    world.spin(lambda: len(tracker.commands) == 2)
+    assert node.mode is Mode.WAITING
 
 
 def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, tracker, diagnostics):
