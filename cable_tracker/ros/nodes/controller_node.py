@@ -24,7 +24,7 @@ from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.messages.poses import yaw_of
+from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 
@@ -77,6 +77,9 @@ class ControllerNode(GuidanceNode):
     def on_odometry(self, message: Message) -> None:
         """Remember where the vehicle was, unless odometry does not know."""
         pose = message.pose.pose
+        # Its yaw would be 0: a search would turn towards that again and again.
+        if unit_quaternion(pose.orientation) is None:
+            return
         place = Pose(float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation))
         if all(map(math.isfinite, (place.x, place.y, place.yaw))):
             stamp = stamp_of(message.header) or int(self.get_clock().now().nanoseconds)

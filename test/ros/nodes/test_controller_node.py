@@ -7,7 +7,7 @@ import pytest
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import PoseWithCovarianceStamped, Quaternion, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import Log
 from sensor_msgs.msg import JointState
@@ -375,6 +375,15 @@ def test_odometry_that_does_not_know_or_is_old_does_not_count(world):
     node.on_odometry(message)
     assert node._pose_at(1_100_000_000).x == 2.0
     assert node._pose_at(1_500_000_000) is None
+
+
+@pytest.mark.parametrize("orientation", [{"w": 0.0}, {"w": math.nan}, {"z": 5.0, "w": 5.0}])
+def test_odometry_whose_orientation_is_no_rotation_does_not_count(world, orientation):
+    node = world.controller(**PATIENT)
+    message = odometry_at(1.0, 2.0)
+    message.pose.pose.orientation = Quaternion(**orientation)
+    node.on_odometry(message)
+    assert node._pose_at(1_000_000_000) is None
 
 
 def odometry_at(seconds: float, x: float) -> Odometry:
