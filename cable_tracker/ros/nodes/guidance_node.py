@@ -71,12 +71,12 @@ UNREPORTED = Reported(has_place=True, is_refused=False)
 class GuidanceNode(ProcessNode):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
-    Without a `state` for `state_timeout` the vehicle is stopped, and so it is while the tracker
-    says that it looks at nothing (switched off, warming up, or before a picture that stands still),
-    or has refused every frame for `state_timeout`; but not in lockstep. In lockstep it waits, at
-    most `settle_time`, until every message that the frame report announces has arrived, so that the
-    command does not depend on the order of messages. The first command waits until it has a
-    subscriber.
+    Without a `state` for `state_timeout` the vehicle is stopped (one of a time that no message has
+    room for counts as none), and so it is while the tracker says that it looks at nothing (switched
+    off, warming up, or before a picture that stands still), or has refused every frame for
+    `state_timeout`; but not in lockstep. In lockstep it waits, at most `settle_time`, until every
+    message that the frame report announces has arrived, so that the command does not depend on the
+    order of messages. The first command waits until it has a subscriber.
 
     Parameters
     ----------
@@ -167,10 +167,11 @@ class GuidanceNode(ProcessNode):
     def on_state(self, message: Message) -> None:
         """Take note that the tracker has seen a frame, and whether it claims something in it."""
         now = time.monotonic()
-        self._last_state = now
         stamp = stamp_of(message.header)
-        # Of another time nothing could be told; the tracker has refused such a frame.
+        # Of another time nothing could be told; the tracker has refused such a frame. No command
+        # answers it: it counts as silence.
         if has_room_for(stamp):
+            self._last_state = now
             self._states.append((stamp, bool(message.position), now))
         if not self._values["lockstep"]:
             self._miss_reports(now)

@@ -318,6 +318,20 @@ def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, trac
     assert not tracker.commands
 
 
+def test_and_is_silence_for_a_vehicle_that_moves(world, tracker, diagnostics):
+    node = world.controller(settle_time=60.0, state_timeout=2.0)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=10)
+    assert any(command.linear.x > 0.0 for command in tracker.commands)
+
+    def is_told_after_one_more() -> bool:
+        node.on_state(JointState(header=Header(stamp=Time(sec=2**31 - 1, nanosec=10**9))))
+        return [words for words, _ in diagnostics(node)][-1:] == ["NO STATE"]
+
+    world.spin(is_told_after_one_more, 60.0)
+    assert tracker.commands[-1] == Twist()
+
+
 def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
     node = world.controller(**PATIENT)
     tracker.is_heard()
