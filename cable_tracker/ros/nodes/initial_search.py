@@ -51,6 +51,27 @@ class InitialSearch:
         if self._name in DETECTORS:
             self._detector = DETECTORS[self._name](limits)
 
+    def changed_to(self, text: str, limits: PairLimits) -> InitialSearch:
+        """Return the search for another text: this one for the same; another detector seeks on.
+
+        Parameters
+        ----------
+        text : str
+            As of the constructor.
+        limits : PairLimits
+            As of the constructor.
+
+        Raises
+        ------
+        ParameterError
+            The text is none of those.
+        """
+        if text.strip() == self._name:
+            return self
+        changed = InitialSearch(text, limits)
+        changed.is_seeking = self.is_seeking and changed._detector is not None
+        return changed
+
     def restart(self) -> GivenState | None:
         """Begin anew; return the prior of the next frame, None where none is known yet."""
         self.is_seeking = self._detector is not None

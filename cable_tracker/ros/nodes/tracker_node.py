@@ -76,6 +76,7 @@ class TrackerNode(CameraNode):
         self._instrument_reliability = str(start["instrument_reliability"])
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
+        self._search = InitialSearch(str(runtime["initial_state"]), pair_limits(parameters))
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
@@ -113,7 +114,7 @@ class TrackerNode(CameraNode):
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
         if "initial_state" in values:
             limits = pair_limits(self._tracker.parameters)
-            self._search = InitialSearch(str(values["initial_state"]), limits)
+            self._search = self._search.changed_to(str(values["initial_state"]), limits)
         self._metric.apply(values)
         self._apply_camera_values(values)
 

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rclpy.parameter import Parameter
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.detection.pair_limits import PairLimits
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros.nodes.initial_search import InitialSearch
@@ -79,6 +80,46 @@ def test_what_was_found_otherwise_is_not_sought_any_more() -> None:
     assert search.is_seeking
     search.stop()
     assert not search.is_seeking
+
+
+def test_the_same_text_leaves_a_search_alone() -> None:
+    search = InitialSearch("lsd")
+    search.restart()
+    assert search.changed_to(" lsd ", DEFAULT_LIMITS) is search
+
+
+@pytest.mark.parametrize(
+    ("text", "is_seeking"), [("hough", True), ("random", False), ("9.0,0.08,36.0,0.0", False)]
+)
+def test_another_detector_goes_on_seeking(text: str, is_seeking: bool) -> None:
+    search = InitialSearch("lsd")
+    search.restart()
+    assert search.changed_to(text, DEFAULT_LIMITS).is_seeking is is_seeking
+
+
+@pytest.mark.parametrize("text", ["lsd", "random"])
+def test_after_a_search_another_detector_seeks_from_the_next_start_on(text: str) -> None:
+    search = InitialSearch(text)
+    search.restart()
+    search.stop()
+    changed = search.changed_to("hough", DEFAULT_LIMITS)
+    assert not changed.is_seeking
+    changed.restart()
+    assert changed.is_seeking
+
+
+@pytest.mark.parametrize("name", ["lsd", "hough"])
+def test_a_node_goes_on_looking_when_its_start_is_set_meanwhile(
+    world: Any, truth: CableState, image_message: Callable[..., Any], name: str
+) -> None:
+    node = world.tracker(initial_state="lsd", filter="bootstrap")
+    world.show(node, image_message(BLANK))
+    result = node.set_parameters([Parameter("initial_state", value=name)])
+    assert result[0].successful
+    world.show(node, image_message(index=1))
+    states = node.tracker.particles.states
+    assert states[:, 0].mean() == pytest.approx(truth.distance, abs=6.0)
+    assert states[:, 0].std() < 10.0
 
 
 def test_a_node_starts_where_the_detector_sees_the_cable(
