@@ -24,3 +24,6 @@ class Command:
 
 STOP = Command()
 """Stand still."""
+
+PATIENCE = 0.4
+"""Time for which the last command goes on: a frame or two without an answer are usual [s]."""

@@ -12,7 +12,7 @@ from cable_tracker.example_controller.cable_memory import (
     RememberedLine,
     line_at,
 )
-from cable_tracker.example_controller.command import STOP, Command
+from cable_tracker.example_controller.command import PATIENCE, STOP, Command
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings, LineOfSight
 from cable_tracker.example_controller.step_clock import StepClock
 
@@ -60,7 +60,7 @@ class SearchSettings:
     Attributes
     ----------
     patience : float
-        Time for which the last command goes on: a frame or two without an answer are usual [s].
+        Time for which the last command goes on without an answer [s].
     pause : float
         Time of standstill after that [s].
     speed : float
@@ -80,7 +80,7 @@ class SearchSettings:
         Number of sightings in a row that end the search; refused frames between them do not count.
     """
 
-    patience: float = 0.4
+    patience: float = PATIENCE
     pause: float = 1.0
     speed: float = 0.35
     straight: float = 6.0

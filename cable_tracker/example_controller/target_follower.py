@@ -1,8 +1,9 @@
 """Keep a distance behind a target, as an example: its place in, surge, heave and turn out.
 
-The surge has an integral part, which comes to be the target's own speed and the current's; while
-the target is lost it carries the vehicle on. After a while the vehicle also looks to both sides of
-its course in turn, farther every time, beginning where the target was last seen.
+The surge has an integral part, which comes to be the target's own speed and the current's. Where
+there is no answer for a frame or two the last command goes on; while the target is lost the
+integral part carries the vehicle on. After a while the vehicle also looks to both sides of its
+course in turn, farther every time, beginning where the target was last seen.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from cable_tracker.example_controller.command import STOP, Command
+from cable_tracker.example_controller.command import PATIENCE, STOP, Command
 from cable_tracker.example_controller.step_clock import StepClock
 
 
@@ -110,6 +111,7 @@ class TargetController:
         self._integral = 0.0
         self._last: TargetPlace | None = None
         self._seen = 0.0
+        self._command = STOP
         self._clock = StepClock()
 
     @property
@@ -131,21 +133,28 @@ class TargetController:
         if place is not None:
             self._last, self._seen = place, self._clock.now
             self._mode = FollowMode.FOLLOWING
-            return self._follow(place, dt)
+            self._command = self._follow(place, dt)
+            return self._command
+        return self._without(self._clock.now - self._seen)
+
+    def _without(self, lost: float) -> Command:
+        """Return what to do without a target, `lost` seconds after it was seen."""
         if self._last is None:
             self._mode = FollowMode.WAITING
             return STOP
-        lost = self._clock.now - self._seen
         if lost > self._settings.give_up:
             self._mode = FollowMode.GIVEN_UP
             return STOP
+        if lost <= PATIENCE:
+            return self._command
         if lost <= self._settings.memory_time:
             self._mode = FollowMode.REMEMBERING
             # The turn for the last bearing fades away: by then the vehicle has made it.
             turn = self._turn(self._last.bearing) * math.exp(-lost)
             return Command(self._limited(self._integral), turn)
         self._mode = FollowMode.SEARCHING
-        return self._search(lost - self._settings.memory_time, self._last.bearing)
+        begun = max(self._settings.memory_time, PATIENCE)
+        return self._search(lost - begun, self._last.bearing)
 
     def _follow(self, place: TargetPlace, dt: float) -> Command:
         settings = self._settings

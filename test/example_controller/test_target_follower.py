@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.example_controller.command import PATIENCE
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
     FollowSettings,
@@ -47,7 +48,19 @@ def test_it_comes_to_keep_its_distance_behind_a_target_that_moves():
         gap += (speed - command.surge) * DT
     assert gap == pytest.approx(2.5, abs=0.05)
     # What it has learnt of the speed carries it on when the target is gone.
-    assert follower.step(2000 * DT, None).surge == pytest.approx(speed, abs=0.05)
+    assert follower.step(2000 * DT + PATIENCE, None).surge == pytest.approx(speed, abs=0.05)
+    assert follower.mode is FollowMode.REMEMBERING
+
+
+def test_the_last_command_goes_on_for_a_moment():
+    follower = TargetController(FollowSettings())
+    before = run(follower, [TargetPlace(4.0, 0.3, 0.5)] * 3)[-1]
+    seen = 2 * DT
+    assert before.surge > 0.7
+    for passed in (DT, PATIENCE - 0.01):
+        assert follower.step(seen + passed, None) == before
+        assert follower.mode is FollowMode.FOLLOWING
+    assert follower.step(seen + PATIENCE + DT, None).surge < 0.1
     assert follower.mode is FollowMode.REMEMBERING
 
 
@@ -75,7 +88,7 @@ def test_each_leg_of_the_search_goes_farther_beyond_the_course_than_the_one_befo
     )
     follower = TargetController(settings)
     follower.step(0.0, TargetPlace(3.0, 0.0, 0.0))
-    turns = np.array([follower.step(0.01 * number, None).turn for number in range(1, 4000)])
+    turns = np.array([follower.step(0.01 * number, None).turn for number in range(41, 4040)])
     assert np.abs(turns).max() == 0.3
     headings = np.cumsum(0.01 * turns)
     farthest = headings[np.flatnonzero(np.diff(np.sign(turns)))]

@@ -32,12 +32,18 @@ def test_every_state_is_answered_with_a_command(world: Any, header: Any) -> None
     assert node.mode is FollowMode.FOLLOWING
 
 
-def test_without_a_claim_it_remembers(world: Any, header: Any) -> None:
+def test_a_frame_without_a_claim_changes_nothing_and_after_some_it_remembers(
+    world: Any, header: Any
+) -> None:
     commands = world.listen(Twist, "cmd_vel")
     node = world.follower(lockstep=True)
     tell(node, header(0), 4.0)
     tell(node, header(1), None)
     world.spin(lambda: len(commands) == 2)
+    assert commands[1] == commands[0]
+    assert node.mode is FollowMode.FOLLOWING
+    tell(node, header(20), None)
+    world.spin(lambda: len(commands) == 3)
     assert node.mode is FollowMode.REMEMBERING
 
 
