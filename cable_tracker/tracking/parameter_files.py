@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -25,13 +26,27 @@ EVERY_NODE = ("/**:", f"  {ROS_KEY}:")
 PLAIN_WORD = re.compile(r"(?!(?:true|false|yes|no|on|off|y|n|null|nan|inf)$)[a-z][a-z_]*")
 """A text that YAML does not take for anything else."""
 
+TEXT, INTEGER, FLOAT = (f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float"))
+"""Tags of scalars in YAML."""
+
+ONLY_YAML_1_1 = re.compile("[_:]|^[-+]?0b")
+"""What numbers of YAML 1.1 may hold, and those of ROS may not: 1_000, 1:30, 0b11."""
+
 
 class _ParameterLoader(yaml.SafeLoader):
-    """Reads 1e-5 and 1.5e2 as numbers, as ROS and YAML 1.2 do; YAML 1.1 takes them for words."""
+    """Takes for numbers what ROS does: also 1e-5 and 1.5e2, which are words in YAML 1.1, not 1_000.
+
+    What is no number is left as text, so that it is refused in the words of the node.
+    """
+
+    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> Any:  # noqa: ANN401
+        """Return the tag of a node without one."""
+        tag = super().resolve(kind, value, implicit)  # type: ignore[no-untyped-call]
+        return TEXT if tag in {INTEGER, FLOAT} and ONLY_YAML_1_1.search(value) else tag
 
 
 _ParameterLoader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
+    FLOAT,
     re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
     list("-+.0123456789"),
 )

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -110,6 +111,30 @@ def test_small_numbers_may_be_written_as_in_ros(written, text):
 
 
 @pytest.mark.parametrize(
+    "line",
+    [
+        "particle_count: 1_000",
+        "particle_count: 1:30",
+        "particle_count: 0b1100100",
+        "particle_count: 0x_64",
+        "epsilon: 1_0.5e-1",
+        "epsilon: 1:30.5",
+    ],
+)
+def test_what_is_no_number_for_ros_is_none_here_either(written, line):
+    values = read_parameter_file(written(f"{line}\n"))
+    name, text = line.split(": ")
+    assert values == {name: text}
+    with pytest.raises(ParameterError, match=f"{name}: '{text}' is not a"):
+        filter_parameters(TrackerParameters(), values, set())
+
+
+def test_other_whole_numbers_are_those_of_ros(written):
+    values = read_parameter_file(written("a: +100\nb: 0x64\nc: 0144\nd: -100\ne: .inf\n"))
+    assert values == {"a": 100, "b": 100, "c": 100, "d": -100, "e": math.inf}
+
+
+@pytest.mark.parametrize(
     ("text", "number"), [("1.5e2", 150.0), ("1.e2", 100.0), (".5e1", 5.0), ("-2.5E-1", -0.25)]
 )
 def test_numbers_with_a_fraction_and_an_exponent_are_numbers(written, text, number):
@@ -179,7 +204,7 @@ def test_names_that_only_the_node_knows_are_passed_over():
         "\x00\x01",
         b"\xff\xfe\xfa",
         "a: 2020-13-45",
-        "a: 0x_",
+        "a: !!int 0x_",
         "[" * 1000,
         "? [a]\n: b",
         "!!python/object:os.system x",
