@@ -1,4 +1,4 @@
-"""Real nodes, each test in a context, a namespace and (per worker) a domain of its own."""
+"""Real nodes, each test in a namespace, and each worker in a context and a domain of its own."""
 
 from __future__ import annotations
 
@@ -136,13 +136,32 @@ def namespace() -> str:
     return f"/test_{os.getpid()}_{next(NUMBERS)}"
 
 
-@pytest.fixture
-def context(domain: int) -> Iterator[Any]:
+def quiet_node(name: str, context: Any, namespace: str) -> Any:
+    """Make a node that offers no services: it is asked for nothing."""
+    return Node(
+        name,
+        context=context,
+        namespace=namespace,
+        start_parameter_services=False,
+        enable_rosout=False,
+        parameter_overrides=[Parameter("start_type_description_service", value=False)],
+    )
+
+
+@pytest.fixture(scope="session")
+def context(domain: int, ros_environment: pytest.MonkeyPatch) -> Iterator[Any]:
+    """The context of all tests of a worker, in which one node lives throughout.
+
+    A participant of DDS ends with the last node of its context, and to make another takes longer
+    than most tests.
+    """
     context = Context()
     rclpy.init(
         args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO
     )
+    keeper = quiet_node("keeper", context, f"/kept_{os.getpid()}")
     yield context
+    keeper.destroy_node()
     rclpy.try_shutdown(context=context)
 
 
@@ -155,17 +174,7 @@ class World:
         self.executor = SingleThreadedExecutor(context=context)
         self.nodes: list[Any] = []
         self._refused_any = False
-        # A listener whom nobody asks for anything offers no services.
-        self.me = self.add(
-            Node(
-                "me",
-                context=context,
-                namespace=namespace,
-                start_parameter_services=False,
-                enable_rosout=False,
-                parameter_overrides=[Parameter("start_type_description_service", value=False)],
-            )
-        )
+        self.me = self.add(quiet_node("me", context, namespace))
 
     def add(self, node: Any) -> Any:
         self.nodes.append(node)
