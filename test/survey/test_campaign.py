@@ -37,6 +37,27 @@ def surveyed(bag, tmp_path_factory):
     return output, run_survey([bag, broken], output, SurveySettings(), ALONE), [bag, broken]
 
 
+def copied(output: Path, folder: Path) -> Path:
+    """Copy a map of others, for what a test does to it."""
+    return shutil.copytree(output, folder / "map")
+
+
+@pytest.fixture(scope="module")
+def pictured(bag, tmp_path_factory):
+    """The map of one dive, with pictures; to be read only."""
+    output = tmp_path_factory.mktemp("pictured") / "map"
+    run_survey([bag], output, SurveySettings(), ALONE)
+    return output
+
+
+@pytest.fixture(scope="module")
+def unpictured(bag, tmp_path_factory):
+    """The map of one dive, without pictures; to be read only."""
+    output = tmp_path_factory.mktemp("unpictured") / "map"
+    run_survey([bag], output, SurveySettings(pictures=False), ALONE)
+    return output
+
+
 def test_a_dive_becomes_a_route_and_a_broken_one_a_row(surveyed):
     output, result, _ = surveyed
     assert [outcome.state for outcome in result.outcomes] == [TaskState.DONE, TaskState.FAILED]
@@ -74,19 +95,16 @@ def test_routes_have_the_names_of_their_files(bag, tmp_path):
         assert {(row["route"], row["recording"]) for row in rows} == {("route 1", recording)}
 
 
-def test_a_survey_without_routes_leaves_no_map_of_an_earlier_one(bag, tmp_path):
-    output = tmp_path / "map"
-    run_survey([bag], output, SurveySettings(), ALONE)
+def test_a_survey_without_routes_leaves_no_map_of_an_earlier_one(bag, pictured, tmp_path):
+    output = copied(pictured, tmp_path)
     assert (output / "route.gpkg").exists()
     unmeasured = ForwardSettings(choice=InstrumentChoice({Instrument.ALTITUDE: NO_TOPIC}))
     assert run_survey([bag], output, SurveySettings(unmeasured), ALONE).routes == ()
     assert not (output / "route.gpkg").exists()
 
 
-def test_a_picture_that_was_not_kept_is_not_named(bag, tmp_path):
-    for pictures in (True, False):
-        output = tmp_path / str(pictures)
-        run_survey([bag], output, SurveySettings(pictures=pictures), ALONE)
+def test_a_picture_that_was_not_kept_is_not_named(pictured, unpictured):
+    for output, pictures in ((pictured, True), (unpictured, False)):
         rows = csv.DictReader((output / "events.csv").read_text().splitlines())
         assert {bool(row["picture"]) for row in rows} == {pictures}
 
@@ -242,9 +260,8 @@ def contents(folder):
     }
 
 
-def test_a_mistyped_option_takes_neither_results_nor_map_away(bag, tmp_path):
-    output = tmp_path / "map"
-    run_survey([bag], output, SurveySettings(), ALONE)
+def test_a_mistyped_option_takes_neither_results_nor_map_away(bag, pictured, tmp_path):
+    output = copied(pictured, tmp_path)
     before = contents(output)
     mistyped = SurveySettings(ForwardSettings(topic="/camera/imge"))
     result = run_survey([bag], output, mistyped, ALONE, resume=True)
@@ -279,12 +296,13 @@ def another(tmp_path_factory):
     return path
 
 
-def test_a_dive_that_is_added_before_the_others_does_not_make_them_others(bag, another, tmp_path):
-    plain = SurveySettings(pictures=False)
-    run_survey([bag], tmp_path / "map", plain, ALONE)
-    both = run_survey([another, bag], tmp_path / "map", plain, ALONE, resume=True)
+def test_a_dive_that_is_added_before_the_others_does_not_make_them_others(
+    bag, another, unpictured, tmp_path
+):
+    plain, output = SurveySettings(pictures=False), copied(unpictured, tmp_path)
+    both = run_survey([another, bag], output, plain, ALONE, resume=True)
     assert states(both) == [TaskState.DONE, TaskState.KEPT]
-    again = run_survey([another, bag], tmp_path / "map", plain, ALONE, resume=True)
+    again = run_survey([another, bag], output, plain, ALONE, resume=True)
     assert states(again) == [TaskState.KEPT] * 2
 
 
@@ -316,19 +334,25 @@ def days(bag, tmp_path_factory):
     return [shutil.copytree(bag, root / day / "dive") for day in ("monday", "tuesday")]
 
 
-def test_a_second_dive_of_the_same_name_leaves_the_first_its_own(days, tmp_path):
+@pytest.fixture(scope="module")
+def monday(days, tmp_path_factory):
+    """The map of the first of them; to be read only."""
+    output = tmp_path_factory.mktemp("monday") / "map"
+    run_survey(days[:1], output, SurveySettings(pictures=False), ALONE)
+    return output
+
+
+def test_a_second_dive_of_the_same_name_leaves_the_first_its_own(days, monday, tmp_path):
     plain = SurveySettings(pictures=False)
-    run_survey(days[:1], tmp_path / "map", plain, ALONE)
-    both = run_survey(days, tmp_path / "map", plain, ALONE, resume=True)
+    both = run_survey(days, copied(monday, tmp_path), plain, ALONE, resume=True)
     assert [outcome.name for outcome in both.outcomes] == ["dive", "tuesday_dive"]
     assert states(both) == [TaskState.KEPT, TaskState.DONE]
     assert both.left_out == ()
 
 
-def test_a_dive_takes_no_results_of_another_one_of_its_name_away(days, tmp_path):
+def test_a_dive_takes_no_results_of_another_one_of_its_name_away(days, monday, tmp_path):
     plain = SurveySettings(pictures=False)
-    run_survey(days[:1], tmp_path / "map", plain, ALONE)
-    second = run_survey(days[1:], tmp_path / "map", plain, ALONE, resume=True)
+    second = run_survey(days[1:], copied(monday, tmp_path), plain, ALONE, resume=True)
     assert [outcome.name for outcome in second.outcomes] == ["tuesday_dive"]
     assert second.left_out == ("dive",)
 
@@ -361,11 +385,11 @@ def test_names_that_are_taken_are_not_given_again():
     assert names_of([Path("/week/tuesday/dive")], taken) == ["week_tuesday_dive"]
 
 
-def test_notes_beside_the_results_of_a_dive_stay_when_it_is_surveyed_anew(bag, tmp_path):
-    for _ in range(2):
-        run_survey([bag], tmp_path / "map", SurveySettings(), ALONE)
-        (tmp_path / "map/recordings/dive/notes.txt").write_text("an hour of thoughts")
-    run_survey([bag], tmp_path / "map", SurveySettings(pictures=False), ALONE)
-    assert {each.name for each in (tmp_path / "map/recordings/dive").iterdir()} == {
+def test_notes_beside_the_results_of_a_dive_stay_when_it_is_surveyed_anew(bag, pictured, tmp_path):
+    dive = copied(pictured, tmp_path) / "recordings/dive"
+    for pictures in (True, False):
+        (dive / "notes.txt").write_text("an hour of thoughts")
+        run_survey([bag], tmp_path / "map", SurveySettings(pictures=pictures), ALONE)
+    assert {each.name for each in dive.iterdir()} == {
         "dive.json", "frames.parquet", "notes.txt", "routes.npz", "task.json",
     }  # fmt: skip
