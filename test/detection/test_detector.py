@@ -72,10 +72,10 @@ def test_float_pictures_give_the_same_as_whole_numbers(detector, draw_strip):
     assert detector.detect(image, None) == detector.detect(image.astype(np.float32), None)
 
 
-@pytest.mark.parametrize("level", [0, 1, 90, 255])
 @pytest.mark.parametrize("size", [(16, 16), (320, 240), (16, 200), (3000, 16)], ids=str)
-def test_a_flat_picture_shows_nothing(detector, level, size):
-    assert detector.detect(np.full(size[::-1], level, np.uint8), None) == []
+def test_a_flat_picture_shows_nothing(detector, size):
+    for level in (0, 1, 90, 255):
+        assert detector.detect(np.full(size[::-1], level, np.uint8), None) == [], level
 
 
 def test_a_gradient_of_light_is_no_cable(detector):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import tracemalloc
 from dataclasses import replace
+from itertools import product
 
 import cv2
 import numpy as np
@@ -74,24 +75,23 @@ def test_every_encoding_of_the_design_is_known():
 
 
 @pytest.mark.parametrize("encoding", [name for name in ENCODINGS if not name.startswith("bayer")])
-@pytest.mark.parametrize("padding", [0, 3, 8])
-@LITTLE_AND_BIG
-def test_grey_is_what_the_weights_say(encoding, padding, big):
+def test_grey_is_what_the_weights_say(encoding):
     numbers = random_numbers(encoding)
-    grey = decode_grey(packed(encoding, numbers, padding=padding, big=big))
-    assert grey.shape == (HEIGHT, WIDTH)
-    assert grey.dtype == (np.uint8 if number_type(encoding) == "u1" else np.float32)
-    np.testing.assert_allclose(grey, reference_grey(encoding, numbers), atol=1.01)
+    for padding, big in product((0, 3, 8), (False, True)):
+        grey = decode_grey(packed(encoding, numbers, padding=padding, big=big))
+        assert grey.shape == (HEIGHT, WIDTH)
+        assert grey.dtype == (np.uint8 if number_type(encoding) == "u1" else np.float32)
+        np.testing.assert_allclose(grey, reference_grey(encoding, numbers), atol=1.01)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
-@LITTLE_AND_BIG
-def test_padding_and_byte_order_change_no_pixel(encoding, big):
+def test_padding_and_byte_order_change_no_pixel(encoding):
     numbers = random_numbers(encoding)
     plain = packed(encoding, numbers)
-    padded = packed(encoding, numbers, padding=5, big=big)
-    np.testing.assert_array_equal(decode_grey(plain), decode_grey(padded))
-    np.testing.assert_array_equal(decode_bgr(plain), decode_bgr(padded))
+    for big in (False, True):
+        padded = packed(encoding, numbers, padding=5, big=big)
+        np.testing.assert_array_equal(decode_grey(plain), decode_grey(padded))
+        np.testing.assert_array_equal(decode_bgr(plain), decode_bgr(padded))
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)

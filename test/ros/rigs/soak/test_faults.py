@@ -31,12 +31,12 @@ def see(image: Any) -> None:
 
 
 @pytest.mark.parametrize("fault", sorted(CHANGES.keys() & REFUSED))
-@pytest.mark.parametrize("seed", range(5))
-def test_a_bad_frame_cannot_be_used(image_message: Callable[..., Any], fault: Fault, seed: int):
-    message = image_message()
-    CHANGES[fault](message, np.random.default_rng(seed))
-    with pytest.raises(FrameError):
-        see(read_image(message))
+def test_a_bad_frame_cannot_be_used(image_message: Callable[..., Any], fault: Fault):
+    for seed in range(5):
+        message = image_message()
+        CHANGES[fault](message, np.random.default_rng(seed))
+        with pytest.raises(FrameError):
+            see(read_image(message))
 
 
 @pytest.mark.parametrize("fault", sorted(CHANGES.keys() - REFUSED))
@@ -49,12 +49,12 @@ def test_a_strange_frame_can_be_used(image_message, rng, fault):
 
 
 @pytest.mark.parametrize("fault", sorted(COMPRESSED_CHANGES.keys() & REFUSED))
-@pytest.mark.parametrize("seed", range(5))
-def test_a_bad_picture_cannot_be_used(compressed_message, fault, seed):
-    message = compressed_message()
-    COMPRESSED_CHANGES[fault](message, np.random.default_rng(seed))
-    with pytest.raises(FrameError):
-        see(read_compressed_image(message))
+def test_a_bad_picture_cannot_be_used(compressed_message, fault):
+    for seed in range(5):
+        message = compressed_message()
+        COMPRESSED_CHANGES[fault](message, np.random.default_rng(seed))
+        with pytest.raises(FrameError):
+            see(read_compressed_image(message))
 
 
 def test_every_possible_fault_is_drawn(rng):
