@@ -18,12 +18,15 @@ from cable_tracker.campaigns.cluster import (  # noqa: E402
 from cable_tracker.campaigns.settings import ClusterSettings  # noqa: E402
 
 
-def test_workers_that_are_started_here_keep_freed_memory(monkeypatch):
+def test_workers_that_are_started_here_keep_freed_memory_and_serve_no_pages(monkeypatch):
     for name in KEPT_MEMORY:  # Dask leaves those of a cluster before in this process.
         monkeypatch.delenv(name, raising=False)
-    with connected(ClusterSettings(workers=1)) as client:
+    told = []
+    with connected(ClusterSettings(workers=1, tell_dashboard=told.append)) as client:
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert {name: int(found[name]) for name in KEPT_MEMORY} == KEPT_MEMORY
+    # Pages that were not asked for are not served.
+    assert told == []
 
 
 def test_where_the_pages_are_is_told_while_they_are_served():
@@ -34,8 +37,6 @@ def test_where_the_pages_are_is_told_while_they_are_served():
             told.append(answer.status)
 
     with connected(ClusterSettings(workers=1, dashboard=True, tell_dashboard=fetch)):
-        assert told == [200]
-    with connected(ClusterSettings(workers=1, tell_dashboard=fetch)):
         assert told == [200]
 
 
