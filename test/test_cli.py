@@ -565,7 +565,9 @@ main()
 """The command line, which comes no further than the first frame: it must not end too early."""
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_a_signal_leaves_nothing_half_written(unlabelled, tmp_path, number):
     command = [sys.executable, "-c", HALTING, "track", "pictures"]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
@@ -606,7 +608,7 @@ def test_what_an_encoding_lacks_is_printed_as_a_number(monkeypatch, encoding, pr
     assert out.buffer.getvalue() == printed + b"\xe4nge\n"
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+@pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.slow), "ascii"])
 def test_units_are_printed_in_every_locale(encoding):
     words = [sys.executable, "-m", "cable_tracker.cli", "parameters"]
     environment = {**os.environ, "PYTHONIOENCODING": encoding}

@@ -20,7 +20,7 @@ from cable_tracker.ros.process.ros_context import PLAIN_FILE_ADVICE
 from cable_tracker.ros.process.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
-"""Both are handled by the same function; one test holds that, for the others one will do."""
+"""Both are handled by the same function: each is sent in some of the tests for every change."""
 
 LONGEST_END = 300.0
 """What has not ended by then does not end [s]."""
@@ -88,7 +88,7 @@ def start(tmp_path: Path, namespace: str) -> Iterator[Callable[..., Run]]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 class TestSignals:
-    @pytest.mark.parametrize("delay", [0.0, 0.3])
+    @pytest.mark.parametrize("delay", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
     def test_a_signal_while_it_starts_ends_it(
         self, start: Callable[..., Run], delay: float
     ) -> None:
@@ -99,7 +99,9 @@ class TestSignals:
         unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
 
-    @pytest.mark.parametrize("signal_number", SIGNALS)
+    @pytest.mark.parametrize(
+        "signal_number", [pytest.param(signal.SIGINT, marks=pytest.mark.slow), signal.SIGTERM]
+    )
     def test_a_signal_ends_the_running_tracker(
         self, start: Callable[..., Run], world: Any, namespace: str, signal_number: int
     ) -> None:
@@ -117,7 +119,7 @@ class TestSignals:
         states = world.listen(JointState, "state")
         source = f"source:={make_dive(10)}"
         # So many particles that the signal comes within a callback.
-        tracker = start("tracker", "image_reliability:=reliable", "particle_count:=20000")
+        tracker = start("tracker", "image_reliability:=reliable", "particle_count:=8000")
         replay = start("replay", source, "lockstep:=true", "loop:=true", NO_HASTE)
         world.spin(lambda: len(states) > 2)
         assert tracker.end(signal.SIGINT) == 0
