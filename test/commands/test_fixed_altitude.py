@@ -30,11 +30,15 @@ def silent(command):
     return "silent"
 
 
-@pytest.mark.parametrize("name", ["track", "survey"])
-def test_it_is_said_once_that_a_fixed_altitude_stands_in(command, silent, name):
-    code, said, notes = command(name, silent, "--output", "out")
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("track", ("--no-video", "--no-bag", "--no-pictures")), ("survey", ())],
+    ids=["track", "survey"],
+)
+def test_it_is_said_once_that_a_fixed_altitude_stands_in(command, silent, name, options):
+    code, said, notes = command(name, silent, "--output", "out", *options)
     assert code == 0
     words = " ".join((said + notes).split())
     assert words.count("fixed_altitude stands in: the last on altitude is more than") == 1
     # Of the dive itself nothing is to be said.
-    assert "stands in" not in "".join(command(name, "dive", "--output", "other")[1:])
+    assert "stands in" not in "".join(command(name, "dive", "--output", "other", *options)[1:])

@@ -61,7 +61,7 @@ def test_detectors_find_the_cable_of_an_easy_dive_by_themselves(name, easy_dive)
 
 @pytest.mark.parametrize("name", METHODS)
 def test_the_same_seed_gives_the_same_estimates(name, easy_dive):
-    first, second = (track(name, easy_dive[:10], seed=3) for _ in range(2))
+    first, second = (track(name, easy_dive[:5], seed=3) for _ in range(2))
     assert [estimate.state for estimate in first] == [estimate.state for estimate in second]
     np.testing.assert_array_equal(first[-1].covariance, second[-1].covariance)
 

@@ -191,7 +191,7 @@ class TestCovariance:
 
         rng = np.random.default_rng(7)
         drawn = []
-        for noise in rng.standard_normal((400, 7)):
+        for noise in rng.standard_normal((250, 7)):
             shifted = CableState(*(state.to_array()[:4] + noise[:4] * sigmas))
             one = measured(
                 instrument,

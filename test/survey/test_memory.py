@@ -69,10 +69,8 @@ def written(dive: ForwardDive, path, datum=None):
     "block", [7, *(pytest.param(size, marks=pytest.mark.slow) for size in (1, 300))]
 )
 def test_block_by_block_is_bit_for_bit_as_all_at_once(tmp_path, block, datum):
-    if block == 1:
-        dives = [hard_dive(Disk(block=size), 12.0) for size in (block, WHOLE)]
-    else:
-        dives = [hard_dive(Disk(block=size)) for size in (block, WHOLE)]
+    length = 12.0 if block == 1 or datum is None else 35.0
+    dives = [hard_dive(Disk(block=size), length) for size in (block, WHOLE)]
     paths = [tmp_path / "blocks.parquet", tmp_path / "whole.parquet"]
     (surveyed, course), (other, others_course) = (
         written(dive, path, datum) for dive, path in zip(dives, paths, strict=True)

@@ -199,7 +199,9 @@ def test_the_density_by_a_map_does_not_depend_on_how_a_line_is_written(d, alpha,
     assert density_at(one, density) == pytest.approx(density_at(other, density), rel=1e-6)
 
 
-@pytest.mark.parametrize("memory", [None, MEMORIES["in the middle"]])
+@pytest.mark.parametrize(
+    "memory", [pytest.param(None, marks=pytest.mark.slow), MEMORIES["in the middle"]]
+)
 def test_a_map_moves_a_part_of_the_births_to_its_strips(memory, rng):
     """The integrals over a box far from the strip, and over one about it."""
     strip = cable(-60.0, -0.4, 20.0)
