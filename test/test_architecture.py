@@ -195,3 +195,42 @@ def test_randomness_comes_from_a_generator_that_is_passed_in():
         if (names := random_names_used_by(path) - allowed - USES_GLOBAL_STATE.get(path.name, set()))
     }
     assert others == {}
+
+
+@cache
+def path_of(module: str) -> Path | None:
+    """Return the file of a module of this package; None: it is no module, or of another package."""
+    path = PACKAGE.parent.joinpath(*module.split("."))
+    found = [each for each in (path.with_suffix(".py"), path / "__init__.py") if each.is_file()]
+    return found[0] if found and module.startswith("cable_tracker.") else None
+
+
+def imported_at_once(path: Path) -> set[str]:
+    """Names that a module imports when it is itself imported, not later in one of its functions."""
+    modules = set()
+    for node in tree_of(path).body:
+        if isinstance(node, ast.Import):
+            modules |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            modules |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+    return modules
+
+
+def all_imported_with(path: Path) -> set[str]:
+    """Names that are imported with a module, also by what it imports in turn."""
+    names, seen, left = set(), set(), {path}
+    while left:
+        each = left.pop()
+        seen.add(each)
+        found = imported_at_once(each)
+        names |= found
+        left |= {path for name in found if (path := path_of(name))} - seen
+    return names
+
+
+@pytest.mark.parametrize("node", ["tracker_node", "target_tracker_node"])
+def test_what_unpacks_recordings_is_not_imported_by_a_node_that_tracks(node):
+    """It takes a quarter of the time in which a node would start."""
+    tops = {name.split(".")[0] for name in all_imported_with(PACKAGE / f"ros/nodes/{node}.py")}
+    assert "numpy" in tops
+    assert not tops & {"rosbags", "av", "mcap", "ruamel", "zstandard"}

@@ -10,11 +10,16 @@ from pathlib import Path
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_storage import BagStorage, Topic, is_ros1, open_bag
+from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.topics import (
+    COMPRESSED_IMAGE,
+    VIDEO_TYPES,
+    Topic,
+    image_topics,
+)
 from cable_tracker.sequences.bags.unpacking import beginning, deserialise
 from cable_tracker.sequences.bags.video_stream import (
-    VIDEO_TYPES,
     DecodedPicture,
     Packet,
     StreamDecoder,
@@ -29,8 +34,6 @@ from cable_tracker.sequences.messages.images import read_compressed_image, read_
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
 from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
 
-_IMAGE = "sensor_msgs/msg/Image"
-_COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
 _DEFAULT_FRAME = "camera"
@@ -42,12 +45,6 @@ def _listing(topics: dict[str, Topic]) -> str:
     return ", ".join(
         f"{name} ({topic.msgtype}, {topic.count})" for name, topic in sorted(topics.items())
     )
-
-
-def image_topics(topics: dict[str, Topic]) -> dict[str, Topic]:
-    """Return the topics that hold images or a stream of video."""
-    kinds = (_IMAGE, _COMPRESSED, *VIDEO_TYPES)
-    return {name: t for name, t in topics.items() if t.msgtype in kinds}
 
 
 def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> str:
@@ -237,7 +234,7 @@ class BagSource(Source):
         self.topic = _choose_topic(path, self.storage.topics, topic)
         chosen = self.storage.topics[self.topic]
         self.frame_count = chosen.count
-        self.compressed = chosen.msgtype == _COMPRESSED
+        self.compressed = chosen.msgtype == COMPRESSED_IMAGE
         self._is_video = chosen.msgtype in VIDEO_TYPES
         if self._is_video:
             # Packets before the first key frame are no frames.

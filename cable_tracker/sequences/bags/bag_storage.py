@@ -33,6 +33,7 @@ from cable_tracker.sequences.bags.bag_limits import (
 )
 from cable_tracker.sequences.bags.rosbags_paths import BagReader
 from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.topics import Topic
 from cable_tracker.sequences.natural_order import natural_key
 
 _ROS1_SUFFIX = ".bag"
@@ -43,22 +44,6 @@ MORE_THAN_ROS2 = (
     "it is not of ROS 2 alone, or does not say that it is; what is of ROS 2 is read, without the"
     " index, which takes longer"
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Topic:
-    """One topic of a bag.
-
-    Attributes
-    ----------
-    msgtype : str
-        Name of the message type.
-    count : int
-        Number of messages.
-    """
-
-    msgtype: str
-    count: int
 
 
 class BagStorage(Protocol):

@@ -15,14 +15,11 @@ from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
+from cable_tracker.sequences.bags.topics import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import nanoseconds_of
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
-
-FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
-FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
-VIDEO_TYPES = (FOXGLOVE, FFMPEG)
 
 DEFINITIONS = {
     FOXGLOVE: "builtin_interfaces/Time timestamp\nstring frame_id\nuint8[] data\nstring format\n",
