@@ -64,7 +64,7 @@ setup(
         "pyproj>=3.6",
         "shapely>=2",
         "threadpoolctl>=3.1",
-        "av>=12",
+        "av>=17",
         "pillow>=10.2",
         "mcap>=1.1",
         "PyYAML>=6",

@@ -31,12 +31,8 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
 from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
-from cable_tracker.sequences.videos.video import (
-    TIMES_NOTE,
-    VIDEO_SUFFIXES,
-    VideoFrames,
-    opened_video,
-)
+from cable_tracker.sequences.videos.video import TIMES_NOTE, VIDEO_SUFFIXES
+from cable_tracker.sequences.videos.video_frames import VideoFrames, opened_video
 from cable_tracker.sequences.videos.video_times import times_run_backwards
 from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
 
@@ -381,9 +377,9 @@ class SequenceFileSource(Source):
         return Frame(index, stamp, image, truth=label.state)
 
     def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:
-        with opened_video(self._files[labels[0].filename]) as capture:
+        with opened_video(self._files[labels[0].filename]) as container:
             frames = VideoFrames(
-                capture, has_steady_rate=labels[0].filename in self._with_steady_rate
+                container, has_steady_rate=labels[0].filename in self._with_steady_rate
             )
             number = frames.pass_over(labels[0].frame or 0) - 1
             for index, label in enumerate(labels, start):

@@ -18,7 +18,7 @@ ROUNDING = 2_000_000
 LONGEST_GAP = 86_400 * NANOSECONDS
 """No recorder pauses longer within a file; a time further ahead is damage [ns]."""
 
-_PROBED_PACKETS = 250
+PROBED_PACKETS = 250
 """Number of packets that show whether a container's times can be used: ten seconds, a few MB."""
 
 _MOST_REORDERED = 16
@@ -35,7 +35,7 @@ def times_run_backwards(path: Path) -> bool:
     """
     try:
         with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
-            packets = islice(container.demux(video=0), _PROBED_PACKETS)
+            packets = islice(container.demux(video=0), PROBED_PACKETS)
             times = [
                 float(packet.pts * packet.time_base)
                 for packet in packets
@@ -80,11 +80,12 @@ class FrameClock:
         Parameters
         ----------
         told : float
-            Time of the frame according to the container [ms].
+            Time of the frame according to the container [ms], NaN where it has none; of the first
+            one that is the beginning, 0.
         """
         self._index += 1
         if not self._index:
-            self._first_told = told
+            self._first_told = told if math.isfinite(told) else 0.0
         steady = stamp_of_frame(self._index - self._anchor, self._rate)
         self._last = self._corrected(steady - FIRST_STAMP + self._anchor_stamp, told)
         return self._last

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -196,8 +197,8 @@ def test_a_video_is_read_in_one_pass(write, make_video, monkeypatch):
     make_video("dive.avi")
     source = SequenceFileSource(write(*(f"0 0 30 0 # dive.avi:{n}" for n in range(10))))
     opened = []
-    capture = cv2.VideoCapture
-    monkeypatch.setattr(cv2, "VideoCapture", lambda *a: opened.append(a) or capture(*a))
+    av_open = av.open
+    monkeypatch.setattr(av, "open", lambda *a, **k: opened.append(a) or av_open(*a, **k))
     assert len(list(source.frames())) == 10
     assert len(opened) == 1
 

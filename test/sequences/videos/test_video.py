@@ -9,9 +9,10 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+from av.video.reformatter import Colorspace
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.videos.video import VideoSource
 from cable_tracker.stamps import FIRST_STAMP, stamp_of_frame
 
@@ -68,7 +69,7 @@ def test_a_video_that_players_turn_is_read_as_it_is_stored(write_video):
 
 
 def test_a_video_whose_name_is_not_utf_8_is_refused(make_video):
-    # Opening it with OpenCV would end the process.
+    # FFmpeg takes names in UTF-8.
     path = make_video().rename(os.fsdecode(os.fsencode(make_video()) + b"\xe4.mp4"))
     with pytest.raises(RecordingError, match=r"not UTF-8 .*rename"):
         VideoSource(path)
@@ -118,7 +119,7 @@ def test_frames_before_the_cut_are_delivered(make_video):
     assert 10 < len(frames) < 40
 
 
-def test_opencv_and_ffmpeg_do_not_write_to_the_terminal(make_video):
+def test_ffmpeg_does_not_write_to_the_terminal(make_video):
     path = make_video("dive.mp4", frames=30)
     data = bytearray(path.read_bytes())
     start = data.index(b"mdat") + 200
@@ -149,7 +150,7 @@ def test_the_real_footage_has_240_frames(footage):
 
 def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(monkeypatch, make_video):
     path = make_video()
-    monkeypatch.setattr("cable_tracker.sequences.videos.video.MAX_PIXELS", 100)
+    monkeypatch.setattr("cable_tracker.sequences.videos.video_frames.MAX_PIXELS", 100)
     with pytest.raises(RecordingError, match="more than the 100 allowed"):
         VideoSource(path)
 
@@ -229,6 +230,39 @@ def test_a_paused_avi_that_is_cut_off_after_the_pause_says_so(write_video):
     os.truncate(path, path.stat().st_size * 3 // 4)
     with pytest.raises(RecordingError, match=r"damaged after 4\d frames"):
         list(VideoSource(path).frames())
+
+
+@pytest.mark.parametrize("standard", [Colorspace.ITU601, Colorspace.ITU709])
+def test_colours_are_those_of_the_standard_that_the_video_names(tmp_path, standard):
+    # Read by the other one, the green would be off by 20 levels.
+    colour = np.full((48, 64, 3), (60, 160, 90), np.uint8)
+    path = tmp_path / "dive.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"qp": "1"})
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        stream.codec_context.colorspace = {Colorspace.ITU709: 1}.get(standard, 6)
+        frame = av.VideoFrame.from_ndarray(colour, format="bgr24")
+        coded = frame.reformat(format="yuv420p", dst_colorspace=standard)
+        container.mux(stream.encode(coded))
+        container.mux(stream.encode(None))
+    picture = decode_bgr(next(VideoSource(path).frames()).image)
+    np.testing.assert_allclose(picture, colour, atol=4)
+
+
+@pytest.mark.parametrize("name", ["dive.mkv", "dive.mp4", "dive.avi"])
+def test_frames_end_before_the_first_that_cannot_be_decoded(tmp_path, name):
+    # All others would have the number, and so the label, of the frame before.
+    path = write_matroska(tmp_path / name, 100)
+    with av.open(str(path)) as container:
+        packets = [(packet.pos, packet.size) for packet in container.demux(video=0) if packet.size]
+    data, (place, size) = bytearray(path.read_bytes()), packets[50]
+    data[place : place + size] = bytes([255]) * size
+    path.write_bytes(data)
+    frames = []
+    with pytest.raises(RecordingError, match=r"damaged after \d+ frames"):
+        for frame in VideoSource(path).frames():
+            frames.append(frame)
+    assert 40 < len(frames) <= 55
 
 
 VARIABLE = [0, 40, 80, 120, 160, 200, 8200, 8240, 8280]

@@ -55,6 +55,11 @@ def test_times_that_run_backwards_or_are_missing_are_not_believed():
     assert stamps_of([0.0, 40.0, 80.0, 0.0, 40.0, math.nan, 0.0]) == steady(7)
 
 
+def test_a_first_frame_without_a_time_is_at_the_beginning():
+    told = [math.nan, 40.0, 80.0, 8080.0]
+    assert [(stamp - FIRST_STAMP) / 1e6 for stamp in stamps_of(told)] == [0.0, *told[1:]]
+
+
 def test_a_time_that_is_days_ahead_is_not_believed():
     assert stamps_of([0.0, LONGEST_GAP / 1e6 + 1e6, 80.0]) == steady(3)
 

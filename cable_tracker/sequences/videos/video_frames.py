@@ -1,0 +1,191 @@
+"""Frames of an opened video and their times, both as FFmpeg decodes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import av
+import numpy as np
+from av.container import InputContainer
+from av.error import FFmpegError
+from av.video.reformatter import Interpolation, VideoReformatter
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import RecordingError, read_failure
+from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
+from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
+from cable_tracker.sequences.videos.packet_tally import PacketTally
+from cable_tracker.sequences.videos.video_times import FrameClock
+from cable_tracker.stamps import FIRST_STAMP, USUAL_RATE
+
+_HIGHEST_RATE = 1000.0
+
+_LONGEST_WAIT = 30.0
+"""Opening a file, and reading a packet of it, may take so long [s]."""
+
+
+@contextmanager
+def opened_video(path: Path) -> Iterator[InputContainer]:
+    """Open a file whose first stream of pictures can be decoded, and close it at the end.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, empty, no video, one of more than `MAX_PIXELS` pixels, or one whose
+        name is not UTF-8.
+    """
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise read_failure(path, error) from error
+    if not size:
+        raise RecordingError(f"{path}: the file is empty; record or copy it again")
+    _need_utf8_name(path)
+    try:
+        # Tags of a file may be no text.
+        container = av.open(ffmpeg_name(path), metadata_errors="replace", timeout=_LONGEST_WAIT)
+    except FFmpegError as error:
+        raise _no_video(path) from error
+    with container:
+        _prepare_stream(path, container)
+        yield container
+
+
+def _need_utf8_name(path: Path) -> None:
+    """Refuse a name that is not UTF-8: FFmpeg is given names in it."""
+    name = str(path)
+    if name != name.encode(errors="replace").decode():
+        raise RecordingError(
+            f"{path}: a video whose path is not UTF-8 cannot be opened; rename the file or folder,"
+            " for example with convmv"
+        )
+
+
+def _no_video(path: Path) -> RecordingError:
+    return RecordingError(
+        f"{path}: no video can be read from it; it is damaged, truncated, or not a video;"
+        " copy it again"
+    )
+
+
+def _prepare_stream(path: Path, container: InputContainer) -> None:
+    """Refuse what cannot be decoded or takes gigabytes to decode, before it is decoded."""
+    streams = container.streams.video
+    # Typed as if there always were one; of an unknown coding there is none.
+    if not streams or streams[0].codec_context is None:
+        raise _no_video(path)
+    stream = streams[0]
+    if stream.width * stream.height > MAX_PIXELS:
+        raise RecordingError(
+            f"{path}: a video of {stream.width} x {stream.height} pixels, more than the"
+            f" {MAX_PIXELS} allowed; make a smaller one of it"
+        )
+    # A later frame may claim another size than the header.
+    stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
+    stream.thread_type = "AUTO"
+
+
+def frame_rate(stream: av.VideoStream) -> float:
+    """Return the frames per second of a video, the usual ones where it does not say."""
+    rate = float(stream.guessed_rate or 0)
+    return rate if 0.0 < rate <= _HIGHEST_RATE else USUAL_RATE
+
+
+def decoded_frames(
+    stream: av.VideoStream, packets: Iterable[av.Packet[av.VideoStream]]
+) -> Iterator[av.VideoFrame]:
+    """Yield what can be decoded of some packets, in the order in which it is shown.
+
+    Raises
+    ------
+    FFmpegError
+        A packet cannot be decoded: what follows would have numbers of frames before it.
+    """
+    for packet in _readable(packets):
+        yield from stream.codec_context.decode(packet)
+
+
+def _readable(
+    packets: Iterable[av.Packet[av.VideoStream]],
+) -> Iterator[av.Packet[av.VideoStream] | None]:
+    """Yield packets up to where the file cannot be read on, then None: the decoder's last call."""
+    with suppress(FFmpegError):
+        for packet in packets:
+            # To a decoder one without data is the end of the stream.
+            if packet.size:
+                yield packet
+    yield None
+
+
+class VideoFrames:
+    """The frames of an opened video, one after the other, with their times.
+
+    Parameters
+    ----------
+    container : InputContainer
+        The video, at its beginning.
+    has_steady_rate : bool
+        Whether the times of the container are not to be used.
+
+    Attributes
+    ----------
+    stamp : int
+        Time of the frame that was read last [ns], whether its pixels were converted or not.
+    fault : str
+        Reason why a frame cannot be decoded, behind which none is read; empty: there is none.
+    tally : PacketTally
+        What has been read of the file for these frames.
+    """
+
+    def __init__(self, container: InputContainer, *, has_steady_rate: bool) -> None:
+        self._stream = container.streams.video[0]
+        self.fault = ""
+        self.tally = PacketTally()
+        self._frames = decoded_frames(
+            self._stream, map(self.tally.counted, container.demux(self._stream))
+        )
+        self._converter = VideoReformatter()
+        self._clock = FrameClock(frame_rate(self._stream), is_steady=has_steady_rate)
+        self.stamp = FIRST_STAMP
+
+    def next_picture(self) -> Image | None:
+        """Decode the next frame, shape (H, W, 3), uint8, blue-green-red; None at the end.
+
+        It is as it is stored, also where players turn it: so are pictures read, to which labels and
+        calibrations refer.
+        """
+        frame = self._next_frame()
+        if frame is None:
+            return None
+        try:
+            converted = self._converter.reformat(
+                frame, format="bgr24", interpolation=Interpolation.BICUBIC, threads=1
+            )
+        except FFmpegError as error:
+            self.fault = error.strerror or str(error)
+            return None
+        return np.asarray(converted.to_ndarray(), np.uint8)
+
+    def pass_over(self, count: int) -> int:
+        """Go past frames without converting their pixels; return how many there were."""
+        return sum(self._next_frame() is not None for _ in range(count))
+
+    def _next_frame(self) -> av.VideoFrame | None:
+        try:
+            frame = next(self._frames, None)
+        except FFmpegError as error:
+            self.fault = error.strerror or str(error)
+            return None
+        if frame is not None:
+            self.stamp = self._clock.next_stamp(self._time(frame))
+        return frame
+
+    def _time(self, frame: av.VideoFrame) -> float:
+        """Return the time of a frame since the beginning of the stream [ms]; NaN: it has none."""
+        ticks = frame.dts if frame.pts is None else frame.pts
+        if ticks is None or not self._stream.time_base:
+            return math.nan
+        return float(1000 * (ticks - (self._stream.start_time or 0)) * self._stream.time_base)
