@@ -21,8 +21,10 @@ const FIELDS = [
   { symbol: "w", unit: "px", scale: 1, digits: 2, step: 1, words: "w, width between the borders" },
   { symbol: "β", unit: "deg", scale: DEGREE, digits: 2, step: 0.5, words: "beta, skew, positive if the borders converge upwards" },
 ];
-/** Commands that need not wait for a picture. */
-const MOVES = new Set(["next", "previous", "end", "key", "unlabelled", "zoom", "pan", "hide", "help", "save", "save_as", "open"]);
+/** Commands of which no picture is needed. What was pressed before them is done before them. */
+const UNSEEN = new Set(["next", "previous", "end", "key", "unlabelled", "save", "save_as", "open", "help"]);
+/** Commands that change how the shown picture is seen. */
+const VIEWS = new Set(["zoom", "pan", "hide"]);
 const ADVICE = {
   proposal: "Enter accepts and goes on  ·  drag the handles or press arrow keys to correct  ·  N: no cable  ·  Esc: no proposal",
   hand: "Enter: next frame  ·  drag the handles or press arrow keys to correct  ·  C copies to the next frame",
@@ -177,6 +179,7 @@ export default {
     this.outstanding = new Map();
     this.serial = 0;
     this.wanted = 0;
+    this.request = 0;
     this.hasPicture = false;
     this.proposal = null;
     this.asked = null;
@@ -206,9 +209,11 @@ export default {
     window.addEventListener("keyup", this.onKeyUp);
     window.addEventListener("blur", this.onKeyUp);
     this.$el.editor = this;
-    this.wanted = Number(sessionStorage.getItem(this.places) ?? 0);
+    const remembered = Number(sessionStorage.getItem(this.places));
+    // Of how many frames it is, the server says before it sends the picture.
+    this.wanted = Number.isSafeInteger(remembered) ? Math.max(0, remembered) : 0;
     this.$refs.canvas.focus();
-    this.$emit("ready", { frame: this.wanted });
+    this.$emit("ready", { frame: this.wanted, request: this.request });
   },
   beforeUnmount() {
     window.removeEventListener("keydown", this.onKey);
@@ -236,16 +241,39 @@ export default {
         if (frame === this.frame && flag && !this.outstanding.has(frame)) this.proposal = this.asked = null;
       }
       for (const [frame, last] of this.outstanding) if (last <= serial) this.outstanding.delete(frame);
-      this.count = count;
+      this.setCount(count);
       this.status = { ...this.status, ...status, changed: status.changed || this.outstanding.size > 0 };
       this.showLabel();
       if (this.flag === "none") this.proposeByItself();
     },
-    /** Another frame, as the server wants it. Strokes that wait were meant for the frame that was wanted. */
+    /** The number of frames. A frame that the recording no longer has is wanted no more. */
+    setCount(count) {
+      this.count = count;
+      const last = Math.max(0, this.lastFrame);
+      if (this.wanted <= last) return;
+      this.dropWaiting();
+      this.wanted = last;
+      if (this.hasPicture) this.go(this.wanted);
+    },
+    /** Another frame, as the server wants it. */
     goTo(frame) {
-      if (frame !== this.wanted) this.queue = [];
+      if (frame !== this.wanted) this.dropWaiting();
       this.ledTo = frame;
       this.go(frame);
+    },
+    /** Strokes that wait were meant for the frame that was wanted, and for no other. */
+    dropWaiting() {
+      if (!this.queue.length) return;
+      this.queue = [];
+      // Why the server shows another frame is told already, or will be.
+      if (this.message.kind === "error") return;
+      this.say({ text: `frame ${this.wanted} is not shown: what was pressed for it is not done`, kind: "warning" });
+    },
+    /** The newest request is answered, perhaps by another frame than the one that was asked for. */
+    settle(frame) {
+      if (frame === this.wanted) return;
+      this.dropWaiting();
+      this.wanted = frame;
     },
     proposed({ frame, state, words }) {
       const isWanted = this.asked === frame && frame === this.frame;
@@ -276,6 +304,7 @@ export default {
         if (!isExplained) this.message = { text: description.note, kind: "warning" };
       }
       this.ledTo = null;
+      if (description.request === this.request) this.settle(this.frame);
       this.showLabel();
       this.executeQueue();
       this.proposeByItself();
@@ -400,9 +429,12 @@ export default {
     },
     // ---------------------------------------------------------------- commands
     go(frame) {
-      this.wanted = Math.min(this.lastFrame, Math.max(0, frame));
+      const wanted = Math.min(this.lastFrame, Math.max(0, frame));
+      if (wanted !== this.wanted) this.finishWaiting();
+      this.wanted = wanted;
+      this.request += 1;
       this.timeline.show({ frame: this.wanted });
-      this.$emit("go", { frame: this.wanted });
+      this.$emit("go", { frame: this.wanted, request: this.request });
     },
     press(event, name) {
       this.command({ does: name, key: "", large: event.shiftKey });
@@ -427,17 +459,36 @@ export default {
     },
     /** Do something now, or when the frame that it is meant for is shown. */
     command(wanted) {
+      if (UNSEEN.has(wanted.does)) {
+        this.finishWaiting();
+        this.execute(wanted);
+        return;
+      }
       if (!this.hasPicture) return;
       const isOnItsWay = this.wanted !== this.frame;
       // What was not seen is not accepted.
       if (isOnItsWay && wanted.does === "accept" && !this.queue.length) return;
-      if (this.queue.length || (isOnItsWay && !MOVES.has(wanted.does))) this.queue.push(wanted);
+      if (isOnItsWay && !VIEWS.has(wanted.does)) this.queue.push(wanted);
       else this.execute(wanted);
     },
     executeQueue() {
-      while (this.queue.length && (this.wanted === this.frame || MOVES.has(this.queue[0].does))) {
-        this.execute(this.queue.shift());
+      while (this.queue.length && this.wanted === this.frame) this.execute(this.queue.shift());
+    },
+    /** Do what waits for a frame before that is left or saved, shown or not: the hand is faster than pictures. */
+    finishWaiting() {
+      if (!this.queue.length) return;
+      this.cancelDrag();
+      const { frame, proposal, asked } = this;
+      const strokes = this.queue;
+      this.queue = [];
+      for (const stroke of strokes) {
+        this.frame = this.wanted;
+        this.proposal = this.asked = null;
+        this.showLabel();
+        this.execute(stroke);
       }
+      Object.assign(this, { frame, proposal, asked });
+      this.showLabel();
     },
     execute({ does, key, large, isRepeated = false }) {
       const step = large ? 10 : 1;

@@ -32,9 +32,9 @@ COLOURS: Mapping[str, Colour] = {
 class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
     """Picture, numbers, buttons and slider. What a browser says of it comes as events.
 
-    ``ready {frame}``
-        It is there, and wants a frame.
-    ``go {frame}``
+    ``ready {frame, request}``
+        It is there, and wants a frame; the picture that answers names the request.
+    ``go {frame, request}``
         It wants another one.
     ``commit {serial, frame, label, merges}``
         The label of a frame was changed; ``label`` is ``{flag, state}``, or null if it is gone.

@@ -80,6 +80,22 @@ class LabelServer:
         self.workspace.autosave()
 
 
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """What a browser wants to see.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame, which the recording has as far as is known.
+    number : int
+        Number of the request, by which the browser knows the answer.
+    """
+
+    frame: int
+    number: int
+
+
 class LabelPage:
     """One browser's page: its own place in the recording, and the labels that all share.
 
@@ -94,7 +110,7 @@ class LabelPage:
         self._workspace = server.workspace
         self._channel = server.channels.add(FrameChannel())
         self._number = 0
-        self._wanted: int | None = None
+        self._wanted: _Request | None = None
         self._frame = 0
         self._is_loading = False
         self._serial = 0
@@ -121,15 +137,16 @@ class LabelPage:
 
     def _ready(self, event: GenericEventArguments) -> None:
         self._load()
-        self._want(int(event.args["frame"]))
+        self._want(event)
         self._offer_autosaved()
 
     def _go(self, event: GenericEventArguments) -> None:
-        self._want(int(event.args["frame"]))
+        self._want(event)
 
-    def _want(self, frame: int) -> None:
-        count = self._workspace.count
-        self._wanted = max(0, frame if count is None else min(frame, count - 1))
+    def _want(self, event: GenericEventArguments) -> None:
+        frame, count = int(event.args["frame"]), self._workspace.count
+        frame = max(0, frame if count is None else min(frame, count - 1))
+        self._wanted = _Request(frame, int(event.args["request"]))
         if not self._is_loading:
             self._is_loading = True
             background_tasks.create(self._load_pictures())
@@ -138,12 +155,13 @@ class LabelPage:
         """Show the frame that is wanted last; read the one behind it while none is wanted."""
         try:
             while self._wanted is not None:
-                frame, self._wanted = self._wanted, None
+                request, self._wanted = self._wanted, None
+                frame = request.frame
                 picture = await self._picture(frame)
                 if picture is not None:
                     step = 1 if frame >= self._frame else -1
                     self._frame = frame
-                    self._publish(picture)
+                    self._publish(picture, request)
                     if self._wanted is None:
                         await self._picture(frame + step, quietly=True)
         finally:
@@ -165,10 +183,11 @@ class LabelPage:
                     self._editor.go_to(count - 1)
             return None
 
-    def _publish(self, picture: Picture) -> None:
+    def _publish(self, picture: Picture, request: _Request) -> None:
         self._number += 1
         description = {
             "number": self._number,
+            "request": request.number,
             "size": picture.size,
             "frame": picture.frame,
             "stamp": format_stamp(picture.stamp),

@@ -431,6 +431,67 @@ def test_the_frame_is_remembered_over_a_reload(edit):
         Editor(editor.page).at(COUNT - 1)
 
 
+@pytest.mark.parametrize(
+    ("remembered", "frame"), [("500", COUNT - 1), ("1.5", 0), ("-3", 0), ("Infinity", 0), ("x", 0)]
+)
+def test_a_remembered_frame_that_is_none_leaves_the_window_alive(edit, remembered, frame):
+    with edit() as before:
+        before.ask(f"sessionStorage.setItem(editor.places, '{remembered}')")
+        before.page.reload()
+        editor = Editor(before.page)
+        editor.manual()
+        editor.at(frame)
+        editor.press("n")
+        editor.at(frame, "no_cable")
+        editor.save()
+
+
+def test_strokes_before_a_picture_hit_their_frame_and_hold_up_no_move(edit):
+    with edit() as editor:
+        # At once, before any picture can come.
+        editor.ask(
+            "[editor.go(5), editor.command({ does: 'none' }), editor.command({ does: 'next' })]"
+        )
+        assert editor.ask("[editor.wanted, editor.queue.length, editor.frame]") == [6, 0, 0]
+        editor.at(6, "none")
+        assert editor.ask("[...editor.labels.keys()]") == [5]
+        editor.ask("[editor.go(9), editor.command({ does: 'none' }), editor.go(2)]")
+        editor.at(2, "none")
+        assert editor.ask("[...editor.labels.keys()]") == [5, 9]
+
+
+def test_strokes_before_a_picture_are_saved(edit, saved):
+    with edit() as editor:
+        editor.ask(
+            "[editor.go(5), editor.command({ does: 'none' }),"
+            " editor.command({ does: 'save', large: false })]"
+        )
+        editor.at(5, "no_cable")
+        editor.wait("!editor.status.changed")
+        assert list(saved(editor.path)) == [5]
+
+
+def test_strokes_for_a_frame_that_does_not_come_hit_no_other(edit):
+    with edit() as editor:
+        editor.ask(
+            "[editor.go(7), editor.command({ does: 'none' }), editor.received("
+            "{ ...editor.view.description, request: editor.request, frame: 3 })]"
+        )
+        editor.page.locator("[data-test=message]:has-text('frame 7 is not shown')").wait_for()
+        editor.at(7, "none")
+        assert editor.ask("editor.labels.size + editor.queue.length") == 0
+
+
+def test_strokes_for_a_frame_that_is_gone_hit_no_other(edit):
+    with edit() as editor:
+        editor.ask(
+            "[editor.go(20), editor.command({ does: 'none' }),"
+            " editor.update({ labels: [], serial: editor.serial, count: 10 })]"
+        )
+        editor.at(9, "none")
+        assert editor.ask("editor.labels.size + editor.queue.length") == 0
+
+
 def test_the_slider_goes_to_a_frame(edit):
     with edit() as editor:
         slider = editor.page.get_by_role("slider")
@@ -527,6 +588,17 @@ def test_unsaved_labels_outlive_the_server(run_command, visit, folder, tmp_path)
     assert flags_path(path).read_text().count("no_cable") == 2
     assert not kept.exists()
     assert second.stop() == 0
+
+
+def test_strokes_for_a_frame_from_which_the_server_leads_away_hit_no_other(edit):
+    with edit() as editor:
+        # At once, before any picture can come.
+        editor.ask(
+            "[editor.go(15), editor.command({ does: 'none' }),"
+            " editor.say({ text: 'there is no frame 15', kind: 'error' }), editor.goTo(14)]"
+        )
+        editor.at(14, "none")
+        assert editor.ask("editor.labels.size + editor.queue.length") == 0
 
 
 def test_strokes_for_a_frame_behind_the_damage_do_not_hit_the_one_before(
