@@ -405,6 +405,8 @@ export default {
       this.showLabel();
     },
     type(i, event) {
+      // The browser takes a number that another frame has put there for a change, too.
+      if (!(i in this.texts)) return;
       delete this.texts[i];
       const value = Number(event.target.value) * FIELDS[i].scale;
       if (!this.shown || event.target.value === "" || !Number.isFinite(value)) {
@@ -422,6 +424,11 @@ export default {
       }
       this.commitState(limited);
       this.$nextTick(() => (event.target.value = this.values[i]));
+    },
+    /** Take the number that stands in a field for the frame that is shown; the field stays in use. */
+    takeTyped(field) {
+      field.blur();
+      field.focus();
     },
     enter(event) {
       event.target.blur();
@@ -449,6 +456,7 @@ export default {
       const meaning = meaningOf(event);
       if (!meaning || presses || (types && !event.ctrlKey && !event.metaKey && !event.key.startsWith("Page"))) return;
       event.preventDefault();
+      if (types) this.takeTyped(target);
       this.command({ ...meaning, isRepeated: event.repeat });
     },
     slide(event) {

@@ -650,6 +650,37 @@ def test_what_is_being_typed_stays_while_news_come(edit):
         assert editor.ask("editor.shown[2]") == pytest.approx(4.0)
 
 
+def type_number(editor, name, text):
+    editor.page.locator(f"[data-test='{name}']").click()
+    editor.press("Control+a")
+    editor.page.keyboard.type(text)
+
+
+def test_a_typed_number_stays_with_its_frame(edit):
+    with edit(label_line((10.0, 0.0, 60.0, 0.0)), label_line((13.0, 0.1, 60.0, 0.0), 3)) as editor:
+        editor.press("i")
+        editor.at(0, "hand")
+        editor.wait("editor.labels.size === 4")
+        type_number(editor, "d", "-4")
+        editor.press("PageDown")
+        editor.at(1, "interpolated")
+        editor.press("PageDown")
+        editor.at(2, "interpolated")
+        editor.page.locator(".frame-canvas").focus()
+        assert editor.ask("editor.labels.get(0).state[0]") == -4.0
+        flags = [editor.ask(f"editor.labels.get({frame}).flag") for frame in range(4)]
+        assert flags == ["hand", "interpolated", "interpolated", "hand"]
+
+
+def test_a_typed_number_is_saved(edit, saved):
+    with edit(label_line((10.0, 0.0, 60.0, 0.0))) as editor:
+        editor.at(0, "hand")
+        type_number(editor, "d", "50")
+        editor.press("Control+s")
+        editor.page.locator("[data-test=message]:has-text('saved')").wait_for()
+        assert places(saved(editor.path)[0])[0] == 50.0
+
+
 def test_a_width_or_a_skew_that_cannot_be_is_refused(edit):
     with edit(label_line((10.0, 0.0, 60.0, 0.0))) as editor:
         editor.at(0, "hand")
