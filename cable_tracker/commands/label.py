@@ -12,7 +12,6 @@ from cable_tracker.commands.console.terminal import console, counted, messages, 
 from cable_tracker.commands.options.common import (
     OutsideOption,
     RateOption,
-    SkipOption,
     SourceArgument,
     TopicOption,
     open_recording,
@@ -40,7 +39,6 @@ def label(  # noqa: PLR0917
     ] = None,
     topic: TopicOption = None,
     rate: RateOption = None,
-    skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
     host: HostOption = "127.0.0.1",
     port: PortOption = DEFAULT_PORT,
@@ -53,7 +51,8 @@ def label(  # noqa: PLR0917
     window = need_gui("labelling.window")
     workspaces = need_gui("labelling.workspace")
     server = need_gui("web.server")
-    chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
+    # A frame that cannot be decoded is shown with its trouble, and those behind it are labelled.
+    chosen = ChosenRecording(source, topic, rate, None, True, allow_outside)
     with open_recording(chosen) as recording:
         _count_frames(recording)
         path = labels if labels is not None else workspaces.default_label_file(recording.path)
@@ -80,14 +79,10 @@ def label(  # noqa: PLR0917
 def _command(chosen: ChosenRecording, labels: Path | None) -> str:
     """Return the command that opens a recording and a label file as they were opened here."""
     options = {"--topic": chosen.topic, "--rate": chosen.rate}
-    flags = {
-        "--skip-bad-frames": chosen.skip_bad_frames,
-        "--allow-outside": chosen.allow_outside,
-    }
     words = ["cable-tracker", "label", str(chosen.path)]
     for name, value in options.items():
         words += [name, str(value)] if value is not None else []
-    words += [name for name, is_set in flags.items() if is_set]
+    words += ["--allow-outside"] if chosen.allow_outside else []
     words += ["--labels", str(labels)] if labels is not None else []
     return shlex.join(words)
 

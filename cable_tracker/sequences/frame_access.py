@@ -42,11 +42,12 @@ class FrameAccess:
         self._next = self._known = 0
         self._end: int | None = None
         self._damage: RecordingError | None = None
+        self._stop: RecordingError | None = None
         self._lock = threading.Lock()
 
     @property
     def count(self) -> int | None:
-        """Number of frames; None while it is unknown."""
+        """Number of frames; None while it is unknown. No frame that was read is beyond it."""
         return self._end if self._end is not None else self.source.frame_count
 
     @property
@@ -62,7 +63,7 @@ class FrameAccess:
         IndexError
             The recording ends before it, or the number is negative.
         RecordingError
-            The recording is damaged before or at it.
+            The recording is damaged before or at it. Frames behind it that were read remain.
         """
         if index < 0:
             raise IndexError(f"there is no frame {index}")
@@ -81,17 +82,31 @@ class FrameAccess:
         while True:
             frame = self._advance()
             if frame is None:
-                if self._next <= self._known:
-                    self._end, self._frames = self._next, None
-                    self._check_end(index)
-                # Begun beyond the end: where that is, only reading tells.
-                self._start(self._known)
+                self._stopped_before(index)
                 continue
             self._next = frame.index + 1
             self._known = max(self._known, self._next)
             self._kept.put(frame.index, frame, len(frame.image.data))
             if frame.index >= index:
                 return frame
+
+    def _stopped_before(self, index: int) -> None:
+        """Begin anew where the frame may be that is wanted, or say why there is none."""
+        damage, self._stop = self._stop, None
+        if self._next > self._known:
+            # Begun beyond the end: where that is, only reading tells.
+            self._start(self._known)
+        elif self._next == self._known:
+            self._end, self._damage, self._frames = self._next, damage, None
+            self._check_end(index)
+        elif self._next < index:
+            # Frames behind this one were read before; they have not gone with it.
+            self._start(min(index, self._known))
+        else:
+            self._frames = None
+            raise damage or RecordingError(
+                f"{self.source.path}: frame {index} is no longer there; see what has changed it"
+            )
 
     def _start(self, index: int) -> None:
         self._frames, self._next = self.source.frames(index), index
@@ -101,7 +116,7 @@ class FrameAccess:
         try:
             return next(self._frames, None)
         except RecordingError as error:
-            self._damage = error
+            self._stop = error
             return None
 
     def _check_end(self, index: int) -> None:

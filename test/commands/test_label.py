@@ -40,6 +40,17 @@ def test_an_unreadable_label_file_is_told_by_line_and_left_alone(folder, tmp_pat
     assert labels.read_text() == f"{LINE}what?\n"
 
 
+def test_a_picture_that_cannot_be_decoded_is_a_frame_with_its_trouble(left_unsaved, folder):
+    (folder / "001.png").write_bytes(b"no picture")
+    seen = []
+
+    def look(workspace):
+        seen.append((workspace.count, workspace.picture(1).trouble))
+
+    left_unsaved(folder, look)
+    assert seen == [(2, "the image has no pixels (0 x 0)")]
+
+
 def test_a_taken_port_is_told(folder):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -82,10 +93,9 @@ def test_the_closing_note_names_options_without_which_other_labels_are_offered(
     left_unsaved, folder, tmp_path
 ):
     named = tmp_path / "second labels.txt"
-    note = left_unsaved(folder, labels=named, rate=5.0, skip_bad_frames=True, allow_outside=True)
+    note = left_unsaved(folder, labels=named, rate=5.0, allow_outside=True)
     assert command_in(note)[2:] == [
-        str(folder), "--rate", "5.0", "--skip-bad-frames", "--allow-outside",
-        "--labels", str(named),
+        str(folder), "--rate", "5.0", "--allow-outside", "--labels", str(named),
     ]  # fmt: skip
 
 

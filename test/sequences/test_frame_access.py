@@ -118,3 +118,45 @@ def test_damage_is_told_and_the_frames_before_it_remain(tmp_path):
     assert frames.frame(3).stamp == 3
     with pytest.raises(RecordingError, match="cut off"):
         frames.frame(7)
+
+
+class Holed(Source):
+    """Twenty frames of which one cannot be read; those before a start are passed over unread."""
+
+    def __init__(self, path, hole):
+        super().__init__(path)
+        self._hole = hole
+
+    def _read(self, start):
+        for index in range(start, 20):
+            if index == self._hole:
+                raise damage(self.path, index, "a hole")
+            yield Frame(index, index, RawImage("mono8", 3, 4, 4, False, memoryview(PIXELS)))
+
+
+def test_a_hole_takes_no_frame_away_that_was_read(tmp_path):
+    frames = FrameAccess(Holed(tmp_path, 5), kept_bytes=1)
+    for index in (0, 15, 4):
+        frames.frame(index)
+    for _ in range(2):
+        with pytest.raises(RecordingError, match="a hole"):
+            frames.frame(5)
+    # From the frame before the hole on, too, where reading on would be less work.
+    for index in (4, 8, 15, 19):
+        assert frames.frame(index).stamp == index
+    assert frames.count is None
+    assert frames.damage is None
+    with pytest.raises(IndexError, match="has 20"):
+        frames.frame(20)
+
+
+def test_frames_that_are_gone_take_none_away_that_were_read(numbers):
+    frames = FrameAccess(numbers, kept_bytes=1)
+    frames.frame(8)
+    numbers._count = 6
+    with pytest.raises(RecordingError, match="frame 7 is no longer there"):
+        frames.frame(7)
+    assert frames.frame(5).stamp == 5
+    with pytest.raises(IndexError):
+        frames.frame(BEYOND_ALL)
+    assert frames.count == 9

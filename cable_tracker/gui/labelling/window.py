@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +18,7 @@ from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, pla
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Origin, flagged_label, state_from_page
 from cable_tracker.gui.labelling.pictures import Picture
+from cable_tracker.gui.labelling.proposals import LabelProposal
 from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.web.frame_channel import FrameChannel
 from cable_tracker.gui.web.packet import jpeg_section, pack
@@ -170,18 +171,21 @@ class LabelPage:
     async def _picture(self, frame: int, quietly: bool = False) -> Picture | None:
         if frame < 0:
             return None
-        before = self._workspace.count
         try:
-            return await self._in(self._server.reader, self._workspace.picture, frame)
+            return await self._read(self._server.reader, self._workspace.picture, frame)
         except (IndexError, RecordingError) as error:
-            count = self._workspace.count
-            if count != before:
-                self._workspace.tell({})
             if not quietly:
                 self._editor.say(str(error), "error")
-                if count:
-                    self._editor.go_to(count - 1)
+                self._lead_back_from(frame)
             return None
+
+    def _lead_back_from(self, frame: int) -> None:
+        """Lead to a frame that can be shown: the last one, or the one that is shown."""
+        count = self._workspace.count
+        is_behind = count is not None and 0 < count <= frame
+        there = count - 1 if count is not None and is_behind else self._frame
+        if there != frame:
+            self._editor.go_to(there)
 
     def _publish(self, picture: Picture, request: _Request) -> None:
         self._number += 1
@@ -288,28 +292,37 @@ class LabelPage:
         document = self._workspace.document
         wanted = document.gaps_to_fill(None if everywhere else frame)
         frames = [number for gap in wanted for number in range(gap.before, gap.after + 1)]
-        missing = self._workspace.missing_stamps(frames)
-        stamps = await self._in(self._server.reader, self._workspace.read_stamps, missing)
-        document.stamps.update(stamps)
+        damage = await self._read_times(frames)
         # Another browser may have edited in the meantime.
         still = [gap for gap in document.gaps_to_fill(None) if gap in wanted]
         self._workspace.interpolate(frame, still)
         count = sum(len(gap.frames) for gap in still)
-        self._editor.say(f"interpolated {count} frame{'s' if count != 1 else ''}")
+        self._say_done(f"interpolated {count} frame{'s' if count != 1 else ''}", damage)
+
+    async def _read_times(self, frames: Iterable[int]) -> RecordingError | None:
+        """Learn the times of frames that are not known yet; returns the damage that was met."""
+        missing = self._workspace.missing_stamps(frames)
+        stamps, damage = await self._read(self._server.reader, self._workspace.read_stamps, missing)
+        self._workspace.document.stamps.update(stamps)
+        return damage
+
+    def _say_done(self, words: str, damage: RecordingError | None) -> None:
+        self._editor.say(f"{words}; {damage}" if damage else words, "error" if damage else "")
 
     async def _propose(self, frame: int) -> None:
         self._asked = frame
         labels = dict(self._workspace.document.labels)
         try:
-            found = await self._in(
+            found = await self._read(
                 self._server.thinker,
                 self._workspace.propose,
                 frame,
                 labels,
                 lambda: self._asked == frame,
             )
-        except IndexError as error:
-            raise RecordingError(str(error)) from error
+        except (IndexError, RecordingError) as error:
+            # The browser waits for an answer.
+            found = LabelProposal(frame, None, str(error))
         if self._asked == frame:
             self._editor.propose(frame, places(FrameLabel(found.state)), found.words)
 
@@ -326,9 +339,7 @@ class LabelPage:
             )
 
     async def _save_with(self, save: Callable[..., None]) -> None:
-        missing = self._workspace.missing_stamps(self._workspace.document.labels)
-        stamps = await self._in(self._server.reader, self._workspace.read_stamps, missing)
-        self._workspace.document.stamps.update(stamps)
+        damage = await self._read_times(self._workspace.document.labels)
         try:
             save(overwrite=False)
         except OverwriteError as error:
@@ -336,7 +347,7 @@ class LabelPage:
                 self._editor.say("nothing was saved", "warning")
                 return
             save(overwrite=True)
-        self._editor.say(f"saved {self._workspace.path}")
+        self._say_done(f"saved {self._workspace.path}", damage)
 
     async def _open(self) -> None:
         given = await self._ask_path("Open a label file", "Open", self._workspace.path)
@@ -393,9 +404,15 @@ class LabelPage:
         self._resume_dialog = dialog
         dialog.open()
 
-    async def _in(self, executor: Executor, function: Callable[..., T], *arguments: object) -> T:
+    async def _read(self, executor: Executor, function: Callable[..., T], *arguments: object) -> T:
+        """Do what reads frames in another thread. All hear of it if the recording ends earlier."""
         loop = asyncio.get_running_loop()
-        return await loop.run_in_executor(executor, function, *arguments)
+        before = self._workspace.count
+        try:
+            return await loop.run_in_executor(executor, function, *arguments)
+        finally:
+            if self._workspace.count != before:
+                self._workspace.tell({})
 
 
 def _label_of(said: Mapping[str, object] | None) -> FrameLabel | None:

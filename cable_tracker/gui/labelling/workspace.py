@@ -211,18 +211,23 @@ class Workspace:
             frame, labels, lambda: self.stopped.is_set() or not is_awaited()
         )
 
-    def read_stamps(self, frames: Iterable[int]) -> dict[int, int]:
-        """Return the times of frames [ns], as far as they can be read; from any thread."""
-        stamps = {}
+    def read_stamps(self, frames: Iterable[int]) -> tuple[dict[int, int], RecordingError | None]:
+        """Return the times of frames [ns], as far as they can be read; from any thread.
+
+        The first damage that was met comes with them.
+        """
+        stamps, damage = {}, None
         for frame in sorted(frames):
             if self.stopped.is_set():
                 break
             try:
                 stamps[frame] = self._times[frame] = self.access.frame(frame).stamp
                 self._unseen.discard(frame)
-            except (IndexError, RecordingError):
+            except IndexError:
                 break
-        return stamps
+            except RecordingError as error:
+                damage = damage or error
+        return stamps, damage
 
     def missing_stamps(self, frames: Iterable[int]) -> list[int]:
         """Return those frames whose times are not known yet, or were those of earlier labels."""

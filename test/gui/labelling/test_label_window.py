@@ -601,7 +601,7 @@ def test_strokes_for_a_frame_from_which_the_server_leads_away_hit_no_other(edit)
         assert editor.ask("editor.labels.size + editor.queue.length") == 0
 
 
-def test_strokes_for_a_frame_behind_the_damage_do_not_hit_the_one_before(
+def test_a_broken_picture_ends_neither_the_recording_nor_a_proposal(
     run_command, visit, folder, tmp_path
 ):
     (folder / "015.png").write_bytes(b"no picture")
@@ -609,13 +609,13 @@ def test_strokes_for_a_frame_behind_the_damage_do_not_hit_the_one_before(
     with visit(run_command("label", folder).url) as page:
         editor = Editor(page)
         editor.manual()
-        editor.press("PageDown")
-        editor.at(1)
-        # At once, before the server can say that there is no such frame.
-        editor.ask("[editor.go(15), editor.command({ does: 'none' })]")
-        page.locator("[data-test=message]:has-text('015.png')").wait_for()
-        editor.at(14, "hand")
-        assert editor.ask("editor.queue.length") == 0
+        editor.ask("editor.go(15)")
+        editor.at(15)
+        page.locator(".trouble:has-text('frame 15')").wait_for()
+        editor.press("p")
+        editor.wait("editor.asked === null && editor.message.kind === 'warning'")
+        editor.press("PageDown", "p")
+        editor.at(16, "proposal")
 
 
 def test_a_frame_of_another_time_is_told_until_it_is_labelled_anew(run_command, visit, video):

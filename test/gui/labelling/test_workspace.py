@@ -370,7 +370,18 @@ def test_pictures_tell_their_times(workspace):
     assert picture.size == (320, 240)
     assert workspace.document.stamps == {2: picture.stamp}
     assert workspace.missing_stamps([1, 2, 3]) == [1, 3]
-    assert workspace.read_stamps([2, 99]) == {2: picture.stamp}
+    assert workspace.read_stamps([2, 99]) == ({2: picture.stamp}, None)
+
+
+def test_times_behind_damage_are_read_and_the_damage_is_told(folder, start):
+    (folder / "005.png").write_bytes(b"no picture")
+    workspace = start()
+    workspace.picture(9)
+    stamps, damage = workspace.read_stamps([4, 5, 7])
+    assert sorted(stamps) == [4, 7]
+    assert "005.png" in str(damage)
+    assert workspace.count == COUNT
+    assert workspace.picture(9).frame == 9
 
 
 def test_a_picture_whose_name_is_no_utf8_is_told_before_anything_is_labelled(folder, start):
