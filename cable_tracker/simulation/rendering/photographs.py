@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, read_failure
 from cable_tracker.sequences.pictures.image_folder import find_pictures
 from cable_tracker.simulation.rendering.seabed import BED_SIZE
 from cable_tracker.simulation.rendering.texture import TiledTexture, smooth_step
@@ -66,15 +66,38 @@ def make_photographed_bed(
     return TiledTexture.from_tile(tile, resolution)
 
 
+def find_photographs(folder: Path) -> list[Path]:
+    """Return the photographs of a folder, sorted by their paths.
+
+    Raises
+    ------
+    RecordingError
+        The folder cannot be read.
+    """
+    try:
+        return sorted(find_pictures(folder))
+    except OSError as error:
+        raise read_failure(folder, error) from error
+
+
+def read_photograph(path: Path, flags: int) -> Image | None:
+    """Return a photograph as OpenCV's `IMREAD_*` say; None if it cannot be read or decoded."""
+    try:
+        data = np.frombuffer(path.read_bytes(), np.uint8)
+        picture = cv2.imdecode(data, flags) if data.size else None
+    except (OSError, cv2.error):
+        return None
+    return None if picture is None else np.asarray(picture)
+
+
 def _load_pictures(folder: Path, resolution: int, rng: np.random.Generator) -> list[Image]:
     if not folder.is_dir():
         raise RecordingError(f"{folder} is not a folder: give one that holds photographs")
-    paths = sorted(find_pictures(folder))
+    paths = find_photographs(folder)
     chosen = [paths[place] for place in rng.permutation(len(paths))[:LARGEST_COUNT]]
     pictures = []
     for path in chosen:
-        data = np.frombuffer(path.read_bytes(), np.uint8)
-        picture = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
+        picture = read_photograph(path, cv2.IMREAD_GRAYSCALE)
         if picture is not None and min(picture.shape) >= 32:
             pictures.append(_flatten(picture, resolution))
     if not pictures:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.pictures.image_folder import find_pictures
+from cable_tracker.simulation.rendering.photographs import find_photographs, read_photograph
 from cable_tracker.simulation.rendering.texture import (
     cloud_response,
     frequencies,
@@ -94,10 +94,9 @@ def photographed_texture(path: Path) -> Image:
     Raises
     ------
     RecordingError
-        The file is no picture.
+        The file is no picture, or cannot be read.
     """
-    data = np.frombuffer(path.read_bytes(), np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    picture = read_photograph(path, cv2.IMREAD_COLOR)
     if picture is None:
         raise RecordingError(f"{path} is no readable photograph: take it out of its folder")
     height = round(PHOTOGRAPH_WIDTH * picture.shape[0] / picture.shape[1])
@@ -116,10 +115,10 @@ def photographs_of(split: Split) -> tuple[Path, ...]:
     Raises
     ------
     RecordingError
-        There are fewer than five.
+        There are fewer than five, or their folder cannot be read.
     """
     folder = photographs_folder()
-    paths = sorted(find_pictures(folder))
+    paths = find_photographs(folder)
     count = 2 * len(paths) // 5
     if count < 2:
         raise RecordingError(f"{folder} holds {len(paths)} photographs: give at least 5")

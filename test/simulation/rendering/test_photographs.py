@@ -27,6 +27,8 @@ def folder(tmp_path):
         cv2.imwrite(str(tmp_path / f"{index}.png"), noise.clip(0, 255).astype(np.uint8))
     (tmp_path / "notes.txt").write_text("not a picture")
     (tmp_path / "broken.jpg").write_bytes(b"not a picture either")
+    (tmp_path / "lost.jpg").symlink_to("nowhere.jpg")
+    (tmp_path / "folder.jpg").mkdir()
     return tmp_path
 
 

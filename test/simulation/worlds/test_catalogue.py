@@ -12,6 +12,7 @@ from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world, wo
 from cable_tracker.simulation.worlds.ground import (
     FOLDER_VARIABLE,
     KINDS,
+    photographed_texture,
     photographs_folder,
     photographs_of,
 )
@@ -82,6 +83,15 @@ def test_worlds_of_photographs_say_what_is_missing(monkeypatch, tmp_path):
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
     with pytest.raises(RecordingError, match=FOLDER_VARIABLE):
         simulate_world("tune_inspection", 0)
+
+
+def test_a_photograph_that_cannot_be_read_is_refused_in_words(tmp_path):
+    (tmp_path / "lost.jpg").symlink_to("nowhere.jpg")
+    (tmp_path / "folder.jpg").mkdir()
+    (tmp_path / "empty.jpg").touch()
+    for path in tmp_path.iterdir():
+        with pytest.raises(RecordingError, match=f"{path.name} is no readable photograph"):
+            photographed_texture(path)
 
 
 def test_photographed_worlds_show_a_cable():
