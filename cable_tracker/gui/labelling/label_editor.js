@@ -363,7 +363,7 @@ export default {
     },
     stateBefore() {
       const frames = [...this.labels.keys()].filter((frame) => frame < this.frame && this.labels.get(frame).state);
-      return frames.length ? this.labels.get(Math.max(...frames)).state : null;
+      return frames.length ? this.labels.get(frames.reduce((a, b) => Math.max(a, b))).state : null;
     },
     usualWidth() {
       return this.stateBefore()?.[2] ?? Math.round(this.view.description.size[0] / 8);
@@ -583,7 +583,9 @@ export default {
     goToKey(direction) {
       const keys = [...this.labels].filter(([, { flag }]) => flag !== "interpolated").map(([frame]) => frame);
       const beyond = keys.filter((frame) => (frame - this.wanted) * direction > 0);
-      if (beyond.length) this.go(direction > 0 ? Math.min(...beyond) : Math.max(...beyond));
+      const nearer = direction > 0 ? Math.min : Math.max;
+      // Not handed over one by one: there may be more labels than a function can have arguments.
+      if (beyond.length) this.go(beyond.reduce((a, b) => nearer(a, b)));
     },
     goToUnlabelled() {
       for (let i = 1; i <= this.count; i++) {

@@ -681,6 +681,16 @@ def test_a_typed_number_is_saved(edit, saved):
         assert places(saved(editor.path)[0])[0] == 50.0
 
 
+def test_labels_without_number_leave_strokes_possible(edit):
+    with edit() as editor:
+        filled = (
+            "Array.from({ length: 300000 }, (_, i) => editor.labels.set(i - 300000,"
+            " { flag: 'hand', state: [i, 0, 20, 0] })).length"
+        )
+        assert editor.ask(f"[{filled}, editor.stateBefore()]") == [300000, [299999, 0, 20, 0]]
+        editor.ask("editor.goToKey(-1)")
+
+
 def test_a_width_or_a_skew_that_cannot_be_is_refused(edit):
     with edit(label_line((10.0, 0.0, 60.0, 0.0))) as editor:
         editor.at(0, "hand")
