@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.dive import (
     CABLE_RADIUS,
@@ -40,6 +41,9 @@ BEND_LENGTHS = (24.0, 45.0)
 
 NEAREST_STEPS = 6
 """Steps to the nearest point of the cable."""
+
+RATE_STEP = 1e-3
+"""Rates are differences over this time before and after [s]."""
 
 
 def bent_cable(rng: np.random.Generator) -> Tube:
@@ -115,7 +119,8 @@ class CableScene:
     def seen(self, state: VehicleState) -> tuple[CableState | None, float]:
         """Return the cable in the image, and the share of its borders in it that nothing hides.
 
-        None and 0 if nothing of it can be seen.
+        Its rates are those at which it moves through the image as the vehicle moves now. None and
+        0 if nothing of it can be seen.
         """
         poses = self._poses(state)
         projected = project_tube(self._tube, self.camera, poses)
@@ -124,7 +129,21 @@ class CableScene:
         if visibility <= 0.0:
             return None, 0.0
         states = fit_states(projected, self.camera.image_size)
+        states[0, POSE_SIZE:] = self._rates(state, states[0, StateColumn.ANGLE])
         return CableState.from_array(states[0]), visibility
+
+    def _rates(self, state: VehicleState, angle: float) -> FloatArray:
+        """Return the rates of d, alpha, w, beta about a normal angle, shape (4,)."""
+        before, after = (
+            fit_states(
+                project_tube(self._tube, self.camera, self._poses(state.moved(seconds))),
+                self.camera.image_size,
+            )
+            for seconds in (-RATE_STEP, RATE_STEP)
+        )
+        places = states_in_chart(np.concatenate((before, after)), angle)[:, :POSE_SIZE]
+        rates: FloatArray = (places[1] - places[0]) / (2.0 * RATE_STEP)
+        return rates
 
     def hidden(self, position: FloatArray, world: FloatArray, usable: BoolArray) -> BoolArray:
         """Tell which points of the cable's borders something covers; see `SceneRenderer.hidden`."""

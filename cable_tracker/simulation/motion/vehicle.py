@@ -11,7 +11,7 @@ through the water into thrust and keeps the altitude; it does not know the curre
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -145,6 +145,15 @@ class VehicleState:
     twist: FloatArray
     acceleration: FloatArray
 
+    def moved(self, seconds: float) -> VehicleState:
+        """Return where it is a short time later, or before, if it keeps its velocity."""
+        ground = rotation_of(self.angles) @ self.twist[:3]
+        return replace(
+            self,
+            position=self.position + ground * seconds,
+            angles=self.angles + angle_rates(self.angles, self.twist[3:]) * seconds,
+        )
+
 
 class Vehicle:
     """A vehicle on its way.
@@ -262,5 +271,19 @@ def body_rates(angles: FloatArray, rates: tuple[float, float, float]) -> FloatAr
             p - r * math.sin(pitch),
             q * math.cos(roll) + r * math.sin(roll) * math.cos(pitch),
             -q * math.sin(roll) + r * math.cos(roll) * math.cos(pitch),
+        ]
+    )
+
+
+def angle_rates(angles: FloatArray, body: FloatArray) -> FloatArray:
+    """Return the rates of roll, pitch, yaw, shape (3,), for an angular velocity in base_link."""
+    roll, pitch, _ = angles
+    p, q, r = body
+    level = q * math.sin(roll) + r * math.cos(roll)
+    return np.array(
+        [
+            p + level * math.tan(pitch),
+            q * math.cos(roll) - r * math.sin(roll),
+            level / math.cos(pitch),
         ]
     )

@@ -36,6 +36,16 @@ def test_the_vehicle_stays_over_the_cable_to_its_end():
     assert ticks[-1].state.position[0] > SMALL.length - 0.5
 
 
+def test_the_rates_of_the_truth_are_the_slope_of_its_places():
+    dive = SurveyDive(replace(SMALL, length=1.5, rate=25.0))
+    truths = [tick.truth for tick in dive.ticks() if tick.truth is not None]
+    states = np.array([truth.to_array() for truth in truths])
+    slopes = (states[2:, :4] - states[:-2, :4]) * 12.5
+    # The vehicle is pushed in between, too.
+    spread = slopes.std(axis=0)
+    assert (np.abs(states[1:-1, 4:] - slopes).max(axis=0) < 0.3 * spread).all()
+
+
 def test_dives_over_one_cable_differ_in_all_but_the_cable():
     first, second = (next(SurveyDive(replace(SMALL, seed=seed)).ticks()) for seed in (1, 2))
     assert not np.array_equal(first.imu.angles, second.imu.angles)

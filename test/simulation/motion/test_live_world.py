@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,6 +67,19 @@ def test_a_cable_to_the_left_is_in_the_left_half_of_the_image(world):
 def test_a_vehicle_turned_to_the_left_sees_the_cable_lead_to_the_right(world):
     # The top of the cable leans right: alpha is negative.
     assert world.true_state(over_the_cable(world, 3.0, turned=0.3)).angle < -0.2
+
+
+@pytest.mark.parametrize("turned", [0.0, *np.linspace(1.3, 1.8, 6)])
+def test_a_turning_vehicle_sees_the_cable_turn_the_other_way(world, turned):
+    state = replace(
+        over_the_cable(world, 3.0, turned=turned), twist=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.4])
+    )
+    assert world.true_state(state).angle_rate == pytest.approx(-0.4, abs=0.1)
+
+
+def test_a_vehicle_that_hovers_sees_the_cable_rest(world):
+    rates = world.true_state(over_the_cable(world, 3.0)).to_array()[4:]
+    assert rates == pytest.approx(np.zeros(4), abs=1e-9)
 
 
 def test_under_the_sand_nothing_is_to_be_seen(world):

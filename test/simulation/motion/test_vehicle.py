@@ -134,3 +134,15 @@ def test_the_same_seed_goes_the_same_way():
     for craft in (first, second):
         run(craft, VelocityCommand(surge=0.4, turn=0.05), 3.0)
     assert np.array_equal(first.pose, second.pose)
+
+
+def test_a_state_that_is_moved_a_little_is_where_its_vehicle_goes():
+    craft = vehicle(current=0.4, yaw=0.7)
+    command = VelocityCommand(surge=0.4, sway=0.1, turn=0.3)
+    run(craft, command, 3.0)
+    start = craft.state()
+    craft.advance(command, ALTITUDE, 0.01)
+    there, back = craft.state(), start.moved(0.01).moved(-0.01)
+    np.testing.assert_allclose(start.moved(0.01).position, there.position, atol=1e-4)
+    np.testing.assert_allclose(start.moved(0.01).angles, there.angles, atol=1e-4)
+    np.testing.assert_allclose(back.position, start.position, atol=1e-4)
