@@ -9,6 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 WORLD_RATE = 25.0
 """Frames per second of all worlds."""
@@ -46,6 +47,12 @@ PIPE_SKEWS = (4.0, 24.5)
 NEAREST_APEX = 130.0
 """Borders meet no nearer to the foot point than this, so that no horizon is in view [px]."""
 
+USUAL_HEIGHT = 240.0
+"""Largest height of pictures in which that suffices [px at 320 px]."""
+
+APEX_MARGIN = 10.0
+"""In higher ones borders meet at least this far outside the picture [px at 320 px]."""
+
 LIVELY_BANDS: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
 """Frequencies of the lively motion [Hz]."""
 
@@ -69,6 +76,8 @@ def random_motion(
     angles: tuple[float, float],
     frame_count: int,
     rng: np.random.Generator,
+    *,
+    height: float = USUAL_HEIGHT,
 ) -> FloatArray:
     """Draw the motion of a cable.
 
@@ -81,6 +90,8 @@ def random_motion(
         Smallest and largest mean angle [deg].
     frame_count : int
         At `WORLD_RATE`.
+    height : float
+        Height of the pictures [px at 320 px].
 
     Returns
     -------
@@ -95,13 +106,39 @@ def random_motion(
         places = _swing(means, frame_count, rng)
     states = np.zeros((frame_count, STATE_SIZE))
     width = np.maximum(places[:, StateColumn.WIDTH], 3.0)
-    steepest = np.arctan(width / (2 * NEAREST_APEX))
+    steepest = np.arctan(width / (2 * _nearest_apex(places, height)))
     places[:, StateColumn.WIDTH] = width
     places[:, StateColumn.SKEW] = np.clip(places[:, StateColumn.SKEW], -steepest, steepest)
     states[:, :POSE_SIZE] = places
     if frame_count > 1:
         states[:, POSE_SIZE:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
     return states
+
+
+def _nearest_apex(places: FloatArray, height: float) -> FloatArray:
+    """Return how near to the foot point borders may meet, shape (N,) [px at 320 px]."""
+    nearest = np.full(len(places), NEAREST_APEX)
+    if height > USUAL_HEIGHT:
+        nearest = np.maximum(nearest, _way_out(places, height) + APEX_MARGIN)
+    return nearest
+
+
+def _way_out(places: FloatArray, height: float) -> FloatArray:
+    """Return the way along a centreline out of the picture, shape (N,) [px at 320 px].
+
+    From the foot point, the way that the borders converge; 0 or less where none of the picture lies
+    on it.
+    """
+    distance, angle = places[:, StateColumn.DISTANCE], places[:, StateColumn.ANGLE]
+    normal = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    onward = np.stack((-normal[:, 1], normal[:, 0]), axis=1)
+    onward *= np.where(places[:, StateColumn.SKEW] < 0.0, -1.0, 1.0)[:, None]
+    # Where the line leaves the stripe between two opposite sides of the picture.
+    half = np.array((REFERENCE_WIDTH, height)) / 2
+    steps = np.where(np.abs(onward) < 1e-9, 1e-9, onward)
+    ways = (np.copysign(half, steps) - distance[:, None] * normal) / steps
+    nearest: FloatArray = ways.min(axis=1)
+    return nearest
 
 
 def _random_means(

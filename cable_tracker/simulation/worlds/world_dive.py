@@ -38,7 +38,7 @@ from cable_tracker.simulation.worlds.strip import (
 )
 from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH, pixel_scale
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
@@ -112,7 +112,15 @@ class WorldDive:
     def _draw_route(self, rng: np.random.Generator) -> None:
         world = self.world
         kind = world.motions[int(rng.integers(len(world.motions)))]
-        self.states = random_motion(kind, world.widths, world.angles, world.frame_count, rng)
+        width, height = self._size
+        self.states = random_motion(
+            kind,
+            world.widths,
+            world.angles,
+            world.frame_count,
+            rng,
+            height=REFERENCE_WIDTH * height / width,
+        )
         lengths = [
             StateColumn.DISTANCE,
             StateColumn.WIDTH,

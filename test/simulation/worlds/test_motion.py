@@ -42,6 +42,34 @@ def test_rates_are_the_slope_of_the_motion(kind):
     np.testing.assert_allclose(states[1:-1, 4:], central, atol=1e-9)
 
 
+def apexes(states: np.ndarray) -> np.ndarray:
+    """Return where borders meet, shape (N, 2) [px]."""
+    distance, angle, width, skew = states[:, :4].T
+    along = width / (2 * np.tan(skew))
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack((distance * cos - along * sin, distance * sin + along * cos), axis=1)
+
+
+@pytest.mark.parametrize("kind", MotionKind)
+@pytest.mark.parametrize("height", [320.0, 427.0, 570.0])
+def test_borders_meet_outside_of_high_pictures(kind, height):
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        states = random_motion(kind, None, (-35.0, 35.0), 100, rng, height=height)
+        away = np.abs(apexes(states)) - np.array((320.0, height)) / 2
+        assert (away.max(axis=1) > 0.0).all()
+
+
+def test_pictures_up_to_the_usual_height_have_one_motion():
+    usual, lower = (
+        random_motion(
+            MotionKind.INSPECTION, None, (0.0, 0.0), 60, np.random.default_rng(3), height=height
+        )
+        for height in (240.0, 120.0)
+    )
+    assert np.array_equal(usual, lower)
+
+
 def test_lively_cables_move_more_than_inspected_ones():
     calm, lively = (
         np.mean(
