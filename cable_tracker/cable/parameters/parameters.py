@@ -240,7 +240,8 @@ class TrackerParameters(ParameterSet):
         0.0,
         1e3,
         "Likelihood ratio: what it costs that a stretch of a bright cable, a sixteenth of the"
-        " picture's diagonal, is dark, or one of a dark cable bright. Large: a cable has no bands.",
+        " picture's diagonal, is dark, or one of a dark cable bright, and that a cable has shorter"
+        " bands. Large: a cable has no bands.",
     )
     shadow_evidence: float = number(
         6.0,

@@ -47,6 +47,7 @@ from cable_tracker.cable.measure.borders.response_table import ResponseTable, lo
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     StretchScale,
+    either_log_ratio,
     stretch_at,
     stretch_axis,
     stretch_scale,
@@ -250,6 +251,7 @@ def fill_measures(
     """
     visible = measured.visible_lengths
     stretches = np.empty((2, 2 * CLASSES, STRETCHES), np.float32)
+    striped = np.empty((2, CLASSES), np.float32)
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     lengths = np.empty(2)
@@ -268,13 +270,14 @@ def fill_measures(
             windows = texture_windows(-side / along, width, scan.scale, limit)
             scale = stretch_scale(axis, line, steep)
             length, measured.outsides[cable, border] = _sum_border(
-                lines, line, scale, windows, model, crossings, stretches[border], texture
-            )
+                lines, line, scale, windows, model, crossings,
+                stretches[border], striped[border], texture,
+            )  # fmt: skip
             smoother[border], lengths[border] = smoothness(texture, line.step), length
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         cost = model.reversal_cost / model.tempering
-        sum_stretches(stretches, cost, sums, measured.reversed[cable])
+        sum_stretches(stretches, striped, cost, sums, measured.reversed[cable])
         for border in range(2):
             _add_missing_points(max(expected - lengths[border], 0.0), model, sums[border])
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
@@ -415,13 +418,18 @@ def _sum_border(
     model: RatioModel,
     crossings: Crossings,
     stretches: Float32Array,
+    striped: Float32Array,
     texture: FloatArray,
 ) -> tuple[float, float]:
-    """Fill in the summed ratios (8, `STRETCHES`) and the texture (2, 4) of a border.
+    """Fill in the sums of a border.
+
+    Those of the ratios (8, `STRETCHES`), those of a striped cable (4,), see `stretches`, and the
+    texture (2, 4).
 
     Its length in view, and the mean grey level outside it, are returned.
     """
     stretches[:] = np.float32(0.0)
+    striped[:] = np.float32(0.0)
     texture[:] = 0.0
     count, outside = 0, 0.0
     for start in range(0, len(lines.places), BLOCK):
@@ -430,13 +438,17 @@ def _sum_border(
         measure_contrasts(lines, first, found, border, crossings)
         for index in range(found):
             outside += crossings.levels[0, index]
-        _add_ratios(lines.places[first : first + found], scale, model, crossings, stretches)
+        _add_ratios(
+            lines.places[first : first + found], scale, model, crossings, stretches, striped
+        )
         if windows.looked_at:
             add_texture(lines, first, found, windows, crossings, texture)
         count += found
     for index in range(2 * CLASSES):
         for stretch in range(STRETCHES):
             stretches[index, stretch] *= np.float32(border.length)
+    for strength in range(CLASSES):
+        striped[strength] *= np.float32(border.length)
     return count * border.length, outside / max(count, 1)
 
 
@@ -447,10 +459,11 @@ def _add_ratios(
     model: RatioModel,
     crossings: Crossings,
     stretches: Float32Array,
+    striped: Float32Array,
 ) -> None:
     """Add the ratios of crossings to the sums (8, `STRETCHES`) of their border.
 
-    `places` are those of the lines that it crosses.
+    And to those of a striped cable (4,). `places` are those of the lines that it crosses.
     """
     cells, where, count = crossings.pixels[0], crossings.pixels[1], len(places)
     for index in range(padded_count(count)):
@@ -459,6 +472,7 @@ def _add_ratios(
         )
     for index in range(count):
         where[index] = np.uint32(stretch_at(scale, places[index]))
+    w, x, y, z = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
     index = 0
     while index < count:
         stretch = where[index]
@@ -475,6 +489,10 @@ def _add_ratios(
             f += ratios[5]
             g += ratios[6]
             h += ratios[7]
+            w += either_log_ratio(ratios[0], ratios[4])
+            x += either_log_ratio(ratios[1], ratios[5])
+            y += either_log_ratio(ratios[2], ratios[6])
+            z += either_log_ratio(ratios[3], ratios[7])
             index += 1
         sums = stretches[:, np.uint64(stretch)]
         sums[0] += a
@@ -485,3 +503,7 @@ def _add_ratios(
         sums[5] += f
         sums[6] += g
         sums[7] += h
+    striped[0] += w
+    striped[1] += x
+    striped[2] += y
+    striped[3] += z

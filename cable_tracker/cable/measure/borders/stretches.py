@@ -4,6 +4,10 @@ The picture is divided into stretches along the cable. One whose borders both sa
 other polarity is counted as such, at a cost: without the cost, anything would be a cable that
 changes often enough. Most of a bright cable is bright, or a shadow would be one, too.
 
+Bands that are shorter, and strands, are those of a *striped* cable: each point of its borders is
+bright or dark, whatever its neighbours are. That costs as much as one reversed stretch, and a point
+whose polarity is clear says ln 2 less.
+
 A cost for each band, whatever its length, was tried in place of one for each stretch: of the banded
 cables of the worlds to tune on fewer were found, and no other world was the better for it.
 """
@@ -21,6 +25,9 @@ from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.state import ANGLE
 from cable_tracker.compilation import compiled_fast_loop, compiled_inside, compiled_loop
+
+HALF = np.float32(0.5)
+LOG_2 = np.float32(math.log(2.0))
 
 STRETCHES = 16
 """Number of stretches of a cable along the diagonal of the picture."""
@@ -97,8 +104,22 @@ def is_reversed(reversed_ones: int, stretch: int) -> bool:
 
 
 @compiled_inside
+def either_log_ratio(bright: np.float32, dark: np.float32) -> np.float32:
+    """Return the log-likelihood ratio of a point that is bright or dark, both as likely [nats].
+
+    It is the larger of two lower bounds of the logarithm of the mean of the ratios, which are off
+    by at most 0.23 nats together.
+    """
+    return max(HALF * (bright + dark), max(bright, dark) - LOG_2)
+
+
+@compiled_inside
 def sum_stretches(
-    stretches: Float32Array, cost: float, sums: Float32Array, reversed_ones: IndexArray
+    stretches: Float32Array,
+    striped: Float32Array,
+    cost: float,
+    sums: Float32Array,
+    reversed_ones: IndexArray,
 ) -> None:
     """Add up the ratios of the stretches of a cable.
 
@@ -107,8 +128,10 @@ def sum_stretches(
     stretches : Float32Array
         Sums of both borders, not tempered, by polarity and class of strength, shape
         (2, 8, `STRETCHES`) [nats]; 0 where no border is in view.
+    striped : Float32Array
+        Sums of both borders of a striped cable by class of strength, shape (2, 4) [nats].
     cost : float
-        What it costs that a stretch is reversed, not tempered [nats].
+        What it costs that a stretch is reversed, or that the cable is striped, not tempered [nats].
     sums : Float32Array
         Is filled in with those along each border, shape (2, 8).
     reversed_ones : IndexArray
@@ -124,8 +147,28 @@ def sum_stretches(
             if _fill_plain_sums(stretches, own, other, sums) > np.float32(cost):
                 found = _reverse(stretches, own, other, each, sums)
             both = sums[0, own] + sums[1, own]
+            either = striped[0, strength] + striped[1, strength] - np.float32(cost)
+            if either > both:
+                turned = _likelier_reversed(stretches, own, other)
+                if turned >= 0:
+                    both, found = either, turned
+                    sums[0, own] = striped[0, strength] - each
+                    sums[1, own] = striped[1, strength] - each
             if strength == 0 or both > most:
                 most, reversed_ones[polarity] = both, found
+
+
+@compiled_loop
+def _likelier_reversed(stretches: Float32Array, own: int, other: int) -> int:
+    """Return the stretches that are likelier of the other polarity; -1: most of a cable is."""
+    found, reversals, in_view = 0, 0, 0
+    for stretch in range(STRETCHES):
+        plain = stretches[0, own, stretch] + stretches[1, own, stretch]
+        turned = stretches[0, other, stretch] + stretches[1, other, stretch]
+        in_view += 1 if plain != np.float32(0.0) else 0
+        if turned > plain:
+            found, reversals = found | (1 << stretch), reversals + 1
+    return -1 if 2 * reversals > in_view else found
 
 
 @compiled_fast_loop

@@ -111,6 +111,20 @@ def test_bands_of_a_cable_cost_less_than_borders_of_the_wrong_polarity(strip, ba
     assert 4 <= max(turned) <= 6
 
 
+def test_bands_shorter_than_a_stretch_are_those_of_a_striped_cable(strip):
+    striped = strip.copy()
+    for first in range(0, len(strip), 16):
+        striped[first : first + 8] = 2.0 * 80.0 - striped[first : first + 8]
+    borders_alone = TrackerParameters(texture_limit=0.0)
+    may_be, never = (
+        BorderLikelihoodRatio(replace(borders_alone, reversal_cost=cost)) for cost in (3.0, 1e3)
+    )
+    states, image = np.array([changed(), changed(distance=30.0)]), working(striped)
+    true, beside = may_be.measure(states, image).log_ratios.max(axis=1)
+    assert true > never.measure(states, image).log_ratios.max() + 5.0
+    assert beside < 0.0
+
+
 def test_of_a_cable_of_one_tone_no_stretch_is_reversed(strip):
     # Nor is it a dark cable that is bright all along.
     assert measured(strip, changed()).reversed.tolist() == [[0, 0]]

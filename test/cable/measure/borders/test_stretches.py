@@ -9,6 +9,7 @@ from cable_tracker.cable.measure.borders.border_points import border_on_scan, co
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
+    either_log_ratio,
     is_reversed,
     stretch_at,
     stretch_axis,
@@ -29,10 +30,13 @@ def ratios(seed: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(0.0, 8.0, shape).astype(np.float32)
 
 
-def summed(stretches, cost):
+NO_STRIPES = np.full((2, CLASSES), -1e6, np.float32)
+
+
+def summed(stretches, cost, striped=NO_STRIPES):
     """Sums along the borders, and whether each stretch of a bright and of a dark cable is turned"""
     sums, found = np.empty((2, 2 * CLASSES), np.float32), np.empty(2, np.int64)
-    sum_stretches(stretches, cost, sums, found)
+    sum_stretches(stretches, striped, cost, sums, found)
     turned = [[is_reversed(int(row), stretch) for stretch in range(STRETCHES)] for row in found]
     return sums, np.array(turned)
 
@@ -107,6 +111,45 @@ def test_of_a_bright_cable_at_most_half_is_dark(seed):
     sums, turned = summed(stretches, 1.0)
     np.testing.assert_allclose(sums[:, :CLASSES], stretches.sum(axis=2)[:, :CLASSES], atol=1e-3)
     assert not turned[0].any()
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
+def test_a_point_of_either_polarity_says_hardly_less_than_the_mean_of_both(bright, dark):
+    exact = np.logaddexp(bright, dark) - np.log(2.0)
+    found = either_log_ratio(np.float32(bright), np.float32(dark))
+    assert exact - 0.23 <= found <= exact + 1e-5
+
+
+@given(SEEDS, COSTS, st.floats(-100.0, 400.0))
+def test_a_cable_is_striped_where_that_says_more_and_most_of_it_is_of_its_polarity(
+    seed, cost, level
+):
+    stretches = ratios(seed)
+    striped = np.random.default_rng(seed + 1).normal(level, 20.0, (2, CLASSES)).astype(np.float32)
+    plain, _ = summed(stretches, cost)
+    sums, turned = summed(stretches, cost, striped)
+    both = stretches.sum(axis=0)
+    is_reversed_most = (np.roll(both, CLASSES, axis=0) > both).sum(axis=1) > STRETCHES / 2
+    either = np.tile(striped.sum(axis=0) - cost, 2)
+    is_striped = (either > plain.sum(axis=0) + 1e-3) & ~is_reversed_most
+    expected = np.where(is_striped, np.tile(striped, 2) - 0.5 * cost, plain)
+    clear = np.abs(either - plain.sum(axis=0)) > 1e-2
+    np.testing.assert_allclose(sums[:, clear], expected[:, clear], atol=1e-2)
+    assert (turned.sum(axis=1) <= STRETCHES / 2).all()
+
+
+@given(SEEDS)
+def test_of_a_striped_cable_the_likelier_polarity_of_each_stretch_is_told(seed):
+    stretches = ratios(seed)
+    _, turned = summed(stretches, 1.0, np.full((2, CLASSES), 1e4, np.float32))
+    both = stretches.sum(axis=0)
+    for polarity in range(2):
+        own, other = (both[p * CLASSES : (p + 1) * CLASSES] for p in (polarity, 1 - polarity))
+        is_other = other > own
+        allowed = np.flatnonzero(is_other.sum(axis=1) <= STRETCHES / 2)
+        if len(allowed):
+            # All strengths say as much here: the first one is kept.
+            np.testing.assert_array_equal(turned[polarity], is_other[allowed[0]])
 
 
 @given(st.floats(-1.5, 1.5), st.floats(-60.0, 60.0), st.floats(-0.3, 0.3))
