@@ -4,9 +4,9 @@ The picture is divided into stretches along the cable. One whose borders both sa
 other polarity is counted as such, at a cost: without the cost, anything would be a cable that
 changes often enough. Most of a bright cable is bright, or a shadow would be one, too.
 
-Bands that are shorter, and strands, are those of a *striped* cable: each point of its borders is
-bright or dark, whatever its neighbours are. That costs as much as one reversed stretch, and a point
-whose polarity is clear says ln 2 less.
+Shorter bands are those of a *striped* cable: each point of its borders is bright or dark, whatever
+its neighbours are. That costs as much as one reversed stretch, and a point whose polarity is clear
+says ln 2 less. Strands are not found so: their edges run askew to the border.
 
 A cost for each band, whatever its length, was tried in place of one for each stretch: of the banded
 cables of the worlds to tune on fewer were found, and no other world was the better for it.
