@@ -9,7 +9,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -83,8 +82,6 @@ class AblationExperiment(CampaignExperiment):
 
     def __post_init__(self) -> None:
         check_row_names(self.rows)
-        if not self.rows:
-            raise ParameterError(f"row: give at least one of {' | '.join(ROW_NAMES)}")
 
     def campaign(self) -> Campaign:
         """Return what is run."""
@@ -135,6 +132,9 @@ class ColdAblationExperiment(CampaignExperiment):
     seeds: tuple[int, ...]
     rows: tuple[str, ...] = tuple(row.name for row in TAKEN_AWAY.rows)
     limit: int | None = None
+
+    def __post_init__(self) -> None:
+        check_row_names(self.rows)
 
     def campaign(self) -> Campaign:
         """Return what is run."""

@@ -218,13 +218,15 @@ ROW_NAMES = tuple(dict.fromkeys(row.name for table in ABLATION_TABLES for row in
 
 
 def check_row_names(names: Sequence[str]) -> None:
-    """See that there are such rows.
+    """See that there are such rows, at least one.
 
     Raises
     ------
     ParameterError
-        There is no such row.
+        There is no such row, or none is named.
     """
+    if not names:
+        raise ParameterError(f"row: give at least one of {' | '.join(ROW_NAMES)}")
     for name in names:
         if name not in ROW_NAMES:
             raise ParameterError(f"row: {name!r} is none of {' | '.join(ROW_NAMES)}")

@@ -77,9 +77,10 @@ def test_the_number_of_workers_changes_only_the_times():
 
 
 @pytest.mark.parametrize(("rows", "words"), [(("magic",), "'magic' is none of"), ((), "at least")])
-def test_rows_are_checked(rows, words):
+@pytest.mark.parametrize("experiment", [AblationExperiment, ColdAblationExperiment])
+def test_rows_are_checked(experiment, rows, words):
     with pytest.raises(ParameterError, match=words):
-        AblationExperiment((0,), rows)
+        experiment((0,), rows)
 
 
 def test_the_error_of_a_mean_over_sequences_is_that_of_the_runs_within_them():

@@ -145,11 +145,13 @@ def sum_stretches(
             own, other = polarity * CLASSES + strength, (1 - polarity) * CLASSES + strength
             found = 0
             if _fill_plain_sums(stretches, own, other, sums) > np.float32(cost):
-                found = _reverse(stretches, own, other, each, sums)
+                found = max(_reversed_stretches(stretches, own, other, each), 0)
+                if found > 0:
+                    _fill_reversed_sums(stretches, own, other, each, found, sums)
             both = sums[0, own] + sums[1, own]
             either = striped[0, strength] + striped[1, strength] - np.float32(cost)
             if either > both:
-                turned = _likelier_reversed(stretches, own, other)
+                turned = _reversed_stretches(stretches, own, other, np.float32(0.0))
                 if turned >= 0:
                     both, found = either, turned
                     sums[0, own] = striped[0, strength] - each
@@ -159,12 +161,15 @@ def sum_stretches(
 
 
 @compiled_loop
-def _likelier_reversed(stretches: Float32Array, own: int, other: int) -> int:
-    """Return the stretches that are likelier of the other polarity; -1: most of a cable is."""
+def _reversed_stretches(stretches: Float32Array, own: int, other: int, each: np.float32) -> int:
+    """Return the stretches that are likelier of the other polarity; -1: most of a cable is.
+
+    `own` and `other` are the columns of both polarities, `each` is the cost at each border [nats].
+    """
     found, reversals, in_view = 0, 0, 0
     for stretch in range(STRETCHES):
         plain = stretches[0, own, stretch] + stretches[1, own, stretch]
-        turned = stretches[0, other, stretch] + stretches[1, other, stretch]
+        turned = (stretches[0, other, stretch] - each) + (stretches[1, other, stretch] - each)
         in_view += 1 if plain != np.float32(0.0) else 0
         if turned > plain:
             found, reversals = found | (1 << stretch), reversals + 1
@@ -191,27 +196,24 @@ def _fill_plain_sums(
 
 
 @compiled_loop
-def _reverse(
-    stretches: Float32Array, own: int, other: int, each: np.float32, sums: Float32Array
-) -> int:
-    """Let the sums (2, 8) of a cable be those with reversed stretches, and return these.
+def _fill_reversed_sums(
+    stretches: Float32Array,
+    own: int,
+    other: int,
+    each: np.float32,
+    reversed_ones: int,
+    sums: Float32Array,
+) -> None:
+    """Fill in the sums (2, 8) of a cable some of whose stretches are reversed.
 
-    If these were more than half of it, there are none. `own` and `other` are the columns of both
-    polarities, `each` is the cost at each border [nats].
+    `own`, `other` and `each` are those of `_reversed_stretches`.
     """
     left, right = np.float32(0.0), np.float32(0.0)
-    found, reversals, in_view = 0, 0, 0
     for stretch in range(STRETCHES):
-        left_own, right_own = stretches[0, own, stretch], stretches[1, own, stretch]
-        left_other = stretches[0, other, stretch] - each
-        right_other = stretches[1, other, stretch] - each
-        in_view += 1 if left_own + right_own != np.float32(0.0) else 0
-        if left_other + right_other > left_own + right_own:
-            left, right = left + left_other, right + right_other
-            found, reversals = found | (1 << stretch), reversals + 1
+        if is_reversed(reversed_ones, stretch):
+            left += stretches[0, other, stretch] - each
+            right += stretches[1, other, stretch] - each
         else:
-            left, right = left + left_own, right + right_own
-    if 2 * reversals > in_view:
-        return 0
+            left += stretches[0, own, stretch]
+            right += stretches[1, own, stretch]
     sums[0, own], sums[1, own] = left, right
-    return found
