@@ -63,12 +63,13 @@ from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, s
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
+from cable_tracker.cable.measure.map.cable_map import CableMap
+from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
@@ -77,6 +78,9 @@ GIVEN_PRESENCE = 0.95
 
 LEAST_PRESENCE = 1e-3
 """Probability that there is a cable before any frame has been seen."""
+
+SAME_TIME = 1e-6
+"""Rounding of the times between frames: a map is not kept for one frame more because of it [s]."""
 
 NO_ANCHOR = np.empty((0, STATE_SIZE))
 
@@ -160,11 +164,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if self._begins_anew(belief):
             belief = _new_search(self.first_belief(), belief)
-        if belief.memory is not None:
-            belief = replace(belief, memory=belief.memory.aged(dt))
+        belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = prediction.prior.is_known
-        cable_map = image.cable_map if self._looks_at_map(belief, is_known=is_known) else NO_MAP
+        looks = self._looks_at_map(belief, is_known=is_known)
+        cable_map = image.cable_map if looks else belief.map_moved_to(prediction.prior.expected[0])
         if not is_known:
             prediction = with_births_by_map(prediction, cable_map)
         births = prediction.density.births
@@ -178,14 +182,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             # Every particle is impossible.
             states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        return updated_belief(
+        updated = updated_belief(
             belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale
         )
+        if looks:
+            leader = conclusion.hypotheses.clusters.means[0]
+            updated = replace(updated, kept_map=KeptMap(cable_map, leader[:POSE_SIZE]))
+        return updated
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
-        """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
+        """Tell whether a map is worth its time.
+
+        It is while no cable is known, where a border of it is faint, and when the last map is old.
+        """
         is_clear = belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
-        return self._uses_map and not (is_known and is_clear)
+        has_map = belief.kept_map is not None and (
+            belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
+        )
+        return self._uses_map and not (is_known and is_clear and has_map)
 
     def _inputs(
         self,

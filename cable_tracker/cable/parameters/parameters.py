@@ -261,8 +261,18 @@ class TrackerParameters(ParameterSet):
     looks: str = word(
         "network",
         ("borders", "network"),
-        "What tells how much a strip looks like a cable while none is known, or a border of it is"
-        " faint: its borders and its texture alone, or also a network that has seen many cables.",
+        "What tells how much a strip looks like a cable: its borders and its texture alone, or also"
+        " a network that has seen many cables.",
+    )
+    map_interval: float = number(
+        1.0,
+        "s",
+        0.0,
+        3600.0,
+        "How often at least the network looks at a cable that is known and clear; in between, what"
+        " it said moves along with the cable. Larger: less time per frame, but a lit stripe along a"
+        " pipe may be taken for all of it. While no cable is known, or a border of it is faint, it"
+        " looks at each frame.",
     )
     detector_share: float = number(
         0.2,

@@ -115,6 +115,11 @@ TAKEN_AWAY = AblationTable(
         AblationRow(DEFAULT, "the preset", DEFAULT, MappingProxyType({}), ""),
         _without("no_detector", "no detector proposes cables", NO_DETECTOR),
         _without("no_network", "no network says where a cable may be", NO_NETWORK),
+        _without(
+            "map_where_faint",
+            "the network looks at a known cable only where a border of it is faint",
+            {"map_interval": 3600.0},
+        ),
         _without("no_refinement", "no particles drawn anew in the same frame", NO_REFINEMENT),
         _without("gaussian", "Gaussian diffusion", {"diffusion_degrees_of_freedom": 0.0}),
         _without(

@@ -46,8 +46,8 @@ CABLE_GROUPS: Groups = (
     (
         "Search and refinement",
         (
-            "detector", "looks", "detector_share", "search_share", "refinement_rounds",
-            "refinement_share",
+            "detector", "looks", "map_interval", "detector_share", "search_share",
+            "refinement_rounds", "refinement_share",
         ),
     ),
     (

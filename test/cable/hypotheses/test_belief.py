@@ -19,6 +19,8 @@ from cable_tracker.cable.hypotheses.belief import (
 from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.measure.map.cable_map import NO_MAP
+from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -120,6 +122,23 @@ def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
 def test_another_hypothesis_or_an_absent_one_is_not_known():
     assert updated(concluded(goes_on=False)).known_time == 0.0
     assert updated(concluded(log_odds=-2.0)).known_time == 0.0
+
+
+def test_a_map_is_kept_while_the_hypothesis_of_its_frame_goes_on():
+    """It would be moved by how far another one is from that."""
+    kept = KeptMap(NO_MAP, LEADER[:4], 0.2)
+    before = replace(BEFORE, kept_map=kept)
+    assert updated(concluded(), before).kept_map is kept
+    assert updated(concluded(goes_on=False), before).kept_map is None
+
+
+def test_a_belief_that_ages_remembers_what_is_older():
+    memory = RememberedCable(LEADER[:4], 0.0, 50.0, math.log(30.0), seconds=1.0)
+    belief = replace(BEFORE, memory=memory, kept_map=KeptMap(NO_MAP, LEADER[:4], 0.2))
+    aged = belief.aged(0.1)
+    assert (aged.memory.seconds, aged.kept_map.seconds) == (pytest.approx(1.1), pytest.approx(0.3))
+    assert BEFORE.aged(0.1).memory is None
+    assert BEFORE.aged(0.1).kept_map is None
 
 
 def test_what_was_given_stays_so_while_frames_hold_it_for_a_cable():

@@ -18,6 +18,9 @@ from cable_tracker.cable.hypotheses.propose import sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
+from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -481,24 +484,74 @@ def test_any_resampling_scheme_follows_the_cable(strip, scheme):
     np.testing.assert_allclose(mean_of(belief)[[0, 2]], [12.0, 24.0], atol=1.5)
 
 
-@pytest.mark.parametrize(
-    ("looks", "is_given", "evidence", "is_mapped"),
-    [
-        ("network", False, 2.0, True),
-        ("network", True, 2.0, False),
-        ("network", True, 0.1, True),
-        ("borders", False, 2.0, False),
-    ],
-    ids=["no cable known", "known", "known but faint", "by borders"],
+KEPT = KeptMap(
+    cable_map_of(np.zeros((30, 40), np.float32), -78.0, 58.0, 4.0), STRIP.to_array()[:4], 0.1
 )
-def test_the_map_has_a_say_unless_a_clear_cable_is_known(
-    strip, looks, is_given, evidence, is_mapped
-):
+"""Of a picture that showed no cable at all, a tenth of a second ago."""
+
+
+def belief_before(*, is_given=True, evidence=2.0, kept_map=KEPT):
     belief = initial_belief(cloud(STRIP), GIVEN_PRESENCE)
     hypotheses = belief.hypotheses._replace(weaker_border_mean=evidence)
-    belief = replace(belief, is_given=is_given, hypotheses=hypotheses)
-    after = make_filter(looks=looks).step(belief, strip, FRAME, NO_DETECTIONS)
-    assert after.hypotheses.is_mapped == is_mapped
+    return replace(belief, is_given=is_given, hypotheses=hypotheses, kept_map=kept_map)
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        belief_before(is_given=False),
+        belief_before(evidence=0.1),
+        belief_before(kept_map=None),
+        belief_before(kept_map=replace(KEPT, seconds=parameters().map_interval - FRAME)),
+    ],
+    ids=["no cable known", "known but faint", "no map yet", "the last map is old"],
+)
+def test_the_network_looks_at_a_frame_where_it_is_worth_its_time(strip, before):
+    after = make_filter().step(before, strip, FRAME, NO_DETECTIONS)
+    assert after.hypotheses.is_mapped
+    assert after.kept_map.cable_map is strip.cable_map
+    assert after.kept_map.seconds == 0.0
+    np.testing.assert_array_equal(after.kept_map.pose, mean_of(after))
+
+
+def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatch):
+    monkeypatch.setattr(working_image, "make_cable_map", None)
+    after = make_filter().step(belief_before(), strip, FRAME, NO_DETECTIONS)
+    assert after.hypotheses.is_mapped
+    assert after.kept_map.cable_map is KEPT.cable_map
+    assert after.kept_map.seconds == pytest.approx(0.1 + FRAME)
+    shown = replace(KEPT, cable_map=strip_map(STRIP))
+    alike = make_filter().step(
+        belief_before(kept_map=shown), strip, FRAME, NO_DETECTIONS
+    ).hypotheses.appearance
+    assert alike > after.hypotheses.appearance + 3.0
+
+
+def strip_map(state):
+    return cable_map_of(strip_shares(state.to_array(), KEPT.cable_map), -78.0, 58.0, 4.0)
+
+
+def test_a_map_is_kept_no_longer_than_the_interval(strip):
+    cable_filter = make_filter(map_interval=0.2)
+    belief, ages = belief_before(kept_map=None), []
+    for _ in range(11):
+        belief = cable_filter.step(belief, strip, FRAME, NO_DETECTIONS)
+        ages.append(round(belief.kept_map.seconds / FRAME))
+    assert ages == [0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0]
+
+
+def test_without_an_interval_the_network_looks_at_each_frame(strip):
+    cable_filter = make_filter(map_interval=0.0)
+    for belief in run(cable_filter, belief_before(), [strip] * 3):
+        assert belief.kept_map.seconds == 0.0
+
+
+def test_by_borders_alone_no_map_is_looked_at(strip, monkeypatch):
+    monkeypatch.setattr(working_image, "make_cable_map", None)
+    before = belief_before(is_given=False, kept_map=None)
+    after = make_filter(looks="borders").step(before, strip, FRAME, NO_DETECTIONS)
+    assert not after.hypotheses.is_mapped
+    assert after.kept_map is None
 
 
 def density_about_the_strip(strip, turned, monkeypatch) -> float:

@@ -1,0 +1,89 @@
+"""The last map of a known cable, moved along with it: what frames without one of their own go by.
+
+The network takes several times as long as the rest of a frame in which the cable is clear. So it
+looks only now and then, and what it said of the strip and of what lies beside it stays true for a
+moment, but for how the cable has moved since.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
+from cable_tracker.cable.model.geometry import pose_in_chart
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeptMap:
+    """A map of a frame before.
+
+    Attributes
+    ----------
+    cable_map : CableMap
+        The map.
+    pose : FloatArray
+        d, alpha, w, beta of the cable in that frame, shape (4,) [px, rad].
+    seconds : float
+        Time since that frame [s].
+    """
+
+    cable_map: CableMap
+    pose: FloatArray
+    seconds: float = 0.0
+
+    def aged(self, dt: float) -> KeptMap:
+        """Return the same map `dt` seconds later."""
+        return replace(self, seconds=self.seconds + dt)
+
+    def moved_to(self, pose: FloatArray) -> CableMap:
+        """Return the map as it lies when the centreline of the cable has come to that of a pose.
+
+        It turns about the image centre and moves across the centreline; `pose` (4 or more,) is one
+        in any chart. Cells that come from beyond the picture are as the outermost ones.
+        """
+        before = np.empty(POSE_SIZE)
+        pose_in_chart(self.pose, float(pose[ANGLE]), before)
+        turned = float(pose[ANGLE] - before[ANGLE])
+        moved = float(pose[DISTANCE] - before[DISTANCE])
+        probabilities = cv2.warpAffine(
+            self.cable_map.probabilities,
+            _cells_before(self.cable_map, turned, moved, float(pose[ANGLE])),
+            self.cable_map.probabilities.shape[::-1],
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        cells = np.asarray(probabilities, np.float32)
+        return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
+
+
+def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:
+    """Return the affine map, shape (2, 3), from (column, row) of a moved map to those before.
+
+    Parameters
+    ----------
+    cable_map : CableMap
+        The map before.
+    turned, moved : float
+        By how much the cable has turned about the image centre [rad], and then moved along the
+        normal of its centreline [px].
+    angle : float
+        Angle of this normal [rad].
+    """
+    left, top, cell = cable_map.left, cable_map.top, cable_map.cell
+    cosine, sine = math.cos(turned), math.sin(turned)
+    # From the image frame, y up: p = R(-turned) (p' - moved n').
+    first_x = left - moved * math.cos(angle)
+    first_y = top - moved * math.sin(angle)
+    # Rows run downwards: (x', y') = first + cell (column, -row).
+    return np.array(
+        [
+            [cosine, -sine, (cosine * first_x + sine * first_y - left) / cell],
+            [sine, cosine, (top + sine * first_x - cosine * first_y) / cell],
+        ]
+    )

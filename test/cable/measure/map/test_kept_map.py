@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_match, strip_shares
+from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.model.state import CableState
+
+LEFT, TOP, CELL = -158.0, 118.0, 4.0
+EMPTY = cable_map_of(np.zeros((60, 80), np.float32), LEFT, TOP, CELL)
+
+
+def kept_map_of(state: CableState) -> KeptMap:
+    """The map of a frame that shows a strip and nothing else."""
+    shares = strip_shares(state.to_array(), EMPTY)
+    return KeptMap(cable_map_of(shares, LEFT, TOP, CELL), state.to_array()[:4])
+
+
+def overlap(state: CableState, cable_map) -> float:
+    return map_match(state.to_array(), cable_map).overlap
+
+
+STRIPS = st.builds(
+    CableState,
+    st.floats(-60.0, 60.0),
+    st.floats(-math.pi / 2 + 1e-3, math.pi / 2),
+    st.floats(20.0, 60.0),
+    st.floats(-0.1, 0.1),
+)
+
+
+@given(STRIPS, st.floats(-15.0, 15.0), st.floats(-0.15, 0.15), st.booleans())
+def test_a_kept_map_shows_the_cable_where_it_has_come_to_in_any_chart(before, shift, turn, turned):
+    after = CableState(
+        before.distance + shift, before.angle + turn, before.width, before.skew
+    ).to_array()
+    pose = after[:4].copy()
+    if turned:
+        pose[[0, 3]] *= -1.0
+        pose[1] += math.pi
+    moved = kept_map_of(before).moved_to(pose)
+    # Between cells it is interpolated: five cells across are not quite as sharp any more.
+    assert map_match(after, moved).overlap > 1.5
+
+
+def test_a_strip_that_would_fit_the_old_place_does_not_fit_the_new_one():
+    before, after = CableState(0.0, 0.1, 24.0, 0.0), CableState(20.0, 0.3, 24.0, 0.0)
+    moved = kept_map_of(before).moved_to(after.to_array())
+    assert overlap(after, moved) > 2.0
+    assert overlap(before, moved) < 0.0
+
+
+def test_a_cable_that_has_not_moved_leaves_the_map_as_it_was():
+    state = CableState(13.0, -0.4, 30.0, 0.05)
+    kept = kept_map_of(state)
+    moved = kept.moved_to(state.to_array())
+    np.testing.assert_allclose(moved.probabilities, kept.cable_map.probabilities, atol=1e-6)
+    assert (moved.left, moved.top, moved.cell) == (LEFT, TOP, CELL)
+
+
+def test_what_comes_into_view_is_as_the_outermost_cells_are():
+    """Else a cable that moves inwards would end before the edge."""
+    along_the_edge = CableState(150.0, 0.0, 40.0, 0.0)
+    moved = kept_map_of(along_the_edge).moved_to(CableState(110.0, 0.0, 40.0, 0.0).to_array())
+    assert moved.probabilities[:, -1].min() == 1.0
+
+
+def test_a_kept_map_grows_older():
+    kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0))
+    assert kept.seconds == 0.0
+    assert kept.aged(0.04).aged(0.2).seconds == pytest.approx(0.24)
