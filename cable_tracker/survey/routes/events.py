@@ -356,7 +356,7 @@ def _crossings(maker: _Maker) -> list[Event]:
     sights = []
     for sight in _by_block(dive, dive.table.crossings):
         row = dive.table.rows[sight.row]
-        keyframe = int(np.searchsorted(keyframes.first, sight.row, side="right")) - 1
+        keyframe = int(keyframes.of(np.array([sight.row]))[0])
         if keyframe < 0 or row["status"] != TRACKING or cable.piece[keyframe] != maker.piece:
             continue
         heading = float(cable.states[keyframe, 1])

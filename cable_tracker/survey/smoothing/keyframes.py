@@ -53,6 +53,7 @@ class Keyframes:
         Whether a keyframe does not go on from the one before, shape (S,).
     first, last : IndexArray
         Rows of the table that a keyframe stands for, shape (S,): from, and up to but without.
+        Those between two keyframes have no place.
     """
 
     places: FloatArray
@@ -130,21 +131,26 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
 
 
 def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
-    """Return rows from which, and up to but without which, keyframes go; places (N, 3)."""
-    starts, usable = disk.growing(np.int64), -1
+    """Return rows from which, and up to but without which, keyframes go; places (N, 3).
+
+    What was seen after the last row with a place, as while odometry is silent, is of none.
+    """
+    starts, ends, usable = disk.growing(np.int64), disk.growing(np.int64), -1
     latest = np.full(2, np.inf)
     for part in disk.blocks(len(places)):
         known = np.flatnonzero(np.isfinite(places[part]).all(axis=1))
-        own = places[part][known, :2]
-        found = known[_starts(own, latest, LEAST_SPACING)] + part.start
-        starts.extend(found)
+        found = _starts(places[part][known, :2], latest, LEAST_SPACING)
+        rows = known + part.start
+        starts.extend(rows[found])
+        ends.extend(np.append(usable, rows)[found] + 1)
         if len(found):
-            latest = places[found[-1], :2].copy()
-        if len(known):
-            usable = part.start + int(known[-1])
+            latest = places[rows[found[-1]], :2].copy()
+        if len(rows):
+            usable = int(rows[-1])
     first = starts.rows()
     last = disk.array(len(first), np.int64)
-    last[:-1], last[-1:] = first[1:], usable + 1
+    # Each but the first begins after the end of the one before.
+    last[:-1], last[-1:] = ends.rows()[1:], usable + 1
     return first, last
 
 

@@ -189,6 +189,24 @@ def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():
     assert EventKind.CROSSING not in [event.kind for event in first.events]
 
 
+def test_a_crossing_that_is_seen_while_odometry_is_silent_has_no_place():
+    dive = dive_in_two_pieces()
+    for row in range(440, 460):
+        dive.table.crossings.append(CrossingSight(row, 0.6 - 0.02 * (row - 440), 1.0))
+    assert not events(dive, EventKind.CROSSING)
+
+
+def test_what_is_seen_while_odometry_is_silent_is_not_seen_where_it_fell_silent():
+    dive = dive_in_two_pieces()
+    # Were they of the last place that is known, they would outweigh what was seen there.
+    dive.table.rows["profile_score"][402:499] = 0.0
+    dive.table.rows["diameter"][402:499] = 0.5
+    surveyed, _ = analyse(dive, SurveySettings())
+    for placed in surveyed.routes:
+        assert {event.kind for event in placed.events} <= {EventKind.FOUND}
+        assert np.nanmax(placed.route.diameters) < 0.3
+
+
 @pytest.mark.parametrize("end", [30.0, 30.1, 30.2, 30.3, 30.4])
 def test_a_cable_that_ends_before_the_dive_is_lost_there(end):
     (event,) = events(make_dive(Plan(hidden=((end, 60.0),))), EventKind.LOST)
