@@ -104,14 +104,16 @@ def poses_of_rows(rows: Rows, poses: Poses, disk: Disk) -> FloatArray:
     """Return x, y, yaw of the vehicle in the frames of a table (N,), shape (N, 3); NaN: not known.
 
     Where the clock has gone back, a time that comes again is that of two places: it counts as that
-    of the first.
+    of the first. A time without a place takes none away: the stamp of a single picture may be far
+    ahead of all others.
     """
     places: FloatArray = disk.array((len(rows), 3))
     latest = -(2**62)
     for part in disk.blocks(len(rows)):
         stamps = rows["stamp"][part]
-        running = np.maximum.accumulate(np.concatenate(([latest], stamps)))
         found = poses.at(stamps)
+        placed = np.where(np.isfinite(found).all(axis=1), stamps, latest)
+        running = np.maximum.accumulate(np.concatenate(([latest], placed)))
         found[stamps < running[:-1]] = np.nan
         places[part], latest = found, int(running[-1])
     return places

@@ -76,6 +76,15 @@ def test_a_time_that_comes_again_has_the_place_of_its_first_picture_only(block):
     assert np.isfinite(places).all(axis=1).tolist() == [True, True, True, False, True, True]
 
 
+@pytest.mark.parametrize("block", [2, 4096])
+def test_pictures_with_stamps_far_ahead_cost_no_place_but_their_own(block):
+    poses = joined_poses(odometry(way()))
+    rows = np.zeros(6, [("stamp", "i8")])
+    rows["stamp"] = SECOND * np.array([2, 3, 100_000, 100_001, 4, 5])
+    places = poses_of_rows(rows, poses, Disk(block=block))
+    assert np.isfinite(places).all(axis=1).tolist() == [True, True, False, False, True, True]
+
+
 def test_no_odometry_gives_no_poses():
     assert np.isnan(joined_poses(Samples(4)).at(np.array([1, 2]))).all()
 
