@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -305,13 +305,13 @@ def _write_all(
     merged = _longest_first(merge(on_earth))
     apart = _longest_first([route for placed in own for route in merge([placed])])
     beside = output / WITHOUT_PLACE
-    shutil.rmtree(beside, ignore_errors=True)
+    _remove_map(beside)
     names = (*_names(merged), *_names(apart))
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
     if frame is not None:
         _write_map(output, SurveyMap(tuple(merged), frame, _names(merged), in_time), rows)
         if apart:
-            beside.mkdir()
+            beside.mkdir(exist_ok=True)
             _write_map(beside, SurveyMap(tuple(apart), None, _names(apart), root="../"), rows)
             names = (*_names(merged), *(f"{WITHOUT_PLACE}: {name}" for name in _names(apart)))
     else:
@@ -322,6 +322,15 @@ def _write_all(
         with atomic_file(output / FRAMES) as part:
             join_frames(parts, part)
     return (*merged, *apart), names
+
+
+def _remove_map(folder: Path) -> None:
+    """Remove the files of an earlier map, and their folder unless it holds others."""
+    for name in (*WRITERS, REPORT):
+        (folder / name).unlink(missing_ok=True)
+    # What the user has put there stays, and the folder with it; or there is none.
+    with suppress(OSError):
+        folder.rmdir()
 
 
 def _longest_first(routes: Iterable[MergedRoute]) -> list[MergedRoute]:

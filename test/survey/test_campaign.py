@@ -95,6 +95,25 @@ def test_routes_have_the_names_of_their_files(bag, tmp_path):
         assert {(row["route"], row["recording"]) for row in rows} == {("route 1", recording)}
 
 
+def test_what_the_user_puts_beside_the_map_of_dives_without_a_fix_stays(bag, tmp_path):
+    def change(topic, message, time):
+        if topic != "/fix":
+            yield topic, message, time
+
+    other = rewritten(bag, tmp_path / "without_fix", change)
+    beside, settings = tmp_path / "map" / "without_place", SurveySettings(pictures=False)
+    run_survey([bag, other], tmp_path / "map", settings, ALONE)
+    (beside / "notes.txt").write_text("mine")
+    run_survey([bag, other], tmp_path / "map", settings, ALONE, resume=True)
+    assert (beside / "notes.txt").read_text() == "mine" and (beside / "route.gpkg").exists()
+    # Where no dive is without a fix, nothing but that is left.
+    run_survey([bag], tmp_path / "map", settings, ALONE, resume=True)
+    assert [each.name for each in beside.iterdir()] == ["notes.txt"]
+    (beside / "notes.txt").unlink()
+    run_survey([bag], tmp_path / "map", settings, ALONE, resume=True)
+    assert not beside.exists()
+
+
 def test_a_survey_without_routes_leaves_no_map_of_an_earlier_one(bag, pictured, tmp_path):
     output = copied(pictured, tmp_path)
     assert (output / "route.gpkg").exists()
