@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import dask
+from dask.utils import parse_bytes
 from distributed import Client, LocalCluster
 
 from cable_tracker import __version__
@@ -16,6 +17,10 @@ from cable_tracker.errors import ParameterError, one_line
 
 CONNECT_TIMEOUT = 60.0
 """Longest wait for a scheduler [s]."""
+
+LEAST_MEMORY = 256 * 2**20
+"""Smallest memory of a worker [bytes]: the libraries alone take it. One that has less is ended
+while it begins, and begun again, for ever."""
 
 FREE_PORT = "127.0.0.1:0"
 
@@ -32,8 +37,8 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
     Raises
     ------
     ParameterError
-        There is no scheduler at the address, it has no workers, or one of them has another version
-        of this package.
+        There is no scheduler at the address, it has no workers, one of them has another version of
+        this package, or the memory of workers is no size, or too small.
     """
     quiet = {
         "distributed.scheduler.allowed-failures": 3,
@@ -67,15 +72,37 @@ def worker_environment() -> dict[str, Any]:
     return {**dask.config.get("distributed.nanny.pre-spawn-environ", {}), **KEPT_MEMORY}
 
 
+def _check_memory(text: str) -> None:
+    """See that a size of memory suffices for a worker, where it is in bytes.
+
+    Up to 1 Dask takes it for a share of the machine's memory, and 0 for all of it.
+
+    Raises
+    ------
+    ValueError
+        It is no size.
+    ParameterError
+        It is too small.
+    """
+    size = 0 if text == "auto" else parse_bytes(text)
+    if not (0 <= size <= 1 or size >= LEAST_MEMORY):
+        raise ParameterError(
+            f"memory: {text} is too little, a worker takes {LEAST_MEMORY // 2**20} MiB before it"
+            " has begun; give a size such as 2GiB"
+        )
+
+
 def _local(settings: ClusterSettings) -> LocalCluster:
+    memory = settings.memory.replace(" ", "")
     try:
+        _check_memory(memory)
         return LocalCluster(
             n_workers=settings.workers,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
             silence_logs=logging.CRITICAL,
-            memory_limit=settings.memory.replace(" ", ""),
+            memory_limit=memory,
             dashboard_address=DASHBOARD if settings.dashboard else None,
             # Its server is started even without pages: at a port that is free.
             scheduler_kwargs={} if settings.dashboard else {"dashboard_address": FREE_PORT},
