@@ -63,6 +63,33 @@ def _refuse_foreign_files(path: Path, is_own_name: Callable[[str], bool]) -> Non
         )
 
 
+def _is_being_written(path: Path) -> OutputError:
+    return OutputError(
+        f"{path}: another run is writing it; wait until that has ended, or choose another name"
+    )
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder that is written piece by piece, and made if it is not there.
+
+    Raises
+    ------
+    OutputError
+        Another run is writing it, or it cannot be made.
+    """
+    try:
+        lock = FolderLock(folder)
+    except BlockingIOError as error:
+        raise _is_being_written(folder) from error
+    except OSError as error:
+        raise write_failure(folder, error) from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
 class PartialOutput:
     """A folder or a file that is made under another name and moved into place when complete.
 
@@ -127,10 +154,7 @@ class PartialOutput:
         try:
             self._take_partial()
         except BlockingIOError as error:
-            raise OutputError(
-                f"{path}: another run is writing it; wait until that has ended, or choose another"
-                " name"
-            ) from error
+            raise _is_being_written(path) from error
         except OSError as error:
             self.discard()
             raise write_failure(path, error) from error

@@ -11,6 +11,7 @@ import pytest
 from cable_tracker.atomic_output import (
     AtomicFile,
     PartialOutput,
+    alone_in,
     any_name,
     atomic_file,
     output_file,
@@ -316,6 +317,20 @@ def test_another_output_of_the_same_process_is_refused_too(tmp_path):
     ):
         fill(tmp_path / "out")
     fill(tmp_path / "out", overwrite=True)
+
+
+def test_one_run_at_a_time_is_in_a_folder_that_is_written_piece_by_piece(tmp_path):
+    with (
+        alone_in(tmp_path / "new" / "out"),
+        pytest.raises(OutputError, match="out: another run is writing it; wait"),
+        alone_in(tmp_path / "new" / "out"),
+    ):
+        pass
+    with alone_in(tmp_path / "new" / "out"):
+        assert (tmp_path / "new" / "out").is_dir()
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="cannot be written"), alone_in(tmp_path / "file" / "out"):
+        pass
 
 
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])

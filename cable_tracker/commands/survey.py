@@ -159,7 +159,7 @@ def _check_output(recordings: Sequence[Path], output: Path, resume: bool, force:
                 f"{path}: lies where the results in {output} go, and would be replaced by them;"
                 " choose another folder for --output"
             )
-    if not output.exists() or (output.is_dir() and not any(output.iterdir())):
+    if not output.exists() or (output.is_dir() and _holds_nothing(output)):
         return
     if not holds_survey(output):
         raise OutputError(f"{output}: is no earlier survey and is not overwritten; choose another")
@@ -167,6 +167,13 @@ def _check_output(recordings: Sequence[Path], output: Path, resume: bool, force:
         raise OutputError(
             f"{output}: holds a survey; go on with --resume, or do it again with --force"
         )
+
+
+def _holds_nothing(output: Path) -> bool:
+    """Tell whether nothing lies in a folder, or what a survey leaves that has ended at once."""
+    found = list(output.iterdir())
+    results = output / RECORDINGS
+    return not found or (found == [results] and results.is_dir() and not any(results.iterdir()))
 
 
 def _states(result: SurveyResult) -> str:

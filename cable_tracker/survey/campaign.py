@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cable_tracker import __version__
-from cable_tracker.atomic_output import atomic_file
+from cable_tracker.atomic_output import alone_in, atomic_file
 from cable_tracker.campaigns.folder_tasks import (
     MARKER,
     Outcome,
@@ -188,7 +188,7 @@ def run_survey(
     ParameterError
         A recording is given twice, or the cluster cannot be used.
     OutputError
-        The folder cannot be written.
+        The folder cannot be written, or another survey is writing it.
     """
     root = output / RECORDINGS
     earlier = _origins_in(root) if resume else {}
@@ -203,7 +203,7 @@ def run_survey(
     def finished() -> int:
         return sum(is_done(task, root / task.name, __version__) for task in tasks)
 
-    with saying_what_stays(root, finished):
+    with alone_in(root), saying_what_stays(root, finished):
         outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
         return _put_together(output, outcomes, datum, paths)
 

@@ -104,6 +104,15 @@ def test_dives_of_an_earlier_survey_that_are_not_in_the_map_are_named(
     assert "not in this map, for they were not named: first" in said
 
 
+def test_a_survey_that_ended_before_its_first_result_may_be_given_again(tmp_path, dives, run):
+    output = tmp_path / "out"
+    words = ("survey", *dives, "--output", output, "--workers", 2)
+    code, said = run(*words, "--memory", "much")
+    assert code == USER_ERROR and "memory" in said
+    code, said = run("survey", dives[0], "--output", output, "--no-pictures")
+    assert code == 0, said
+
+
 def test_a_folder_that_is_no_survey_is_never_written_over(tmp_path, dives, run):
     (tmp_path / "letter.txt").write_text("precious")
     code, said = run("survey", dives[0], "--output", tmp_path, "--force")

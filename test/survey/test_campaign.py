@@ -7,13 +7,20 @@ from pathlib import Path
 import pytest
 from rewriting import rewritten
 
+from cable_tracker.atomic_output import alone_in
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
-from cable_tracker.survey.campaign import SurveyTask, holds_survey, names_of, run_survey
+from cable_tracker.survey.campaign import (
+    RECORDINGS,
+    SurveyTask,
+    holds_survey,
+    names_of,
+    run_survey,
+)
 from cable_tracker.survey.frames.forward_pass import ForwardSettings
 from cable_tracker.survey.outputs.surveyed_dive import read_origin, read_surveyed
 from cable_tracker.survey.recording import SurveySettings
@@ -93,6 +100,16 @@ def test_routes_have_the_names_of_their_files(bag, tmp_path):
     for folder, recording in ((output, "dive"), (output / "without_place", "without_fix")):
         rows = list(csv.DictReader((folder / "events.csv").read_text().splitlines()))
         assert {(row["route"], row["recording"]) for row in rows} == {("route 1", recording)}
+
+
+def test_a_folder_that_another_survey_is_writing_is_refused_and_as_it_was(bag, unpictured):
+    before = sorted((file, file.stat().st_mtime_ns) for file in unpictured.rglob("*"))
+    with (
+        alone_in(unpictured / RECORDINGS),
+        pytest.raises(OutputError, match="another run is writing it; wait"),
+    ):
+        run_survey([bag], unpictured, SurveySettings(pictures=False), ALONE)
+    assert sorted((file, file.stat().st_mtime_ns) for file in unpictured.rglob("*")) == before
 
 
 def test_what_the_user_puts_beside_the_map_of_dives_without_a_fix_stays(bag, tmp_path):
