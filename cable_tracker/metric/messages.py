@@ -71,6 +71,7 @@ def read_range(message: Message) -> tuple[float, tuple[float, float]]:
     Out of range it is +-inf, as REP 117 has it.
     """
     low, high = float(message.min_range), float(message.max_range)
+    low = low if math.isfinite(low) else 0.0
     return float(message.range), (low, high if low < high < math.inf else MOST_ALTITUDE)
 
 

@@ -62,6 +62,14 @@ def test_a_range_has_its_limits() -> None:
     assert read_range(Range(range=1.5)) == (1.5, (0.0, MOST_ALTITUDE))
 
 
+@pytest.mark.parametrize("unset", [math.nan, math.inf, -math.inf])
+def test_limits_of_a_range_that_are_no_numbers_are_not_set(unset: float) -> None:
+    assert read_range(Range(range=1.5, min_range=unset, max_range=unset)) == (
+        1.5, (0.0, MOST_ALTITUDE),
+    )  # fmt: skip
+    assert read_range(Range(range=1.5, min_range=unset, max_range=30.0)) == (1.5, (0.0, 30.0))
+
+
 def imu(roll: float, **fields: Any) -> Imu:
     return Imu(orientation=Quaternion(x=math.sin(roll / 2), w=math.cos(roll / 2)), **fields)
 
