@@ -24,6 +24,7 @@ class Reason(str, Enum):
     HORIZON = "centreline at the horizon"
     ACROSS = "cable runs across"
     NO_TARGET = "no target is claimed"
+    BEYOND_LENS = "target beyond the lens"
     RANGE_UNKNOWN = "range not known"
     NOT_COMPUTED = "the computation failed"
 

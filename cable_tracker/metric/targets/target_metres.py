@@ -170,7 +170,7 @@ def line_of_sight(estimate: TargetEstimate, camera: CameraModel) -> FloatArray |
         return Withheld(Reason.BAD_CALIBRATION, str(error))
     if not np.isfinite(ray).all():
         return Withheld(
-            Reason.OUT_OF_VIEW, "the lens of this calibration does not reach the target's centre"
+            Reason.BEYOND_LENS, "the lens of this calibration does not reach the target's centre"
         )
     return ray
 

@@ -280,7 +280,11 @@ class TestTheSolidAngleOfAPixel:
         folding = Calibration(
             (640, 480), "plumb_bob", (200.0, 200.0), (319.5, 239.5), (-1.2, 0.0, 0.0, 0.0)
         )
-        assert solid_angle_of_pixel(camera_for(folding, (640, 480)), np.array([310.0, 0.0])) == 0.0
+        camera = camera_for(folding, (640, 480))
+        assert solid_angle_of_pixel(camera, np.array([310.0, 0.0])) == 0.0
+        told = TargetRange(TargetSettings()).take(estimate_of((1.0, 1.2, 0.0)), camera, STILL)
+        assert str(told.ray) == str(told.relative)
+        assert str(told.ray).startswith("target beyond the lens: ")
 
 
 @pytest.mark.parametrize("pitch", [0.0, 90.0])
