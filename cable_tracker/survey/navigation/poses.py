@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ FASTEST, SLOW = 5.0, 0.1
 """Largest speed of a vehicle over a cable, and one that odometry may miss [m/s]."""
 
 MOST_STRAYS = 10
-"""So many readings in a row may have stamps of another time, ahead of all others."""
+"""So many readings in a row may have stamps of another time, ahead of all others, or behind."""
 
 BAD_PLACE = 1e7
 """Largest distance of odometry from its origin [m]."""
@@ -155,11 +156,17 @@ def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
 
 
 def _strays(stamps: IndexArray, disk: Disk) -> list[int]:
+    """Return a few readings in a row whose stamps (N,) are of another time than those around."""
+    ahead = _ahead(stamps, disk)
+    return sorted(ahead | _late(stamps, ahead, disk))
+
+
+def _ahead(stamps: IndexArray, disk: Disk) -> set[int]:
     """Return a few readings in a row whose stamps (N,) are of a later time than what follows.
 
     Would they count, all that follow would not.
     """
-    strays: list[int] = []
+    strays: set[int] = set()
     for rows in disk.blocks(len(stamps), 1):
         steps = np.diff(stamps[rows.start - 1 : rows.stop])
         for k in (np.flatnonzero(steps < -NANOSECONDS) + rows.start).tolist():
@@ -167,7 +174,26 @@ def _strays(stamps: IndexArray, disk: Disk) -> list[int]:
             ahead = stamps[least:k] >= stamps[k]
             own = int(np.argmin(ahead[::-1])) if not ahead.all() else len(ahead)
             if own < MOST_STRAYS:
-                strays += range(k - own, k)
+                strays.update(range(k - own, k))
+    return strays
+
+
+def _late(stamps: IndexArray, ahead: Set[int], disk: Disk) -> set[int]:
+    """Return a few readings in a row of an earlier time, after which the stamps (N,) go on.
+
+    They were overtaken on their way. A clock that was set back does not go on at once. `ahead` are
+    readings that do not count.
+    """
+    strays: set[int] = set()
+    for rows in disk.blocks(len(stamps), 1):
+        steps = np.diff(stamps[rows.start - 1 : rows.stop])
+        for k in (np.flatnonzero(steps > NANOSECONDS) + rows.start).tolist():
+            before = [i for i in range(max(k - MOST_STRAYS, 0), k) if i not in ahead]
+            latest = max(before, key=lambda i: int(stamps[i]), default=k)
+            late = [i for i in before if i > latest]
+            goes_on = k not in ahead and stamps[k] > stamps[latest]
+            if goes_on and all(stamps[i] < stamps[latest] - NANOSECONDS for i in late):
+                strays.update(late)
     return strays
 
 

@@ -47,16 +47,26 @@ def test_a_clock_that_goes_back_is_a_jump_and_its_readings_do_not_count():
 
 
 @pytest.mark.parametrize("strays", [1, 5])
-def test_a_few_readings_of_another_time_do_not_cost_what_follows(strays):
+@pytest.mark.parametrize("seconds", [3600, -3600, -3])
+@pytest.mark.parametrize("block", [7, 4096])
+def test_a_few_readings_of_another_time_do_not_cost_what_follows(strays, seconds, block):
     stamps = [
-        SECOND + k * SECOND // 10 + (3600 * SECOND if 200 <= k < 200 + strays else 0)
+        SECOND + k * SECOND // 10 + (seconds * SECOND if 200 <= k < 200 + strays else 0)
         for k in range(400)
     ]
-    poses = joined_poses(odometry(way(), stamps))
+    poses = joined_poses(odometry(way(), stamps), Disk(block=block))
     assert poses.strays == strays
     assert not poses.jumps
     assert len(poses.stamps) == 400 - strays
     np.testing.assert_allclose(poses.places[-1], way()[-1], atol=1e-9)
+
+
+def test_of_readings_that_are_ahead_by_turns_the_others_count():
+    stamps = [SECOND + k * SECOND // 10 + (k % 2) * 5 * SECOND for k in range(400)]
+    poses = joined_poses(odometry(way(), stamps))
+    # Nothing follows the last one that would tell that it is ahead.
+    assert poses.stamps.tolist() == [*stamps[::2], stamps[-1]]
+    assert poses.strays == 199 and not poses.jumps
 
 
 @pytest.mark.parametrize("block", [7, 4096])
