@@ -521,9 +521,11 @@ def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatc
     assert after.kept_map.cable_map is KEPT.cable_map
     assert after.kept_map.seconds == pytest.approx(0.1 + FRAME)
     shown = replace(KEPT, cable_map=strip_map(STRIP))
-    alike = make_filter().step(
-        belief_before(kept_map=shown), strip, FRAME, NO_DETECTIONS
-    ).hypotheses.appearance
+    alike = (
+        make_filter()
+        .step(belief_before(kept_map=shown), strip, FRAME, NO_DETECTIONS)
+        .hypotheses.appearance
+    )
     assert alike > after.hypotheses.appearance + 3.0
 
 
