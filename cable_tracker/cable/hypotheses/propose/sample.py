@@ -89,9 +89,8 @@ def fill_map_log_ratios(sample: Sample, start: int, stop: int, cable_map: CableM
     for row in range(start, stop):
         sample.map_log_ratios[row] = 0.0
         if is_worked_out(cable_map):
-            sample.map_log_ratios[row] = (
-                MAP_WEIGHT * map_match(sample.states[row], cable_map).overlap
-            )
+            overlap = map_match(sample.states[row], cable_map).overlap
+            sample.map_log_ratios[row] = MAP_WEIGHT * min(overlap, cable_map.enough)
 
 
 @compiled_loop

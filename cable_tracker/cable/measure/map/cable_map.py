@@ -40,6 +40,8 @@ class CableMap(NamedTuple):
         Coordinates of the centre of the first cell in the image frame, y up [px].
     cell : float
         Side of a cell [px].
+    enough : float
+        Overlap beyond which more is no better [nats], infinite in the map of a frame itself.
     """
 
     probabilities: Image
@@ -49,6 +51,7 @@ class CableMap(NamedTuple):
     left: float
     top: float
     cell: float
+    enough: float
 
 
 @compiled
@@ -62,12 +65,12 @@ def cable_map_of(probabilities: Image, left: float, top: float, cell: float) -> 
             along_rows[row, column + 1] = along_rows[row, column] + found
             along_columns[column, row + 1] = along_columns[column, row] + found
     return CableMap(
-        probabilities, along_rows, along_columns, along_rows[:, -1].sum(), left, top, cell
+        probabilities, along_rows, along_columns, along_rows[:, -1].sum(), left, top, cell, np.inf
     )
 
 
 NO_MAP = CableMap(
-    np.empty((0, 0), np.float32), np.empty((0, 1)), np.empty((0, 1)), 0.0, 0.0, 0.0, 1.0
+    np.empty((0, 0), np.float32), np.empty((0, 1)), np.empty((0, 1)), 0.0, 0.0, 0.0, 1.0, np.inf
 )
 """The map of a frame of which none was worked out."""
 

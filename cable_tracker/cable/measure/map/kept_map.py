@@ -2,7 +2,8 @@
 
 The network takes several times as long as the rest of a frame in which the cable is clear. So it
 looks only now and then, and what it said of the strip and of what lies beside it stays true for a
-moment, but for how the cable has moved since.
+moment, but for how the cable has moved since. How exactly it has moved is not known: a strip that
+matches the moved map nearly as well as the expected one is as good, and borders decide.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
+from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of, map_match
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
+
+SLACK = 1.0
+"""How much less than that of the expected strip an overlap may be that is as good [nats]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,17 +53,18 @@ class KeptMap:
         """
         before = np.empty(POSE_SIZE)
         pose_in_chart(self.pose, float(pose[ANGLE]), before)
-        turned = float(pose[ANGLE] - before[ANGLE])
-        moved = float(pose[DISTANCE] - before[DISTANCE])
+        rotation = float(pose[ANGLE] - before[ANGLE])
+        shift = float(pose[DISTANCE] - before[DISTANCE])
         probabilities = cv2.warpAffine(
             self.cable_map.probabilities,
-            _cells_before(self.cable_map, turned, moved, float(pose[ANGLE])),
+            _cells_before(self.cable_map, rotation, shift, float(pose[ANGLE])),
             self.cable_map.probabilities.shape[::-1],
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REPLICATE,
         )
         cells = np.asarray(probabilities, np.float32)
-        return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
+        moved = cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
+        return moved._replace(enough=map_match(pose, moved).overlap - SLACK)
 
 
 def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_match, strip_shares
-from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.measure.map.kept_map import SLACK, KeptMap
 from cable_tracker.cable.model.state import CableState
 
 LEFT, TOP, CELL = -158.0, 118.0, 4.0
@@ -74,3 +74,17 @@ def test_a_kept_map_grows_older():
     kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0))
     assert kept.seconds == 0.0
     assert kept.aged(0.04).aged(0.2).seconds == pytest.approx(0.24)
+
+
+def test_in_a_moved_map_a_strip_is_as_good_as_the_expected_one_if_it_matches_nearly_as_well():
+    """How exactly the cable has moved since is not known: between such strips borders decide."""
+    state = CableState(13.0, -0.4, 40.0, 0.05)
+    kept = kept_map_of(state)
+    assert kept.cable_map.enough == np.inf
+    moved = kept.moved_to(state.to_array())
+    assert overlap(state, moved) - SLACK == pytest.approx(moved.enough)
+    beside, half = state.to_array(), state.to_array()
+    beside[0] += 1.0
+    half[[0, 2]] = 13.0 - 10.0, 20.0
+    assert map_match(beside, moved).overlap > moved.enough
+    assert map_match(half, moved).overlap < moved.enough - 1.0
