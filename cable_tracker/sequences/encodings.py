@@ -157,6 +157,12 @@ def _checked_format(image: RawImage) -> _PixelFormat:
     return pixel_format
 
 
+def _need_image(image: RawImage | CompressedImage) -> None:
+    """Refuse an image of which the recording gives nothing, with the recording's reason."""
+    if image.missing:
+        raise FrameError(image.missing)
+
+
 def check_layout(image: RawImage) -> None:
     """Check that encoding, size, step and amount of data of an image fit together.
 
@@ -296,6 +302,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
     FrameError
         The image cannot be decoded; the message says why.
     """
+    _need_image(image)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:
@@ -338,6 +345,7 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
     FrameError
         The image cannot be decoded; the message says why.
     """
+    _need_image(image)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:

@@ -23,6 +23,8 @@ class RawImage:
         Byte order of pixels wider than one byte.
     data : memoryview
         The pixels, ``height * step`` bytes.
+    missing : str
+        Reason why the recording gives no pixels at all; empty where it gives some.
     """
 
     encoding: str
@@ -31,6 +33,7 @@ class RawImage:
     step: int
     is_bigendian: bool
     data: memoryview
+    missing: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,10 +46,13 @@ class CompressedImage:
         Format field of the message, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
     data : memoryview
         The bytes of the file.
+    missing : str
+        Reason why the recording gives no file at all; empty where it gives one.
     """
 
     format: str
     data: memoryview
+    missing: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

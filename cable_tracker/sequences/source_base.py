@@ -182,7 +182,7 @@ class Source(ABC):
         if isinstance(item, UnreadableFrame):
             if not self._skip_bad_frames:
                 raise self._bad_frame(item.index, item.reason)
-            image = self._no_image()
+            image = self._no_image(item.reason)
             return Frame(item.index, item.stamp, image, item.frame_id, item.truth, item.received)
         if not self._skip_bad_frames:
             try:
@@ -197,12 +197,13 @@ class Source(ABC):
             " with --skip-bad-frames"
         )
 
-    def _no_image(self) -> RawImage | CompressedImage:
+    def _no_image(self, reason: str) -> RawImage | CompressedImage:
+        """Return an image without pixels that tells whatever decodes it why there are none."""
         nothing = memoryview(b"")
         return (
-            CompressedImage("", nothing)
+            CompressedImage("", nothing, missing=reason)
             if self.compressed
-            else RawImage("", 0, 0, 0, False, nothing)
+            else RawImage("", 0, 0, 0, False, nothing, missing=reason)
         )
 
     def _labelled(self, frame: Frame) -> Frame:

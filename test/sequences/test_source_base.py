@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.errors import FrameError, RecordingError, one_line
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.source_base import Source, UnreadableFrame
 
 
@@ -55,6 +56,16 @@ def test_an_unreadable_frame_keeps_all_but_its_image_when_it_is_skipped(state):
     (frame,) = ListSource([unreadable], skip_bad_frames=True).frames()
     assert (frame.index, frame.stamp, frame.received) == (1, 5, 7)
     assert (frame.frame_id, frame.truth, frame.has_image) == ("eye", state(1), False)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("decode", [decode_grey, decode_bgr])
+def test_what_decodes_an_unreadable_frame_is_told_why_there_is_no_image(compressed, decode):
+    source = ListSource([UnreadableFrame(1, 5, "it is wet")], skip_bad_frames=True)
+    source.compressed = compressed
+    (frame,) = source.frames()
+    with pytest.raises(FrameError, match=r"^it is wet$"):
+        decode(frame.image)
 
 
 def test_long_and_many_lined_reasons_become_one_short_line():

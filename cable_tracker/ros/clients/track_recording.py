@@ -122,5 +122,6 @@ def _row(
         ms=number("ms"),
         metres=read_row_metres(values) if in_metres else None,
         no_metres=values.get(NO_METRES_KEY, "") if in_metres else "",
-        event=values.get("event", ""),
+        # Of a frame that the recording cannot give the node is sent nothing, and knows no more.
+        event=frame.image.missing or values.get("event", ""),
     )

@@ -112,5 +112,5 @@ def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> Ta
         claim = (x, y, scale, angle, v_x, v_y, sigma_x, sigma_y, *box, area)
     return TargetRow(
         frame.index, frame.stamp, recorded.status, claim, number("presence"), number("n_eff"),
-        number("ms"), values.get("event", ""),
+        number("ms"), frame.image.missing or values.get("event", ""),
     )  # fmt: skip

@@ -320,6 +320,12 @@ class ReplayNode(ProcessNode):
 
     def _send(self, frame: Frame) -> None:
         self._steps = max(self._steps - 1, 0)
+        if frame.image.missing:
+            # A message has no room for the reason: the tracker is sent an image without pixels.
+            self.get_logger().warning(
+                f"frame {frame.index} cannot be decoded ({frame.image.missing}): an empty image is"
+                " sent"
+            )
         header = make_header(self._factory, frame.stamp, frame.frame_id)
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, frame.stamp)))

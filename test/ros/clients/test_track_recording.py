@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
@@ -44,7 +46,7 @@ def estimate_of(
     )
 
 
-def row_over_ros(estimate: CableEstimate | None) -> EstimateRow:
+def row_over_ros(estimate: CableEstimate | None, frame: Frame = FRAME) -> EstimateRow:
     """Return the row that is made of the node's messages; without an estimate, of a refusal."""
     factory = RclpyMessages()
     header = make_header(factory, FRAME.stamp, "camera")
@@ -57,7 +59,7 @@ def row_over_ros(estimate: CableEstimate | None) -> EstimateRow:
         state = make_state(factory, header, claimed, estimate.standard_deviations()[:4])
         report = make_report(factory, header, status, report_values(estimate, MILLISECONDS))
     messages = {node_topics.FRAME_REPORT: serialize_message(report)}
-    return _row(FRAME, RecordedFrame(messages, status), state)
+    return _row(frame, RecordedFrame(messages, status), state)
 
 
 @pytest.mark.parametrize("status", list(TrackingStatus))
@@ -78,6 +80,11 @@ def test_the_row_is_the_one_made_without_ros(
 
 def test_a_refused_frame_has_no_numbers() -> None:
     assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED, event="too small")
+
+
+def test_of_a_frame_without_an_image_the_recording_knows_why_and_the_node_does_not() -> None:
+    frame = replace(FRAME, image=replace(FRAME.image, missing="the PNG is truncated"))
+    assert row_over_ros(None, frame).event == "the PNG is truncated"
 
 
 @pytest.mark.parametrize("known", [PLACE, Withheld(Reason.NO_ALTITUDE, "none has come")])

@@ -191,6 +191,16 @@ class TestBadSources:
         world.nodes.remove(node)
         node.destroy_node()
 
+    def test_why_an_image_is_sent_empty_is_told(
+        self, world: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        (tmp_path / "0.png").write_bytes(b"no picture")
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(tmp_path), rate=100, skip_bad_frames=True)
+        play_to_the_end(world, node, heard)
+        assert not heard[0].data
+        assert "frame 0 cannot be decoded (the data is no picture" in capfd.readouterr().err
+
 
 class TestTiming:
     @pytest.mark.parametrize(("rate", "seconds"), [(1.0, 0.4), (4.0, 0.1)])
