@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cable_tracker.metric.targets.target_facts import TARGET_METRES_KEYS
+from cable_tracker.metric.targets.target_facts import TARGET_METRES_KEYS, WHY_NOT_KEY
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -88,3 +88,8 @@ def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
     """
     cells = (facts.get(key, "") for key in TARGET_METRES_KEYS)
     return (str(frame.index), format_stamp(frame.stamp), *cells)
+
+
+def refused_metres_row(frame: Frame, reason: str) -> tuple[str, ...]:
+    """Return the row of the table in metres for a frame that was refused for a reason."""
+    return metres_row(frame, {WHY_NOT_KEY: f"the frame was refused: {reason}"})

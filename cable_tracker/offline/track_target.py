@@ -10,7 +10,12 @@ from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_messages import TargetMessages
-from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
+from cable_tracker.offline.target_table import (
+    TargetRow,
+    metres_row,
+    refused_metres_row,
+    row_of,
+)
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
@@ -84,6 +89,8 @@ def _follow(
     except FrameError as error:
         if output is not None:
             output.write_refusal(str(error))
+        if sight is not None:
+            results.metres.append(refused_metres_row(frame, str(error)))
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     particles = tracker.particles

@@ -22,8 +22,11 @@ READINGS = 4
 """Of the instruments for each frame."""
 
 
-def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), turn=0.5):
-    """Write it, and return boxes and places of the target in base_link, frame by frame."""
+def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), turn=0.5, tiny=None):
+    """Write it, and return boxes and places of the target in base_link, frame by frame.
+
+    One frame may be `tiny`, too small to be used.
+    """
     world = ChaseWorld(ChaseSettings(seed=1, speed=0.0, image_size=(320, 240), rate=RATE))
     factory, truths = RosbagsMessages(), []
     with BagWriter(path) as bag:
@@ -31,7 +34,8 @@ def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), tu
             stamp = 1_000_000_000 + round(index * 1e9 / RATE)
             view = world.view(world.state())
             truths.append((view.box, view.place))
-            write_frame(bag, Frame(index, stamp, raw_from_array(view.image, "bgr8")))
+            image = view.image[:2, :2] if index == tiny else view.image
+            write_frame(bag, Frame(index, stamp, raw_from_array(image, "bgr8")))
             if "camera_info" in instruments:
                 info = make_camera_info(
                     factory, make_header(factory, stamp, "camera"), world.camera

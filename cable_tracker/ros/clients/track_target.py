@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.target_table import TargetRow, metres_row
+from cable_tracker.offline.target_table import TargetRow, metres_row, refused_metres_row
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.ros.messages.announced_topics import target_topics
@@ -21,6 +21,7 @@ from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
+from cable_tracker.tracking.status_words import REFUSED
 
 
 class TargetRecorder(Recorder):
@@ -88,13 +89,20 @@ def track_target_over_ros(
         if node_topics.TARGET_OVERLAY in recorded.messages:
             overlay = read_compressed_image(recorded.read(node_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
-            if with_metres:
-                facts = report_facts(recorded.read(node_topics.TARGET_REPORT))
-                results.metres.append(metres_row(frame, facts))
-        results.add(frame, row_of_messages(frame, recorded, state), picture)
+        row = row_of_messages(frame, recorded, state)
+        if with_metres:
+            results.metres.append(_metres_row(frame, recorded, row))
+        results.add(frame, row, picture)
         return state
 
     return track_in_lockstep(frames, nodes, take)
+
+
+def _metres_row(frame: Frame, recorded: RecordedFrame, row: TargetRow) -> tuple[str, ...]:
+    """Return the row of the table in metres, of which the report of a refused frame is silent."""
+    if row.status == REFUSED:
+        return refused_metres_row(frame, row.event)
+    return metres_row(frame, report_facts(recorded.read(node_topics.TARGET_REPORT)))
 
 
 def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:

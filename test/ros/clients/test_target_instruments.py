@@ -9,7 +9,7 @@ from cable_tracker.sequences.bags.typestores import typestore
 
 
 def test_over_dds_instruments_count_as_they_do_without(tmp_path):
-    ((box, _), *_) = write_chase_bag(tmp_path / "dive", 8)
+    ((box, _), *_) = write_chase_bag(tmp_path / "dive", 9, tiny=5)
     words = ("target", tmp_path / "dive", "--init", ",".join(str(side) for side in box))
     tables, metres, counts = [], [], []
     for name, flags in (("plain", ()), ("ros", ("--ros",))):
@@ -22,9 +22,10 @@ def test_over_dds_instruments_count_as_they_do_without(tmp_path):
             counts.append({each.topic: each.msgcount for each in reader.connections})
     assert tables[0] == tables[1]
     assert tables[0].count(b"TRACKING") == 8
+    assert tables[0].count(b"REFUSED") == 1
     for topic in ("/bearing", "/relative_pose"):
         assert [each[topic] for each in counts] == [8, 8]
     assert metres[0] == metres[1]
     header, *rows = metres[0].decode().splitlines()
     assert header.startswith("frame,stamp,bearing_x")
-    assert len(rows) == 8
+    assert len(rows) == 9

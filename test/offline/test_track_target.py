@@ -1,0 +1,54 @@
+"""A target followed through a recording, with the vehicle's instruments."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from chase_bag import write_chase_bag
+
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.offline.results import ESTIMATES, WantedResults
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.target_table import METRES
+from cable_tracker.offline.track_target import track_target
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.source import open_source
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.tracker import TargetTracker
+
+TABLES_ALONE = WantedResults(video=False, bag=False, pictures=False)
+
+
+@pytest.fixture
+def refused_in_the_middle(tmp_path):
+    """Follow a target through a bag whose second frame is too small; return the folder."""
+    ((box, _), *_) = write_chase_bag(tmp_path / "dive", 3)
+    tracker = TargetTracker()
+    tracker.initialise(TargetStart.from_box(*box))
+    with open_source(tmp_path / "dive") as source:
+        frames = list(source.frames())
+        tiny = raw_from_array(np.zeros((2, 2, 3), np.uint8), "bgr8")
+        frames[1] = replace(frames[1], image=tiny)
+        with (
+            RecordedSight(recorded_vehicle(source)) as sight,
+            TargetFolder(tmp_path / "out", wanted=TABLES_ALONE) as results,
+        ):
+            track_target(frames, tracker, results, sight)
+    return results.path
+
+
+def rows_of(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_each_frame_has_a_row_in_metres_also_one_that_was_refused(refused_in_the_middle):
+    metres = rows_of(refused_in_the_middle / METRES)
+    estimates = rows_of(refused_in_the_middle / ESTIMATES)
+    assert [row["status"] for row in estimates] == ["TRACKING", "REFUSED", "TRACKING"]
+    assert [row["frame"] for row in metres] == ["0", "1", "2"]
+    assert [row["stamp"] for row in metres] == [row["stamp"] for row in estimates]
+    assert [bool(row["bearing_x"]) for row in metres] == [True, False, True]
+    assert metres[1]["why_not"].startswith("the frame was refused: a frame is at least 16 px")
