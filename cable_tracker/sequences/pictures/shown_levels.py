@@ -58,6 +58,13 @@ def decode_shown(image: RawImage | CompressedImage) -> Image:
     return shown_levels(decode_bgr_levels(image))
 
 
-def stand_in() -> Image:
-    """Return the picture for a frame that cannot be shown: dark, uint8, grey, shape (240, 320)."""
-    return np.full((STAND_IN_SIZE[1], STAND_IN_SIZE[0]), DARK, np.uint8)
+def stand_in(size: tuple[int, int] = STAND_IN_SIZE) -> Image:
+    """Return the picture for a frame that cannot be shown: dark, uint8, grey, shape (H, W).
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height, that of the frames if it is known [px].
+    """
+    width, height = size
+    return np.full((height, width), DARK, np.uint8)

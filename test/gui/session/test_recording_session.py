@@ -25,6 +25,7 @@ from cable_tracker.offline.track_recording import (
     track_recording,
 )
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.pictures.shown_levels import DARK
 from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status_words import WARMING_UP
@@ -410,6 +411,8 @@ def test_a_frame_that_cannot_be_used_is_refused_and_the_next_is_tracked(watch, t
     played = watch(folder, init="random", skip_bad_frames=True).play_to_the_end()
     assert played[2].status == "REFUSED"
     assert played[2].reason
+    # Not the picture of the frame before.
+    assert (played[2].image == DARK).all()
     assert len(played[3].cloud) == 120
 
 

@@ -127,6 +127,9 @@ class CableFollower(Follower):
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
+        # Of one that cannot be decoded, the picture before is not shown under its number.
+        height, width = self._decoded.shape[:2]
+        self._grey = stand_in((width, height))
         self._decoded = decode_grey(frame.image)
         self._grey = shown_levels(self._decoded)
 

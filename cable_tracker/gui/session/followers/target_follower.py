@@ -106,7 +106,7 @@ class TargetFollower(Follower):
     def initialise(self, start: AnyStart) -> None:
         """Follow what is marked in the next frame."""
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
-        height, width = self._image.shape[:2]
+        height, width = self._decoded.shape[:2]
         start.check((width, height))
         self._tracker.initialise(start)
 
@@ -116,6 +116,9 @@ class TargetFollower(Follower):
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
+        # Of one that cannot be decoded, the picture before is not shown under its number.
+        height, width = self._decoded.shape[:2]
+        self._image = stand_in((width, height))
         self._decoded = decode_bgr_levels(frame.image)
         self._image = shown_levels(self._decoded)
 

@@ -1,12 +1,17 @@
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from cable_tracker.errors import FrameError
 from cable_tracker.gui.session.followers.target_follower import TargetFollower
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BoxTruth
-from cable_tracker.sequences.pictures.shown_levels import STAND_IN_SIZE
+from cable_tracker.sequences.pictures.shown_levels import DARK, STAND_IN_SIZE
+from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 
@@ -19,3 +24,24 @@ def test_one_that_is_remembered_does_not_keep_the_picture_of_its_frame():
     assert follower.show(frame, 1, "").image.shape[:2] == (600, 800)
     remembered.look(frame)
     assert remembered.follow(frame, 2).image.shape[:2] == (600, 800)
+
+
+def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
+    follower = TargetFollower("wait", TargetParameters(), BoxTruth())
+    frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
+    follower.look(frame)
+    bad = replace(frame, index=1, image=replace(frame.image, encoding="nv12"))
+    with pytest.raises(FrameError, match="nv12"):
+        follower.look(bad)
+    shown = follower.show(bad, 2, "REFUSED").image
+    assert shown.shape[:2] == (600, 800)
+    assert (shown == DARK).all()
+
+
+def test_a_box_is_checked_against_the_last_picture_that_could_be_decoded():
+    follower = TargetFollower("wait", TargetParameters(), BoxTruth())
+    frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
+    follower.look(frame)
+    with pytest.raises(FrameError):
+        follower.look(replace(frame, image=replace(frame.image, encoding="nv12")))
+    follower.initialise(TargetStart.from_box(600, 400, 700, 500))
