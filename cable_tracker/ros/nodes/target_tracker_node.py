@@ -53,6 +53,7 @@ class TargetTrackerNode(CameraNode):
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("target_tracker", **node_arguments)
         self._estimates: Sequence[TargetEstimate] = ()
+        self._starts: dict[int, TargetStart] = {}
         self._marks: dict[int, TargetStart] = {}
         self._declare_parameters()
         self._restart()
@@ -170,7 +171,8 @@ class TargetTrackerNode(CameraNode):
 
     def _take_marks(self, size: tuple[int, int]) -> None:
         """Hand on what is marked, if a frame of this size can hold it."""
-        marks, self._marks = self._marks, {}
+        marks = self._starts | self._marks
+        self._starts, self._marks = {}, {}
         for number, start in sorted(marks.items()):
             try:
                 start.check(size)
@@ -193,8 +195,9 @@ class TargetTrackerNode(CameraNode):
         self._group.reset()
         self._metric.forget()
         self._estimates = ()
-        # What was marked while the node is switched off is followed when it is on again.
-        self._marks = dict(enumerate(self._begins.boxes)) | self._marks
+        # Apart from marks: what was marked while the node is switched off is followed when it is
+        # on again, but the boxes of a parameter that has changed meanwhile are not.
+        self._starts = dict(enumerate(self._begins.boxes))
 
     def on_reset(self, request: Message, response: Message) -> Message:
         """Forget everything, also a mark, and start as at the beginning."""
@@ -219,7 +222,6 @@ class TargetTrackerNode(CameraNode):
         """Forget a mark that was taken before the first image, and start as without it."""
         self._refuse_mark(number, error)
         self._marks.pop(number, None)
-        self._marks = dict(enumerate(self._begins.boxes)) | self._marks
 
     def _figures(self) -> dict[str, str]:
         figures: dict[str, str] = {}

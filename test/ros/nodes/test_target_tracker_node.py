@@ -311,6 +311,20 @@ class TestServices:
             show(node, index)
         assert node.status == "TRACKING"
 
+    def test_a_box_that_was_changed_while_it_was_off_is_not_that_of_the_start(
+        self, world: Any, show: Callable[..., None]
+    ) -> None:
+        from rclpy.parameter import Parameter  # noqa: PLC0415
+
+        node = world.target_tracker(initial_target="20,20,60,60")
+        node.on_enable(SetBool.Request(data=False), SetBool.Response())
+        (result,) = node.set_parameters([Parameter("initial_target", value=BOX)])
+        assert result.successful
+        node.on_enable(SetBool.Request(data=True), SetBool.Response())
+        for index in range(4):
+            show(node, index)
+        assert node.status == "TRACKING"
+
 
 class TestFrames:
     def test_a_frame_that_cannot_be_used_is_answered_and_changes_nothing(
