@@ -21,7 +21,9 @@ from cable_tracker.tracking.parameter_table import (
     parameter_table,
 )
 
-FOREIGN_PREFIXES = ("qos_overrides.",)
+QOS_PREFIX = "qos_overrides."
+"""Begin of overrides that rclpy reads only where a topic asks for it, which none of ours does."""
+
 FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")
 """Overrides that rclpy itself reads."""
 
@@ -111,7 +113,10 @@ def warn_of_unknown_overrides(node: Node) -> None:
     """Say which names given at start the node does not have; to be called when all are declared."""
     for name in unknown_overrides(node):
         node.get_logger().warning(
-            f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
+            f"parameter '{name}' is ignored: of quality of service a tracker's image_reliability"
+            " and instrument_reliability alone can be set"
+            if name.startswith(QOS_PREFIX)
+            else f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
         )
 
 
@@ -119,11 +124,7 @@ def unknown_overrides(node: Node) -> list[str]:
     """Return the names given at start (YAML file, command line) that the node does not have."""
     given: Iterable[str] = node._parameter_overrides
     return sorted(
-        name
-        for name in given
-        if not node.has_parameter(name)
-        and name not in FOREIGN_NAMES
-        and not name.startswith(FOREIGN_PREFIXES)
+        name for name in given if not node.has_parameter(name) and name not in FOREIGN_NAMES
     )
 
 

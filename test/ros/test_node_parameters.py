@@ -129,9 +129,18 @@ class TestStart:
             world.tracker(width_minimum=50.0, width_maximum=40.0)
 
     def test_unknown_names_are_told(self, world: Any, capfd: pytest.CaptureFixture[str]) -> None:
-        node = world.tracker(partikel_count=3, **{"qos_overrides./x.publisher.depth": 1})
+        node = world.tracker(partikel_count=3)
         assert node_parameters.unknown_overrides(node) == ["partikel_count"]
         assert "unknown parameter 'partikel_count' is ignored" in capfd.readouterr().err
+
+    def test_so_are_overrides_of_quality_of_service_which_change_nothing(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        name = "qos_overrides./image.subscription.reliability"
+        world.tracker(**{name: "reliable"})
+        told = capfd.readouterr().err
+        assert f"parameter '{name}' is ignored" in told
+        assert "image_reliability" in told
 
     @pytest.mark.parametrize("node", ["simulator", "controller"])
     def test_so_they_are_by_the_nodes_of_the_loop(
