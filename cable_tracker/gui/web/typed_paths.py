@@ -13,8 +13,11 @@ def typed_path(text: str) -> Path:
     Raises
     ------
     GuiError
-        It names the home folder of a user that the server does not know.
+        Nothing is typed, or it names the home folder of a user that the server does not know.
     """
+    if not text.strip():
+        # As a path it would be the folder that the server was started in.
+        raise GuiError("no path is given; type one")
     try:
         return Path(text.strip()).expanduser()
     except RuntimeError as error:

@@ -77,7 +77,14 @@ def replay_parameters(
         The user's `vehicle.yaml`.
     has_instruments : bool
         Whether the node sends what the instruments said.
+
+    Raises
+    ------
+    RosError
+        A path is not UTF-8.
     """
+    for path in filter(None, (recording.path, recording.truth, vehicle)):
+        _need_utf8(path.resolve())
     return {
         "source": str(recording.path.resolve()),
         "topic": recording.topic or "",
@@ -89,6 +96,17 @@ def replay_parameters(
         "vehicle": str(vehicle.resolve()) if vehicle else "",
         **{f"{each.value}_topic": topic for each, topic in instruments.topics.items()},
     }
+
+
+def _need_utf8(path: Path) -> None:
+    """Refuse a path that no parameter of a node can hold: ROS would blame the file of them all."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        raise RosError(
+            f"{path}: a path that is not UTF-8 cannot be told to a node; rename the file or folder,"
+            " for example with convmv, or leave out --ros"
+        ) from error
 
 
 @dataclass(frozen=True, slots=True)

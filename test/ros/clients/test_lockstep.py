@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from cable_tracker.errors import RecordingError, RosError
-from cable_tracker.ros.clients.lockstep import _finish
+from cable_tracker.ros.clients.lockstep import _finish, replay_parameters
+from cable_tracker.sequences.bags.instruments import InstrumentChoice
+from cable_tracker.sequences.source import ChosenRecording
 
 
 def ended(code: int | None) -> SimpleNamespace:
@@ -29,3 +33,9 @@ def test_a_replay_that_ends_otherwise_is_an_error_with_its_last_words(code, dama
 def test_a_replay_that_does_not_end_is_said_not_to():
     with pytest.raises(RosError, match="has not ended for 120 s after all frames"):
         _finish(ended(None), None)
+
+
+def test_a_path_that_is_no_utf8_is_refused_before_a_node_is_started():
+    recording = ChosenRecording(Path(os.fsdecode(b"caf\xe9/dive")))
+    with pytest.raises(RosError, match="a path that is not UTF-8 cannot be told to a node"):
+        replay_parameters(recording, InstrumentChoice(), None, has_instruments=False)
