@@ -137,7 +137,9 @@ def _open_unlabelled(chosen: ChosenRecording) -> Source:
             with_truth=chosen.with_truth,
         )
     if chosen.topic is not None:
-        raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
+        raise RecordingError(
+            f"{path}: is no bag and has no topics; leave out --topic (node: topic)"
+        )
     return _folder_source(chosen) if path.is_dir() else _file_source(chosen)
 
 

@@ -194,7 +194,7 @@ class Source(ABC):
     def _bad_frame(self, index: int, reason: str) -> RecordingError:
         return RecordingError(
             f"{self.path}: {self.frame_name(index)} cannot be decoded ({reason}); skip such frames"
-            " with --skip-bad-frames"
+            " with --skip-bad-frames (node: skip_bad_frames)"
         )
 
     def _no_image(self, reason: str) -> RawImage | CompressedImage:

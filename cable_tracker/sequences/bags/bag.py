@@ -68,7 +68,8 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
     recorded = {name: topic for name, topic in images.items() if topic.count} or images
     if len(recorded) > 1:
         raise RecordingError(
-            f"{path}: several image topics, choose one with --topic: {_listing(recorded)}"
+            f"{path}: several image topics, choose one with --topic (node: topic):"
+            f" {_listing(recorded)}"
         )
     return next(iter(recorded))
 

@@ -94,9 +94,10 @@ def _check_name(name: str, allow_outside: bool = False) -> None:
     path = PurePosixPath(name)
     outside = path.is_absolute() or ".." in path.parts
     if (outside and not allow_outside) or "\0" in name:
+        # The name last: a long message is cut off at its end.
         raise ValueError(
-            f"{name!r} lies outside the folder of the sequence file; a file that you trust may name"
-            " it with --allow-outside"
+            "it names a file outside its folder, which one that you trust may do with"
+            f" --allow-outside (node: allow_outside): {name!r}"
         )
 
 
@@ -256,7 +257,7 @@ def _resolve(sequence: Path, label: Label, allow_outside: bool) -> Path:
     if not (allow_outside or file.is_relative_to(folder)):
         raise RecordingError(
             f"{sequence}: {label.filename} leads outside the folder of the sequence file; a file"
-            " that you trust may do that with --allow-outside"
+            " that you trust may do that with --allow-outside (node: allow_outside)"
         )
     if not file.is_file():
         raise RecordingError(f"{sequence}: {label.filename} is missing; put it beside the file")

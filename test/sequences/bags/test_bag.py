@@ -164,7 +164,9 @@ def test_the_topic_may_be_named_with_or_without_slash(make_bag, name):
 
 
 def test_several_image_topics_need_a_choice(make_bag):
-    with pytest.raises(RecordingError, match=r"--topic: /left/image .*, /right/image"):
+    with pytest.raises(
+        RecordingError, match=r"--topic \(node: topic\): /left/image .*, /right/image"
+    ):
         BagSource(make_bag(topics=("/left/image", "/right/image")))
 
 
@@ -195,7 +197,7 @@ def test_a_bad_frame_stops_after_the_frames_before_it(make_bag, storage, compres
     assert [frame.index for frame in frames] == [0, 1, 2]
     assert str(path) in message
     assert "frame 3 cannot be decoded" in message
-    assert "--skip-bad-frames" in message
+    assert "--skip-bad-frames (node: skip_bad_frames)" in message
     assert ("step 3" in message) or ("truncated" in message)
     assert "\n" not in message
 

@@ -279,10 +279,16 @@ def test_a_file_that_is_trusted_may_name_others_outside_its_folder(write, tmp_pa
     cv2.imwrite(str(outside / "far.png"), np.full((4, 6), 9, np.uint8))
     (tmp_path / "link.png").symlink_to(outside / "far.png")
     path = write(f"0 0 30 0 # {name.format(outside=outside, parent=outside.name)}")
-    with pytest.raises(RecordingError, match="--allow-outside"):
+    with pytest.raises(RecordingError, match=r"--allow-outside \(node: allow_outside\)"):
         SequenceFileSource(path)
     with SequenceFileSource(path, allow_outside=True) as source:
         assert [frame.image.width for frame in source.frames()] == [6]
+
+
+def test_a_long_name_outside_the_folder_does_not_cut_off_what_to_do(write):
+    path = write(f"0 0 30 0 # /{'x' * 180}.png")
+    with pytest.raises(RecordingError, match="--allow-outside"):
+        SequenceFileSource(path)
 
 
 def test_the_real_labels(footage):
