@@ -483,6 +483,8 @@ def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(run, monkeypat
 def test_results_of_a_bag_folder_are_named_after_it():
     assert folder_beside(Path("dives/third.mcap"), "tracked") == Path("third_tracked")
     assert folder_beside(Path(__file__).parent, "tracked") == Path("test_tracked")
+    bag = Path(__file__).parent / "metadata.yaml"
+    assert folder_beside(bag, "tracked") == Path("test_tracked")
 
 
 def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status_words import REFUSED
 
@@ -35,6 +36,9 @@ class TrackedFrame(Protocol):
 def folder_beside(source: Path, ending: str) -> Path:
     """Return the folder for results when the user names none: in the present one, by the source."""
     resolved = source.resolve()
+    if resolved.name == METADATA:
+        # Every bag has a file of this name, which stands for its folder.
+        resolved = resolved.parent
     stem = resolved.name if resolved.is_dir() else resolved.stem
     return Path(f"{stem}_{ending}")
 
