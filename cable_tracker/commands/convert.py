@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, nullcontext
 from itertools import count
 from pathlib import Path
 from typing import Annotated
@@ -29,7 +29,7 @@ from cable_tracker.commands.options.common import (
     open_recording,
     print_notes,
 )
-from cable_tracker.errors import read_failure
+from cable_tracker.errors import RecordingError, read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages
 from cable_tracker.sequences.bags.bag import BagSource
@@ -83,18 +83,21 @@ def convert(  # noqa: PLR0917
         vehicle = _vehicle_file(recording)
         kept = kept_notes(output) if force and vehicle is None else []
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
-        written = write_bag(
-            output,
-            counted(recording.frames(), progress),
-            storage=storage.value,
-            image_format=image_format,
-            looked_at=_every_tenth(recording),
-            skip_bad_frames=skip_bad_frames,
-            overwrite=force,
-            carried=() if instruments is None else carried_messages(instruments),
-            boxes=boxes,
-            vehicle=vehicle,
-        )
+        is_in_place = recording.path.resolve().is_relative_to(output.resolve())
+        with _told_that_all_is_kept() if is_in_place else nullcontext():
+            written = write_bag(
+                output,
+                counted(recording.frames(), progress),
+                storage=storage.value,
+                image_format=image_format,
+                looked_at=_every_tenth(recording),
+                skip_bad_frames=skip_bad_frames,
+                overwrite=force,
+                carried=() if instruments is None else carried_messages(instruments),
+                boxes=boxes,
+                vehicle=vehicle,
+                keeps_beginning=not is_in_place,
+            )
     print_notes(output, kept)
     if instruments is not None:
         print_notes(source, instruments.remarks())
@@ -104,6 +107,18 @@ def convert(  # noqa: PLR0917
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:
         raise written.damage
+
+
+@contextmanager
+def _told_that_all_is_kept() -> Iterator[None]:
+    """Say of a recording that cannot be converted in its own place that it is as it was."""
+    try:
+        yield
+    except RecordingError as error:
+        error.add_note(
+            "the recording is as it was: a bag of the frames before that would have replaced it"
+        )
+        raise
 
 
 def _every_tenth(recording: Source) -> Iterator[Frame]:

@@ -41,6 +41,23 @@ def test_what_metres_are_made_of_is_carried_along(command, dive, copy):
     assert Path(copy, "vehicle.yaml").read_bytes() == vehicle
 
 
+@pytest.mark.parametrize("source", ["dive", "dive/dive.mcap"])
+def test_what_breaks_off_is_not_replaced_by_its_beginning(command, dive, source):
+    with closing(open_bag(dive)) as recorded:
+        images = list(recorded.messages(["/image"]))
+    contents = (images[0].data, b"no message", images[2].data)
+    with BagWriter(dive, overwrite=True) as bag:
+        for each, content in zip(images, contents, strict=True):
+            bag.write_serialised(each.topic, each.msgtype, content, each.time)
+    before = {file.name: file.read_bytes() for file in dive.iterdir()}
+    code, out, error = command("convert", source, "dive", "--force")
+    assert (code, out) == (2, "")
+    assert "frame 1 cannot be decoded" in error
+    assert "the recording is as it was" in error
+    assert {file.name: file.read_bytes() for file in dive.iterdir()} == before
+    assert command("convert", source, "beside")[:2] == (2, "1 frames: beside\n")
+
+
 def test_what_the_user_has_written_of_the_vehicle_is_kept_and_a_note_says_so(command, dive):
     assert command("convert", dive / "dive.mcap", "copy")[0] == 0
     own = Path("copy", "vehicle.yaml")

@@ -198,6 +198,7 @@ def write_bag(
     carried: Iterable[CarriedMessage] = (),
     boxes: BoxTruth | None = None,
     vehicle: bytes | None = None,
+    keeps_beginning: bool = True,
 ) -> WrittenBag:
     """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
 
@@ -209,6 +210,9 @@ def write_bag(
     are left out with `skip_bad_frames`, as are frames without any image in all formats. Where
     their format changes, all get the gain of the frames that are looked at first; see `gain_of`.
 
+    Of a recording that breaks off the frames before that are written. Without `keeps_beginning`
+    nothing is: the bag may be to take the place of the recording itself.
+
     Raises
     ------
     OutputError
@@ -217,7 +221,7 @@ def write_bag(
         A frame has no image, or is to change its format and cannot be decoded, and is not to be
         skipped.
     RecordingError
-        There was not a single frame.
+        There was not a single frame, or the recording breaks off and its beginning is not kept.
     """
     count = skipped = 0
     gain = 1.0
@@ -242,6 +246,8 @@ def write_bag(
                     write_box(bag, item, boxes.box(item))
                 count += 1
         except RecordingError as error:
+            if not keeps_beginning:
+                raise
             damage = error
         if not count:
             raise damage or RecordingError(f"{path}: there are no frames to write")
