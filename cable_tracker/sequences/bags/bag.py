@@ -29,7 +29,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import stamp_or_received
+from cable_tracker.sequences.messages.headers import is_told, stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
 from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
@@ -94,8 +94,8 @@ class _StoredPicture:
     message : StoredMessage
         The message.
     stamp : int
-        Stamp of the header [ns]; without one, the time of reception. Where the header cannot be
-        read: as long after the picture before it as it was received after that one.
+        Stamp of the header [ns]. Where it says none or cannot be read: as long after the picture
+        before it as it was received after that one.
     frame_id : str
         Coordinate frame of the camera.
     """
@@ -267,7 +267,7 @@ class BagSource(Source):
         with closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
                 header = self._header(message)
-                if header is not None and header.stamp:
+                if header is not None and is_told(header.stamp):
                     ahead = header.stamp - message.time
                 elif ahead is None:
                     ahead = self._first_ahead()
@@ -282,7 +282,7 @@ class BagSource(Source):
         # Reading the frames will meet the damage, and says so.
         with suppress(RecordingError), closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
-                if (header := self._header(message)) is not None and header.stamp:
+                if (header := self._header(message)) is not None and is_told(header.stamp):
                     return header.stamp - message.time
         return 0
 

@@ -62,7 +62,13 @@ def stamp_of(header: Message) -> int:
     return nanoseconds_of(header.stamp)
 
 
+def is_told(stamp: int) -> bool:
+    """Tell whether a recorded stamp [ns] says a time: 0 does not, nor what no message can say."""
+    return bool(stamp) and has_room_for(stamp)
+
+
 def stamp_or_received(message: Message, received: int) -> int:
-    """Return the stamp of a message's header [ns]; where it has none, when it was received."""
+    """Return the stamp of a message's header [ns]; where it says none, when it was received."""
     header = getattr(message, "header", None)
-    return (stamp_of(header) if header is not None else 0) or received
+    stamp = stamp_of(header) if header is not None else 0
+    return stamp if is_told(stamp) else received

@@ -250,8 +250,9 @@ def test_a_frame_that_cannot_be_unpacked_keeps_its_place_and_its_truth(
     assert frames[cut_frame].frame_id == ("eye" if left == 60 else "camera")
 
 
+@pytest.mark.parametrize("is_beyond", [False, True], ids=["without", "beyond what can be sent"])
 def test_frames_without_a_stamp_are_as_far_ahead_of_reception_as_the_one_before(
-    tmp_path, maker, picture, first_stamp
+    tmp_path, maker, picture, first_stamp, is_beyond
 ):
     behind = first_stamp - 10**15
     stamps = [0, behind + 40_000_000, 0, behind + 120_000_000]
@@ -259,7 +260,10 @@ def test_frames_without_a_stamp_are_as_far_ahead_of_reception_as_the_one_before(
         kind = "sensor_msgs/msg/Image"
         connection = writer.add_connection("image", kind, typestore=maker.store)
         for index, stamp in enumerate(stamps):
-            data = maker.serialise(maker.image(stamp, picture(0)))
+            message = maker.image(stamp, picture(0))
+            if is_beyond and not stamp:
+                message.header.stamp.sec, message.header.stamp.nanosec = 2**31 - 1, 3 * 10**9
+            data = maker.serialise(message)
             writer.write(connection, first_stamp + index * 40_000_000, data)
     found = [frame.stamp - behind for frame in read(tmp_path / "b")]
     assert found == [0, 40_000_000, 80_000_000, 120_000_000]
