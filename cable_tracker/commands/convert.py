@@ -29,10 +29,11 @@ from cable_tracker.commands.options.common import (
     open_recording,
     print_notes,
 )
-from cable_tracker.errors import RecordingError, read_failure
+from cable_tracker.errors import OutputError, RecordingError, read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages
 from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_storage import storage_files
 from cable_tracker.sequences.bags.bag_writer import kept_notes
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
@@ -84,6 +85,8 @@ def convert(  # noqa: PLR0917
         kept = kept_notes(output) if force and vehicle is None else []
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
         is_in_place = recording.path.resolve().is_relative_to(output.resolve())
+        if is_in_place:
+            _refuse_a_part(recording.path, output)
         with _told_that_all_is_kept() if is_in_place else nullcontext():
             written = write_bag(
                 output,
@@ -107,6 +110,22 @@ def convert(  # noqa: PLR0917
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:
         raise written.damage
+
+
+def _refuse_a_part(path: Path, output: Path) -> None:
+    """Refuse to put one file of a bag in the place of the whole bag.
+
+    Raises
+    ------
+    OutputError
+        The bag has other files.
+    """
+    others = [file.name for file in storage_files(output) if not path.samefile(file)]
+    if path.is_file() and others:
+        raise OutputError(
+            f"{output}: holds {others[0]} besides {path.name}, which would be deleted; convert the"
+            " whole folder, or choose another name"
+        )
 
 
 @contextmanager

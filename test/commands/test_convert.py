@@ -58,6 +58,14 @@ def test_what_breaks_off_is_not_replaced_by_its_beginning(command, dive, source)
     assert command("convert", source, "beside")[:2] == (2, "1 frames: beside\n")
 
 
+def test_one_file_of_a_bag_does_not_take_the_place_of_all(command, dive):
+    (dive / "dive_1.mcap").write_bytes((dive / "dive.mcap").read_bytes())
+    code, _, error = command("convert", dive / "dive.mcap", dive, "--force")
+    assert code == 2
+    assert "dive: holds dive_1.mcap besides dive.mcap, which would be deleted" in error
+    assert (dive / "dive_1.mcap").is_file()
+
+
 def test_what_the_user_has_written_of_the_vehicle_is_kept_and_a_note_says_so(command, dive):
     assert command("convert", dive / "dive.mcap", "copy")[0] == 0
     own = Path("copy", "vehicle.yaml")
