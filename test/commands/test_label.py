@@ -48,7 +48,7 @@ def test_a_picture_that_cannot_be_decoded_is_a_frame_with_its_trouble(left_unsav
         seen.append((workspace.count, workspace.picture(1).trouble))
 
     left_unsaved(folder, look)
-    assert seen == [(2, "the image has no pixels (0 x 0)")]
+    assert seen == [(2, "the data is no picture: neither JPEG nor PNG by its first bytes")]
 
 
 def test_a_taken_port_is_told(folder):
