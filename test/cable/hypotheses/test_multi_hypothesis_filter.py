@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
-from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, KeptMap
 from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
@@ -554,6 +554,14 @@ def test_by_borders_alone_no_map_is_looked_at(strip, monkeypatch):
     after = make_filter(looks="borders").step(before, strip, FRAME, NO_DETECTIONS)
     assert not after.hypotheses.is_mapped
     assert after.kept_map is None
+
+
+@pytest.mark.parametrize("changes", [{"map_interval": 3600.0}, {"looks": "borders"}])
+def test_where_the_network_looks_no_more_a_known_cable_is_soon_left_to_its_borders(strip, changes):
+    cable_filter = make_filter(**changes)
+    before = belief_before(kept_map=replace(KEPT, seconds=LONGEST_KEPT - 1.5 * FRAME))
+    mapped = [belief.hypotheses.is_mapped for belief in run(cable_filter, before, [strip] * 3)]
+    assert mapped == [True, False, False]
 
 
 def density_about_the_strip(strip, turned, monkeypatch) -> float:

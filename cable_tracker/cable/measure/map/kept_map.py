@@ -15,12 +15,16 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of, map_match
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_match
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 
 SLACK = 1.0
 """How much less than that of the expected strip an overlap may be that is as good [nats]."""
+
+
+LONGEST_KEPT = 1.0
+"""Age from which on a map says nothing any more [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,8 +53,11 @@ class KeptMap:
         """Return the map as it lies when the centreline of the cable has come to that of a pose.
 
         It turns about the image centre and moves across the centreline; `pose` (4 or more,) is one
-        in any chart. Cells that come from beyond the picture are as the outermost ones.
+        in any chart. Cells that come from beyond the picture are as the outermost ones. One that is
+        `LONGEST_KEPT` old is `NO_MAP`.
         """
+        if self.seconds >= LONGEST_KEPT:
+            return NO_MAP
         before = np.empty(POSE_SIZE)
         pose_in_chart(self.pose, float(pose[ANGLE]), before)
         rotation = float(pose[ANGLE] - before[ANGLE])

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_match, strip_shares
-from cable_tracker.cable.measure.map.kept_map import SLACK, KeptMap
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
+from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, SLACK, KeptMap
 from cable_tracker.cable.model.state import CableState
 
 LEFT, TOP, CELL = -158.0, 118.0, 4.0
@@ -74,6 +74,15 @@ def test_a_kept_map_grows_older():
     kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0))
     assert kept.seconds == 0.0
     assert kept.aged(0.04).aged(0.2).seconds == pytest.approx(0.24)
+
+
+def test_an_old_map_says_nothing():
+    """Else one would go on for as long as the network is not to look, an hour for instance."""
+    state = CableState(0.0, 0.0, 24.0, 0.0)
+    kept = kept_map_of(state)
+    young, old = kept.aged(LONGEST_KEPT - 0.01), kept.aged(LONGEST_KEPT)
+    assert overlap(state, young.moved_to(state.to_array())) > 2.0
+    assert old.moved_to(state.to_array()) is NO_MAP
 
 
 def test_in_a_moved_map_a_strip_is_as_good_as_the_expected_one_if_it_matches_nearly_as_well():
