@@ -1,7 +1,9 @@
 """Settings for all tests, and what stands in which tier."""
 
 import copy
+import faulthandler
 import gc
+import os
 import pickle
 from collections.abc import Callable, Iterator
 from functools import lru_cache
@@ -19,12 +21,48 @@ settings.load_profile("untimed")
 
 ROOT = Path(__file__).parent
 BROWSER_FIXTURE = "chromium"
+TRUE_STDERR = pytest.StashKey[int]()
 
 KEPT_MAPS = 160
 """More than the longest dive that many tests are shown has frames."""
 
 KEPT_SURFACES = 12
 """Beds and cables of so many dives [each]; the finest of them have 15 MB."""
+
+
+STUCK = 1500.0
+"""Time after which a process that is still at one test ends, well over what a test may take [s]."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep the true standard error, for what a process that is stuck has to say."""
+    config.stash[TRUE_STDERR] = os.dup(2)
+
+
+def end_if_stuck(config: pytest.Config) -> None:
+    """End this process after that time, with its stacks: the run names its test, and goes on.
+
+    The time limit of a test cannot: it interrupts no compiled code, and acts once, so that what
+    hangs while it cleans up after a late test hangs for ever.
+    """
+    faulthandler.dump_traceback_later(STUCK, exit=True, file=config.stash[TRUE_STDERR])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Watch over a test from the first of its fixtures to the end of the last."""
+    end_if_stuck(item.config)
+    try:
+        return (yield)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_exception_interact(node: pytest.Item | pytest.Collector) -> None:
+    """Watch on after a failure, at which pytest calls off what may end the process."""
+    if isinstance(node, pytest.Item):
+        end_if_stuck(node.config)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -87,6 +87,8 @@ def visiting(chromium, url, size=(1280, 800), **options):
     page.on("websocket", lambda socket: requested.append(socket.url))
     page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(url)
+    # Before the server knows the page, it hears of no click.
+    page.wait_for_function("window.did_handshake !== false")
     try:
         yield page
     finally:

@@ -448,11 +448,12 @@ def test_a_remembered_frame_that_is_none_leaves_the_window_alive(edit, remembere
 
 def test_strokes_before_a_picture_hit_their_frame_and_hold_up_no_move(edit):
     with edit() as editor:
-        # At once, before any picture can come.
-        editor.ask(
-            "[editor.go(5), editor.command({ does: 'none' }), editor.command({ does: 'next' })]"
+        # All within one script, before any picture can come.
+        asked = editor.ask(
+            "[editor.go(5), editor.command({ does: 'none' }), editor.command({ does: 'next' }),"
+            " [editor.wanted, editor.queue.length, editor.frame]].at(-1)"
         )
-        assert editor.ask("[editor.wanted, editor.queue.length, editor.frame]") == [6, 0, 0]
+        assert asked == [6, 0, 0]
         editor.at(6, "none")
         assert editor.ask("[...editor.labels.keys()]") == [5]
         editor.ask("[editor.go(9), editor.command({ does: 'none' }), editor.go(2)]")

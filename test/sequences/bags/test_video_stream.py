@@ -1,5 +1,6 @@
-from collections.abc import Callable
-from contextlib import closing
+import os
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from fractions import Fraction
 
 import av
@@ -40,6 +41,21 @@ def moving(index: int) -> np.ndarray:
     return np.repeat(seen + noise, 3, axis=2)
 
 
+@contextmanager
+def ordinary_schedule() -> Iterator[None]:
+    """Give this thread its schedule back.
+
+    For root, SVT-AV1 makes it a real-time one of the highest priority. Processes that it starts
+    later, a browser for instance, would have that as well, and starve all others.
+    """
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, policy, parameters)
+
+
+@ordinary_schedule()
 def packets(
     encoder: str, count: int = COUNT, picture: Picture = plain, **options: str
 ) -> list[tuple[int, bytes]]:
@@ -135,6 +151,13 @@ def test_a_picture_was_received_when_its_packet_was_whatever_the_clock_of_the_ca
         100_000_000_000 + index * STEP for index in range(COUNT)
     ]
     assert [frame.received for frame in frames] == [received[index] for index in range(COUNT)]
+
+
+@pytest.mark.parametrize("encoder", ["libx264", "libx265", "libvpx-vp9", "libsvtav1", "libaom-av1"])
+def test_no_encoder_leaves_a_real_time_schedule_behind(encoder):
+    if encoder in av.codecs_available:
+        packets(encoder)
+    assert os.sched_getscheduler(0) == os.SCHED_OTHER
 
 
 @pytest.mark.parametrize(
