@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from textwrap import shorten
 from types import MappingProxyType, UnionType
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
@@ -14,6 +18,9 @@ from cable_tracker.errors import ResourceError
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
+PACKAGE = "cable_tracker.commands"
+"""Where the modules of commands lie."""
+
 
 class LazyGroup(TyperGroup):
     """A group of commands, listed by what one wants to do.
@@ -22,7 +29,7 @@ class LazyGroup(TyperGroup):
     ----------
     groups : mapping of str to mapping of str to str
         Title of a part of the help -> name of a command -> "module:function", the module below
-        `cable_tracker.commands`; instead of a function a `typer.Typer` with further commands.
+        `PACKAGE`; instead of a function a `typer.Typer` with further commands.
     former_names : mapping of str to str
         Commands that are found under these names and not listed.
     """
@@ -73,24 +80,38 @@ class LazyGroup(TyperGroup):
         widest = max(map(len, self.places()))
         for title, group in self.groups.items():
             rows = [
-                (name.ljust(widest), self._short_help(ctx, name, formatter.width - 6 - widest))
-                for name in group
+                (name.ljust(widest), shorten(summary_of(place), formatter.width - 6 - widest))
+                for name, place in group.items()
             ]
             with formatter.section(title):
                 formatter.write_dl(rows)
 
-    def _short_help(self, ctx: Any, name: str, width: int) -> str:  # noqa: ANN401
-        """Return what a command does; one that cannot be used does not keep the others from it."""
-        try:
-            return str(self.get_command(ctx, name).get_short_help_str(width))
-        except ResourceError:
-            return "(a package that it needs is missing or does not fit)"
+
+def summary_of(place: str) -> str:
+    """Return what a command does, from its source: importing all of them takes seconds.
+
+    It is the first line of a function's docstring, or the help of a `typer.Typer`.
+    """
+    module, attribute = place.split(":")
+    found = find_spec(f"{PACKAGE}.{module}")
+    assert found is not None
+    assert found.origin is not None
+    for part in ast.parse(Path(found.origin).read_bytes()).body:
+        match part:
+            case ast.FunctionDef(name=name) if name == attribute:
+                return (ast.get_docstring(part) or "").splitlines()[0]
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(keywords=words)) if (
+                name == attribute
+            ):
+                (text,) = (word.value for word in words if word.arg == "help")
+                return str(ast.literal_eval(text))
+    raise AttributeError(f"{PACKAGE}.{module} has no {attribute}")
 
 
 def load_command(name: str, place: str) -> Any:  # noqa: ANN401
     """Import a command and return it in the form that Typer calls."""
     module, attribute = place.split(":")
-    loaded = getattr(import_module(f"cable_tracker.commands.{module}"), attribute)
+    loaded = getattr(import_module(f"{PACKAGE}.{module}"), attribute)
     if not isinstance(loaded, typer.Typer):
         single = typer.Typer(rich_markup_mode=None, add_completion=False)
         single.command(name=name)(with_optional_hints(loaded))
