@@ -119,6 +119,12 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
 
 
 @compiled
+def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
+    """Return the overlap of a strip (4 or more,) with a map; see `MapMatch`."""
+    return map_match(state, cable_map).overlap
+
+
+@compiled
 def strip_shares(state: FloatArray, cable_map: CableMap) -> Image:
     """Return which share of each cell of a map a strip (8,) covers, float32, of the map's shape."""
     shares: Image = np.empty(cable_map.probabilities.shape, np.float32)

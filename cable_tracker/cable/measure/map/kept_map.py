@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_match
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_overlap
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 
@@ -71,7 +71,7 @@ class KeptMap:
         )
         cells = np.asarray(probabilities, np.float32)
         moved = cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
-        return moved._replace(enough=map_match(pose, moved).overlap - SLACK)
+        return moved._replace(enough=map_overlap(pose, moved) - SLACK)
 
 
 def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:
