@@ -5,7 +5,7 @@ The names are those of sensor_msgs/image_encodings.hpp.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -221,7 +221,7 @@ def _float_to_255(pixels: Image) -> NDArray[np.float32]:
 
 
 def decode_picture_file(
-    data: memoryview, flags: int, kinds: Collection[str] = PICTURE_KINDS
+    data: memoryview, flags: int, kinds: Sequence[str] = PICTURE_KINDS
 ) -> Image:
     """Decode a whole picture file; what it says of how the camera was turned is not followed.
 
@@ -231,17 +231,15 @@ def decode_picture_file(
         All bytes of the file.
     flags : int
         OpenCV's `IMREAD_*`.
-    kinds : collection of str
-        Kinds that are decoded, of `PictureHeader.kind`.
+    kinds : sequence of str
+        Kinds that are decoded; see `read_picture_header`.
 
     Raises
     ------
     FrameError
         It is no such file, or damaged.
     """
-    kind = read_picture_header(data).kind
-    if kind not in kinds:
-        raise FrameError(f"pictures here must be {' or '.join(kinds)}, not {kind}")
+    kind = read_picture_header(data, kinds).kind
     silence_opencv()
     try:
         # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.

@@ -48,7 +48,8 @@ def test_a_picture_that_cannot_be_decoded_is_a_frame_with_its_trouble(left_unsav
         seen.append((workspace.count, workspace.picture(1).trouble))
 
     left_unsaved(folder, look)
-    assert seen == [(2, "the data is no picture: neither JPEG nor PNG by its first bytes")]
+    kinds = "neither JPEG, PNG, BMP, TIFF nor PNM"
+    assert seen == [(2, f"the data is no picture: {kinds} by its first bytes")]
 
 
 def test_a_taken_port_is_told(folder):

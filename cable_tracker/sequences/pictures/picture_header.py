@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import struct
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from PIL.BmpImagePlugin import BmpImageFile
@@ -98,37 +98,42 @@ _KINDS: tuple[tuple[bytes, str, Callable[[bytes], tuple[int, int]]], ...] = (
     (b"MM\0*", "TIFF", _tiff_size),
     *((b"P%d" % number, "PNM", _size_by(PpmImageFile)) for number in range(1, 7)),
 )
-PICTURE_KINDS = frozenset(kind for _, kind, _ in _KINDS)
+PICTURE_KINDS = tuple(dict.fromkeys(kind for _, kind, _ in _KINDS))
 """Kinds of pictures that are read."""
 
 _CHECKS: dict[str, Callable[[bytes], None]] = {"JPEG": _check_jpeg_end, "PNG": _check_png}
 
 
-def _recognise(data: bytes) -> tuple[str, Callable[[bytes], tuple[int, int]]]:
+def _recognise(data: bytes, kinds: Sequence[str]) -> tuple[str, Callable[[bytes], tuple[int, int]]]:
     for magic, kind, read_size in _KINDS:
         if data.startswith(magic):
+            if kind not in kinds:
+                raise FrameError(f"pictures here must be {' or '.join(kinds)}, not {kind}")
             return kind, read_size
-    raise FrameError("the data is no picture: neither JPEG nor PNG by its first bytes")
+    others = ", ".join(kinds[:-1])
+    raise FrameError(f"the data is no picture: neither {others} nor {kinds[-1]} by its first bytes")
 
 
-def read_picture_header(data: memoryview) -> PictureHeader:
+def read_picture_header(data: memoryview, kinds: Sequence[str] = PICTURE_KINDS) -> PictureHeader:
     """Read kind and size of a whole picture file, and check that it is all there.
 
     Parameters
     ----------
     data : memoryview
         All bytes of the file.
+    kinds : sequence of str
+        Kinds that may come here, at least two of `PICTURE_KINDS`.
 
     Raises
     ------
     FrameError
-        No bytes, not a picture, a damaged header, no pixels, more than `MAX_PIXELS` pixels, or a
-        JPEG or PNG whose end is missing, or a PNG with a wrong checksum.
+        No bytes, not a picture of these kinds, a damaged header, no pixels, more than `MAX_PIXELS`
+        pixels, or a JPEG or PNG whose end is missing, or a PNG with a wrong checksum.
     """
     if not len(data):
         raise FrameError("the picture holds no bytes")
     content = bytes(data)
-    kind, read_size = _recognise(content)
+    kind, read_size = _recognise(content, kinds)
     try:
         width, height = read_size(content)
     except _REFUSALS as error:

@@ -116,6 +116,14 @@ def test_no_bytes_are_no_picture():
         read_picture_header(memoryview(b""))
 
 
+def test_rubbish_is_told_with_all_the_kinds_that_may_come_here():
+    rubbish = memoryview(b"\0" + picture_file(".bmp"))
+    with pytest.raises(FrameError, match="neither JPEG, PNG, BMP, TIFF nor PNM by its first bytes"):
+        read_picture_header(rubbish)
+    with pytest.raises(FrameError, match="neither JPEG nor PNG by its first bytes"):
+        read_picture_header(rubbish, ("JPEG", "PNG"))
+
+
 @pytest.mark.parametrize("suffix", [".jpg", ".png", ".bmp", ".tiff", ".ppm"])
 @given(data=st.data())
 def test_any_damaged_header_is_read_or_refused(suffix, data):
