@@ -225,6 +225,9 @@ def decode_picture_file(
 ) -> Image:
     """Decode a whole picture file; what it says of how the camera was turned is not followed.
 
+    What a PNM says is white becomes the greatest level of its 8 or 16 bits: a camera of 10 or 12
+    bits says 1023 or 4095.
+
     Parameters
     ----------
     data : memoryview
@@ -239,7 +242,8 @@ def decode_picture_file(
     FrameError
         It is no such file, or damaged.
     """
-    kind = read_picture_header(data, kinds).kind
+    header = read_picture_header(data, kinds)
+    kind = header.kind
     silence_opencv()
     try:
         # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.
@@ -249,7 +253,17 @@ def decode_picture_file(
         raise FrameError(f"the {kind} is damaged and cannot be decoded") from error
     if picture is None or not picture.size:
         raise FrameError(f"the {kind} is damaged and cannot be decoded")
-    return np.asarray(picture)
+    decoded = np.asarray(picture)
+    return decoded if header.white is None else _with_white(decoded, header.white)
+
+
+def _with_white(picture: Image, white: int) -> Image:
+    """Multiply levels so that one, and all above it, becomes the greatest of the dtype."""
+    greatest = np.iinfo(picture.dtype).max
+    if white == greatest:
+        return picture
+    levels = np.minimum(np.arange(greatest + 1), white)
+    return np.rint(levels * (greatest / white)).astype(picture.dtype)[picture]
 
 
 def _mosaic_of(image: CompressedImage) -> RawImage | None:

@@ -8,10 +8,12 @@ OpenCV, for Pillow has no colour of 16 bits a channel.
 from __future__ import annotations
 
 import io
+import re
 import struct
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from PIL.BmpImagePlugin import BmpImageFile
 from PIL.ImageFile import ImageFile
@@ -28,6 +30,9 @@ MAX_PIXELS = 64_000_000
 _JPEG_SCAN, _JPEG_END = b"\xff\xda", b"\xff\xd9"
 _PNG_END = b"IEND\xae\x42\x60\x82"
 _TIFF_WIDTH, _TIFF_HEIGHT = 256, 257
+_PNM_BITMAPS, _PNM_DIGITS = (b"P1", b"P4"), (b"P2", b"P3")
+_PNM_WORD = re.compile(rb"#[^\r\n]*|[^\s#]+")
+_LARGEST_BYTE = 255
 _REFUSALS = (
     ArithmeticError, AttributeError, EOFError, LookupError, OSError, SyntaxError, TypeError,
     ValueError, struct.error,
@@ -48,11 +53,15 @@ class PictureHeader:
         JPEG, PNG, BMP, TIFF or PNM.
     width, height : int
         Size as stored, not turned by EXIF [px].
+    white : int or None
+        Brightest level of what OpenCV decodes, where the file says it: a PNM may have any. None: it
+        is the greatest of 8 or 16 bits.
     """
 
     kind: str
     width: int
     height: int
+    white: int | None = None
 
 
 def _check_jpeg_end(data: bytes) -> None:
@@ -83,6 +92,18 @@ def _tiff_size(data: bytes) -> tuple[int, int]:
     if tags.count(_TIFF_WIDTH) != 1 or tags.count(_TIFF_HEIGHT) != 1:
         raise ValueError("not one size; OpenCV might take the one that is not checked")
     return int(directory[_TIFF_WIDTH]), int(directory[_TIFF_HEIGHT])
+
+
+def _pnm_white(data: bytes) -> int | None:
+    """Return the brightest level of a PNM as it is decoded; bitmaps have black and white alone.
+
+    OpenCV brings levels that are written as digits to 8 bits, and leaves all others as they are.
+    """
+    if data[:2] in _PNM_BITMAPS:
+        return None
+    words = (match[0] for match in _PNM_WORD.finditer(data) if not match[0].startswith(b"#"))
+    _, _, _, white = (int(word.lstrip(b"P")) for word in islice(words, 4))
+    return None if data[:2] in _PNM_DIGITS and white <= _LARGEST_BYTE else white
 
 
 def _size_by(reader: type[ImageFile]) -> Callable[[bytes], tuple[int, int]]:
@@ -136,6 +157,7 @@ def read_picture_header(data: memoryview, kinds: Sequence[str] = PICTURE_KINDS) 
     kind, read_size = _recognise(content, kinds)
     try:
         width, height = read_size(content)
+        white = _pnm_white(content) if kind == "PNM" else None
     except _REFUSALS as error:
         raise FrameError(f"the header of the {kind} is damaged") from error
     if width <= 0 or height <= 0:
@@ -146,4 +168,4 @@ def read_picture_header(data: memoryview, kinds: Sequence[str] = PICTURE_KINDS) 
         )
     if kind in _CHECKS:
         _CHECKS[kind](content)
-    return PictureHeader(kind, width, height)
+    return PictureHeader(kind, width, height, white)

@@ -78,6 +78,34 @@ def test_depth_and_channels_are_kept(tmp_path, dtype, channels, encoding):
     assert load_picture(tmp_path / "a.png").encoding == encoding
 
 
+def pnm(kind: int, white: int, levels: np.ndarray) -> bytes:
+    height, width = levels.shape[:2]
+    header = b"P%d\n# a camera\n%d %d #12\n%d\n" % (kind, width, height, white)
+    if kind < 5:
+        return header + b" ".join(b"%d" % level for level in levels.ravel()) + b"\n"
+    return header + levels.astype(">u2" if white > 255 else "u1").tobytes()
+
+
+@pytest.mark.parametrize("kind", [2, 3, 5, 6])
+@pytest.mark.parametrize("white", [15, 100, 255, 1023, 4095, 65535])
+def test_white_of_a_pnm_is_what_it_says(tmp_path, kind, white):
+    shares = np.linspace(0.0, 1.0, 16).reshape(2, 8)
+    levels = np.rint(shares * white).astype(int)
+    if kind in (3, 6):
+        levels = np.repeat(levels[..., None], 3, axis=2)
+    (tmp_path / "a.pnm").write_bytes(pnm(kind, white, levels))
+    grey = decode_grey(load_picture(tmp_path / "a.pnm"))
+    np.testing.assert_allclose(grey, 255.0 * shares, atol=0.5 * 255.0 / white + 1.0)
+    assert grey.min() == 0.0
+    assert grey.max() == 255.0
+
+
+def test_a_bitmap_is_black_and_white(tmp_path):
+    (tmp_path / "a.pbm").write_bytes(b"P4\n8 2\n\xf0\x0f")
+    grey = decode_grey(load_picture(tmp_path / "a.pbm"))
+    np.testing.assert_array_equal(grey, [[0] * 4 + [255] * 4, [255] * 4 + [0] * 4])
+
+
 def test_a_16_bit_picture_with_transparency_is_refused(tmp_path):
     cv2.imwrite(str(tmp_path / "a.png"), np.zeros((4, 6, 4), np.uint16))
     with pytest.raises(FrameError, match="4 channels of uint16"):
