@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,8 @@ class BagPlan:
     storage: str = "mcap"
     compression: str = "none"
     compressed_images: bool = False
+    both_types: bool = False
+    """Whether each picture is followed by one of the other type, compressed or not."""
     truth: bool = True
     topics: tuple[str, ...] = ("/camera/image",)
     stamped: bool = True
@@ -123,20 +125,22 @@ def _image_message(maker: MessageMaker, plan: BagPlan, index: int) -> Any:
 
 
 def _fill(writer: Any, maker: MessageMaker, plan: BagPlan) -> None:
-    connections: dict[str, Any] = {}
+    connections: dict[tuple[str, str], Any] = {}
+    other = replace(plan, compressed_images=not plan.compressed_images)
 
     def write(topic: str, message: Any, time: int, left: int | None = None) -> None:
-        if topic not in connections:
-            connections[topic] = writer.add_connection(
-                topic, message.__msgtype__, typestore=maker.store
-            )
-        writer.write(connections[topic], time, maker.serialise(message)[:left])
+        kind = topic, message.__msgtype__
+        if kind not in connections:
+            connections[kind] = writer.add_connection(*kind, typestore=maker.store)
+        writer.write(connections[kind], time, maker.serialise(message)[:left])
 
     for index in range(plan.frames):
         stamp = FIRST + index * STEP
         for topic in plan.topics:
             left = plan.left if index == plan.cut_frame else None
             write(topic, _image_message(maker, plan, index), stamp + 1000, left)
+            if plan.both_types:
+                write(topic, _image_message(maker, other, index), stamp + 1500)
         if plan.truth and index % 2 == 0:
             header_stamp = plan.first_stamp + index * STEP if plan.stamped else 0
             write("/sim/ground_truth", maker.truth(header_stamp, state_of(index)), stamp + 1000)

@@ -35,6 +35,9 @@ LEASE: Final = 25.0
 """For so long the graph may keep the publisher of a process that was killed [s]; Fast DDS lets a
 lease end after 20 s."""
 
+_RAW, _COMPRESSED = node_topics.IMAGE, node_topics.COMPRESSED_IMAGE
+_TRANSPORTS: Final = {_RAW.type_name: "raw", _COMPRESSED.type_name: "compressed"}
+
 ADVICE_ON_LOSS: Final = (
     "large frames need config/fastdds_loopback.xml, image_reliability:=reliable or compressed"
     " images"
@@ -127,6 +130,7 @@ class ImageInput:
     ) -> None:
         self._node = node
         self._is_compressed = transport == "compressed"
+        self._type = (_COMPRESSED if self._is_compressed else _RAW).type_name
         self._profile = qos.image_input(reliability)
         self._statistics = statistics
         self._gaps = GapCounter()
@@ -156,7 +160,7 @@ class ImageInput:
             incompatible_qos=on_mismatch,
             use_default_callbacks=False,
         )
-        topic = node_topics.COMPRESSED_IMAGE if self._is_compressed else node_topics.IMAGE
+        topic = _COMPRESSED if self._is_compressed else _RAW
         # As bytes: a message object would cost two more copies of the pixels.
         self._subscription = subscription(
             self._node, topic, on_image, self._profile, events=events, raw=True
@@ -198,7 +202,8 @@ class ImageInput:
 
         Their frames cannot be told apart in what comes, and no tracker follows two views at once.
         """
-        names = sorted(map(qos.endpoint_name, self._publishers()))
+        heard = [each for each in self._publishers() if str(each.topic_type) == self._type]
+        names = sorted(map(qos.endpoint_name, heard))
         cameras = names if len(names) > 1 and self._are_alive(names) else []
         if cameras and cameras != self._cameras:
             self._node.get_logger().error(
@@ -231,5 +236,16 @@ class ImageInput:
         reason = f"; the last was refused: {refused}" if refused else ""
         return (
             f"no usable image on {self.topic} for {seconds:g} s;"
-            f" {len(publishers)} publishers there{kinds}{reason}"
+            f" {len(publishers)} publishers there{kinds}{self._words_on_types(types)}{reason}"
+        )
+
+    def _words_on_types(self, types: Sequence[str]) -> str:
+        """Say how to hear images of the other type, where none of those published is read."""
+        transport = next((_TRANSPORTS[each] for each in types if each in _TRANSPORTS), "")
+        if not transport or self._type in types:
+            return ""
+        name = (_RAW if self._is_compressed else _COMPRESSED).name
+        return (
+            f", and it is read as {self._type}; set image_transport to {transport} and remap"
+            f" `{name}` to it"
         )

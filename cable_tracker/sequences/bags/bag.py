@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.errors import FrameError, RecordingError, one_line
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.bags.topics import (
     COMPRESSED_IMAGE,
+    IMAGE_TYPES,
     VIDEO_TYPES,
     Topic,
     image_topics,
@@ -45,6 +46,11 @@ def _listing(topics: dict[str, Topic]) -> str:
     return ", ".join(
         f"{name} ({topic.msgtype}, {topic.count})" for name, topic in sorted(topics.items())
     )
+
+
+def _reason(error: Exception) -> str:
+    """Say why a message gives no picture; its parser does not know what has met it."""
+    return str(error) if isinstance(error, FrameError) else f"damaged message: {one_line(error)}"
 
 
 def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> str:
@@ -235,6 +241,7 @@ class BagSource(Source):
         self.topic = _choose_topic(path, self.storage.topics, topic)
         chosen = self.storage.topics[self.topic]
         self.frame_count = chosen.count
+        self._type = chosen.msgtype
         self.compressed = chosen.msgtype == COMPRESSED_IMAGE
         self._is_video = chosen.msgtype in VIDEO_TYPES
         if self._is_video:
@@ -287,7 +294,17 @@ class BagSource(Source):
         return 0
 
     def _deserialise(self, message: StoredMessage) -> Message:
+        self._check_type(message.msgtype)
         return deserialise(message, is_ros1=self._is_ros1)
+
+    def _check_type(self, msgtype: str) -> None:
+        """Refuse pictures of another type, which something else has sent under the same name."""
+        if msgtype != self._type and msgtype in IMAGE_TYPES:
+            other, own = (name.rpartition("/")[2] for name in (msgtype, self._type))
+            raise FrameError(
+                f"it is a {other}, and {self.topic} is read as {own}: two publishers have sent"
+                " different types under that name; record each under a name of its own"
+            )
 
     def _find_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
@@ -361,7 +378,7 @@ class BagSource(Source):
                 # Deserialising foreign bytes raises what the parser happens to raise.
                 except Exception as error:  # noqa: BLE001
                     nothing = Packet(stored.stamp, stored.frame_id, "", b"", received)
-                    yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
+                    yield DecodedPicture(nothing, None, _reason(error))
                     continue
                 yield from decoder.take(packet)
         yield from decoder.end()
@@ -383,7 +400,7 @@ class BagSource(Source):
             return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001
-            reason, truth = f"damaged message: {one_line(error)}", self._truth.get(picture.stamp)
+            reason, truth = _reason(error), self._truth.get(picture.stamp)
             return UnreadableFrame(
                 index, picture.stamp, reason, picture.frame_id, truth, message.time
             )

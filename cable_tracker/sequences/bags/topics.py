@@ -12,6 +12,7 @@ COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
 FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
 FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
 VIDEO_TYPES = (FOXGLOVE, FFMPEG)
+IMAGE_TYPES = (IMAGE, COMPRESSED_IMAGE, *VIDEO_TYPES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,5 +33,4 @@ class Topic:
 
 def image_topics(topics: dict[str, Topic]) -> dict[str, Topic]:
     """Return the topics that hold images or a stream of video."""
-    kinds = (IMAGE, COMPRESSED_IMAGE, *VIDEO_TYPES)
-    return {name: t for name, t in topics.items() if t.msgtype in kinds}
+    return {name: t for name, t in topics.items() if t.msgtype in IMAGE_TYPES}

@@ -57,6 +57,29 @@ def test_two_cameras_on_one_topic_are_named(
     assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
 
 
+def test_images_of_the_other_type_are_told_and_are_no_second_camera(
+    world: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = world.tracker(diagnostics_period=3600.0)
+    # One process cannot have both types under one name.
+    publishers = [endpoint("CompressedImage")]
+    monkeypatch.setattr(node, "get_publishers_info_by_topic", lambda _: publishers)
+    assert node._input.words_on_silence(2.0) == (
+        f"no usable image on {world.namespace}/image for 2 s; 1 publishers there of type"
+        " sensor_msgs/msg/CompressedImage, and it is read as sensor_msgs/msg/Image; set"
+        " image_transport to compressed and remap `image/compressed` to it"
+    )
+    publishers.append(endpoint("Image"))
+    assert "image_transport" not in node._input.words_on_silence(2.0)
+    assert node._input.several_cameras() == ""
+
+
+def endpoint(kind: str) -> SimpleNamespace:
+    return SimpleNamespace(
+        node_name=f"sends_{kind}", node_namespace="/", topic_type=f"sensor_msgs/msg/{kind}"
+    )
+
+
 def test_a_camera_that_was_killed_and_started_anew_is_one(
     world: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -98,6 +98,24 @@ def test_a_ros2_bag_may_be_called_like_a_ros1_bag(make_bag, picture, state, firs
     assert_complete(read(make_bag("dive.bag")), picture, state, first_stamp)
 
 
+@pytest.mark.parametrize("compressed_images", [False, True])
+@pytest.mark.parametrize("from_ros1", [False, True])
+def test_pictures_of_another_type_under_the_same_name_are_told(
+    make_bag, make_ros1_bag, *, compressed_images, from_ros1
+):
+    make = make_ros1_bag if from_ros1 else make_bag
+    path = make(compressed_images=compressed_images, both_types=True)
+    own, other = ("CompressedImage", "Image")[:: 1 if compressed_images else -1]
+    reason = (
+        f"it is a {other}, and /camera/image is read as {own}: two publishers have sent different"
+        " types under that name; record each under a name of its own"
+    )
+    with pytest.raises(RecordingError, match=re.escape(f"frame 1 cannot be decoded ({reason});")):
+        read(path)
+    frames = read(path, skip_bad_frames=True)
+    assert [frame.image.missing for frame in frames] == ["", reason] * 5
+
+
 def test_the_source_says_what_it_holds(make_bag):
     source = BagSource(make_bag(frames=20))
     assert source.frame_count == 20
