@@ -34,7 +34,9 @@ ONLY_YAML_1_1 = re.compile("[_:]|^[-+]?0b")
 
 
 class _ParameterLoader(yaml.SafeLoader):
-    """Takes for numbers what ROS does: also 1e-5 and 1.5e2, which are words in YAML 1.1, not 1_000.
+    """Takes for numbers what ROS does: also 1e-5, 1.5e2 and 08, words in YAML 1.1, and not 1_000.
+
+    A whole number that begins with 0 is octal, as 010, and decimal where it cannot be, as 08.
 
     What is no number is left as text, so that it is refused in the words of the node.
     """
@@ -47,7 +49,7 @@ class _ParameterLoader(yaml.SafeLoader):
 
 _ParameterLoader.add_implicit_resolver(
     FLOAT,
-    re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
+    re.compile(r"^[-+]?((\d+(\.\d*)?|\.\d+)[eE][-+]?\d+|0\d*[89]\d*)$"),
     list("-+.0123456789"),
 )
 

@@ -135,6 +135,14 @@ def test_other_whole_numbers_are_those_of_ros(written):
 
 
 @pytest.mark.parametrize(
+    ("text", "number"),
+    [("08", 8.0), ("+08", 8.0), ("-09", -9.0), ("0190", 190.0), ("'08'", "08"), ("08 m", "08 m")],
+)
+def test_what_begins_with_0_and_cannot_be_octal_is_decimal_as_for_ros(written, text, number):
+    assert read_parameter_file(written(f"search_time: {text}\n")) == {"search_time": number}
+
+
+@pytest.mark.parametrize(
     ("text", "number"), [("1.5e2", 150.0), ("1.e2", 100.0), (".5e1", 5.0), ("-2.5E-1", -0.25)]
 )
 def test_numbers_with_a_fraction_and_an_exponent_are_numbers(written, text, number):
