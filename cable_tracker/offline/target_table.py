@@ -15,7 +15,7 @@ METRES = "metres.csv"
 
 HEADER = (
     "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",
-    "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms",
+    "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms", "event",
 )  # fmt: skip
 
 METRES_HEADER = ("frame", "stamp", *TARGET_METRES_KEYS)
@@ -41,7 +41,8 @@ class TargetRow:
     ms : float or None
         Time the tracker took [ms].
     event : str
-        Event of the frame that a user should know of.
+        Event of the frame that a user should know of: why it was refused, or why tracking started
+        anew.
     """
 
     frame: int
@@ -58,7 +59,7 @@ class TargetRow:
         cells = [str(self.frame), format_stamp(self.stamp), self.status]
         cells += [""] * CLAIM_SIZE if self.claim is None else [repr(x) for x in self.claim]
         cells += ["" if x is None else repr(x) for x in (self.presence, self.n_eff)]
-        return [*cells, "" if self.ms is None else f"{self.ms:.3f}"]
+        return [*cells, "" if self.ms is None else f"{self.ms:.3f}", self.event]
 
 
 def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRow:

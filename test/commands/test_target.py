@@ -1,4 +1,5 @@
 import csv
+import shutil
 
 import cv2
 import numpy as np
@@ -44,7 +45,7 @@ def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
     assert tuple(lines[0]) == HEADER
     assert ",".join(lines[0]) == (
         "frame,stamp,status,x,y,scale,angle,v_x,v_y,sigma_x,sigma_y,box_x0,box_y0,box_x1,box_y1,"
-        "area,presence,n_eff,ms"
+        "area,presence,n_eff,ms,event"
     )
     box = [float(cell) for cell in lines[1][11:15]]
     assert box == pytest.approx(first_box, abs=6.0)
@@ -63,6 +64,22 @@ def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(first_box, tm
     result = run(tmp_path / "dim", "--init", words, *options)
     assert "4 frames: 4 TRACKING" in result.output
     assert cv2.imread(str(tmp_path / "out" / "overlay.png")).mean() > 60
+
+
+def test_the_table_says_why_a_frame_was_refused_and_why_tracking_started_anew(
+    folder, first_box, tmp_path
+):
+    dive = tmp_path / "dive"
+    dive.mkdir()
+    for index, path in enumerate(sorted(folder.iterdir())):
+        shutil.copy(path, dive / f"{index if index < 6 else index + 194}.png")
+    (dive / "2.png").write_bytes(b"no picture")
+    words = ",".join(str(side) for side in first_box)
+    result = run(dive, "--init", words, "--skip-bad-frames", "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    events = [line[-1] for line in table(tmp_path / "out")[1:]]
+    refusal = "the data is no picture: neither JPEG, PNG, BMP, TIFF nor PNM by its first bytes"
+    assert events == ["", "", refusal, "", "", "", "no frame for 7.800 s", ""]
 
 
 def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeypatch):
