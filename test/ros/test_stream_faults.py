@@ -229,6 +229,14 @@ class TestFrozenCamera:
         assert node.statistics.last_event == ""
         world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "TRACKING")
 
+    def test_a_repeated_frame_after_a_jump_of_the_clock_is_not_frozen(
+        self, world: Any, near: str, image_message: Make
+    ) -> None:
+        node = world.tracker(initial_state=near, maximum_gap=3.0)
+        self.frozen(node, image_message, [START, START + 100 * SECOND])
+        assert node.statistics.frozen == 0
+        assert node.statistics.last_event == "no frame for 100.000 s"
+
     def test_zero_switches_the_check_off(self, world: Any, near: str, image_message: Make) -> None:
         node = world.tracker(initial_state=near, frozen_timeout=0.0)
         self.frozen(node, image_message, regular(15, step=SECOND // 5))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import cast
 
@@ -20,7 +21,7 @@ class FrozenInput:
 
     def __init__(self) -> None:
         self._picture: Image | None = None
-        self._since = 0
+        self._since = self._last = 0
         self._seconds = 0.0
 
     @property
@@ -33,8 +34,10 @@ class FrozenInput:
         """The last picture, shape (H, W) or (H, W, 3)."""
         return self._picture
 
-    def take(self, picture: Image, stamp: int) -> float:
+    def take(self, picture: Image, stamp: int, maximum_gap: float = math.inf) -> float:
         """Compare a frame with the one before; return for how long they have been the same [s].
+
+        A pause or a jump of the clock adds nothing: of that time no frame has told.
 
         Parameters
         ----------
@@ -42,10 +45,14 @@ class FrozenInput:
             Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
         stamp : int
             Time of the frame [ns].
+        maximum_gap : float
+            More time from one frame to the next is such a pause [s].
         """
         if self._picture is None or stamp < self._since or not same(self._picture, picture):
             self._since = stamp
-        self._picture = picture
+        elif stamp - self._last > maximum_gap * NANOSECONDS:
+            self._since += stamp - self._last
+        self._picture, self._last = picture, stamp
         self._seconds = (stamp - self._since) / NANOSECONDS
         return self._seconds
 
@@ -71,17 +78,19 @@ class InputWatch:
     def __init__(self, now: float) -> None:
         self._timeout = 0.0
         self._frozen_timeout = 0.0
+        self._maximum_gap = math.inf
         self._last_usable = now
         self._is_stale = False
         self._is_frozen = False
         self._frozen = FrozenInput()
 
     def apply(self, values: Mapping[str, object]) -> None:
-        """Take what is given of the parameters `input_timeout` and `frozen_timeout` [s]."""
+        """Take what is given of `input_timeout`, `frozen_timeout` and `maximum_gap` [s]."""
         self._timeout = float(cast(float, values.get("input_timeout", self._timeout)))
         self._frozen_timeout = float(
             cast(float, values.get("frozen_timeout", self._frozen_timeout))
         )
+        self._maximum_gap = float(cast(float, values.get("maximum_gap", self._maximum_gap)))
 
     @property
     def timeout(self) -> float:
@@ -123,7 +132,7 @@ class InputWatch:
 
     def is_frozen(self, picture: Image, stamp: int) -> bool:
         """Tell whether the picture has been the same for too long; see `FrozenInput.take`."""
-        seconds = self._frozen.take(picture, stamp)
+        seconds = self._frozen.take(picture, stamp, self._maximum_gap)
         return 0.0 < self._frozen_timeout <= seconds
 
     def note_frozen(self, *, is_frozen: bool) -> bool:

@@ -282,7 +282,7 @@ class CameraNode(ProcessNode):
         self.publish_diagnostics()
 
     def _apply_camera_values(self, values: Mapping[str, object]) -> None:
-        """Take what is given of `CAMERA_RUNTIME_PARAMETERS`, by name."""
+        """Take what is given of `CAMERA_RUNTIME_PARAMETERS`, and `maximum_gap`, by name."""
         self._watch.apply(values)
         self._diagnostics.apply(values)
         if self._watchdog is not None:

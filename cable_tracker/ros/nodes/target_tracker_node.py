@@ -76,7 +76,7 @@ class TargetTrackerNode(CameraNode):
         self._begins = self._read_start(str(runtime["initial_target"]))
         self._group = TargetGroup(count, self._with_detector())
         self._metric: TargetInputs = TargetInputs(self, count)
-        self._apply_runtime_values(runtime)
+        self._apply_runtime_values({**runtime, "maximum_gap": self._filter_parameters.maximum_gap})
         specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
         node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)

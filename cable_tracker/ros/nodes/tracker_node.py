@@ -77,7 +77,7 @@ class TrackerNode(CameraNode):
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(str(runtime["initial_state"]), pair_limits(parameters))
-        self._apply_runtime_values(runtime)
+        self._apply_runtime_values({**runtime, "maximum_gap": parameters.maximum_gap})
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)

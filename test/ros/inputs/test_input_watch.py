@@ -95,3 +95,17 @@ def test_where_time_goes_back_the_count_begins_anew() -> None:
     frozen.take(picture(), 100 * SECOND)
     assert frozen.take(picture(), 50 * SECOND) == 0.0
     assert frozen.take(picture(), 51 * SECOND) == 1.0
+
+
+def test_a_jump_of_the_clock_is_no_time_in_which_the_picture_was_the_same() -> None:
+    frozen = FrozenInput()
+    stamps = [1, 2, 5, 1_000_000_000, 1_000_000_001, 1_000_000_005, 1_000_000_004]
+    seconds = [frozen.take(picture(), stamp * SECOND, maximum_gap=3.0) for stamp in stamps]
+    assert seconds == [0.0, 1.0, 4.0, 4.0, 5.0, 5.0, 4.0]
+
+
+def test_the_watch_counts_no_longer_pause_than_the_filter_bears() -> None:
+    watched = watch(maximum_gap=5.0)
+    assert not any(watched.is_frozen(picture(), stamp * SECOND) for stamp in (1, 7, 8))
+    watched.apply({"maximum_gap": 6.0})
+    assert watched.is_frozen(picture(), 14 * SECOND)
