@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,13 +11,45 @@ LONGEST_GAP = 10_000
 """Largest number of missing numbers at one place of names that count frames."""
 
 
-def natural_key(path: Path) -> tuple[tuple[tuple[int, int, str], ...], str]:
-    """Return a sort key by the file's name, in which runs of digits count as numbers."""
-    parts = re.split(r"([0-9]+)", path.name)
-    numbers = tuple(
-        (0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts if part
-    )
-    return numbers, path.name
+_DIGITS = re.compile("([0-9]+)")
+_DECIMAL = re.compile(r"(?<![0-9])(?<![0-9]\.)([0-9]+\.)([0-9]+)(?![0-9])(?!\.[0-9])")
+"""Two runs of digits with a point between them, and no third one with another point."""
+
+
+def naturally_sorted(paths: Iterable[Path]) -> list[Path]:
+    """Return paths in the order of their names, in which runs of digits count as numbers.
+
+    A number with one point, as in `frame_9.5` or `1699999999.25`, may be a decimal, or two numbers:
+    a part and a count. It is a decimal where the names have differing numbers of decimals and none
+    ends with a zero, as decimals do that are not padded: 9.25 comes before 9.5. A count of that
+    kind comes to 10 sooner or later, and so do nanoseconds without their zeros: then 9.5 comes
+    before 9.25. With equally many decimals both are the same. Numbers with several points, as
+    `v1.2.10`, are versions, and no decimals.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+        All that are to be in one order, for the names tell together how they are meant.
+    """
+    given = list(paths)
+    aligned = _aligned([path.name for path in given])
+    keys = {path: _key(name) for path, name in zip(given, aligned, strict=True)}
+    return sorted(given, key=lambda path: (keys[path], path.name))
+
+
+def _key(name: str) -> tuple[tuple[int, int, str], ...]:
+    parts = _DIGITS.split(name)
+    return tuple((0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts if part)
+
+
+def _aligned(names: Sequence[str]) -> list[str]:
+    """Return names in which all decimals have equally many places; else they are as they were."""
+    fractions = [match[2] for name in names for match in _DECIMAL.finditer(name)]
+    lengths = set(map(len, fractions))
+    if len(lengths) < 2 or any(len(each) > 1 and each.endswith("0") for each in fractions):
+        return list(names)
+    longest = max(lengths)
+    return [_DECIMAL.sub(lambda match: match[1] + match[2].ljust(longest, "0"), n) for n in names]
 
 
 def positions_by_number(names: Sequence[str]) -> list[int]:
@@ -25,7 +57,8 @@ def positions_by_number(names: Sequence[str]) -> list[int]:
 
     Names count where they differ in one run of digits alone, which grows, in steps that are all
     multiples of the smallest and at most `LONGEST_GAP` of it. A missing number is then a gap in
-    the series; names of any other kind stand one after the other.
+    the series; names of any other kind stand one after the other. Decimals are told from two
+    numbers as `naturally_sorted` does.
 
     Parameters
     ----------
@@ -33,7 +66,7 @@ def positions_by_number(names: Sequence[str]) -> list[int]:
         In natural order.
     """
     successive = list(range(len(names)))
-    split = [re.split(r"([0-9]+)", Path(name).stem) for name in names]
+    split = [_DIGITS.split(stem) for stem in _aligned([Path(name).stem for name in names])]
     if len(split) < 3 or len({len(parts) for parts in split}) > 1:
         return successive
     varying = [place for place, parts in enumerate(zip(*split, strict=True)) if len(set(parts)) > 1]

@@ -6,16 +6,49 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.sequences.natural_order import natural_key, positions_by_number
+from cable_tracker.sequences.natural_order import naturally_sorted, positions_by_number
 
 
 def in_order(*names: str) -> list[str]:
-    return [path.name for path in sorted(map(Path, names), key=natural_key)]
+    return [path.name for path in naturally_sorted(map(Path, names))]
 
 
 def test_runs_of_digits_count_as_numbers():
     assert in_order("f10.png", "f9.png", "f1.png") == ["f1.png", "f9.png", "f10.png"]
     assert in_order("bag_1_10.mcap", "bag_1_2.mcap") == ["bag_1_2.mcap", "bag_1_10.mcap"]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["frame_9.25.png", "frame_9.5.png", "frame_10.25.png", "frame_10.3.png"],
+        ["1699999998.75.png", "1699999999.0.png", "1699999999.25.png", "1699999999.5.png"],
+        ["lat54.05_0.5.png", "lat54.1_0.25.png", "lat54.1_0.5.png"],
+        ["1.050.png", "1.500.png", "2.000.png"],
+    ],
+)
+def test_decimals_that_are_not_padded_are_decimals(names):
+    assert in_order(*names) == in_order(*reversed(names)) == names
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"dive1.{count}.png" for count in range(1, 21)],
+        ["v1.2.9_0003.png", "v1.2.10_0001.png", "v1.2.10_0003.png", "v1.10.1_0001.png"],
+        ["2023.9.28.png", "2023.11.5.png"],
+        ["shot.9.png", "shot.10.png", "shot.11.png"],
+        ["1699999999.5000000.png", "1699999999.45000000.png", "1699999999.250000000.png"],
+    ],
+)
+def test_points_between_numbers_that_count_make_no_decimals(names):
+    assert in_order(*names) == in_order(*reversed(names)) == names
+
+
+@given(st.sets(st.floats(0.0, 1e6)))
+def test_numbers_come_in_their_order_however_many_decimals_they_have(numbers):
+    plain = [number for number in numbers if "e" not in repr(number)]
+    assert in_order(*(f"f{n!r}.png" for n in plain)) == [f"f{n!r}.png" for n in sorted(plain)]
 
 
 @given(st.lists(st.text(alphabet="a1٣²0_.-", min_size=1, max_size=8).filter(lambda s: s != ".")))
@@ -41,6 +74,9 @@ def test_numbered_files_come_in_the_order_of_their_numbers(numbers):
         (["f_1.png", "f_9.png"], [0, 1]),
         (["f_1.jpg", "f_1.png", "f_3.png"], [0, 1, 2]),
         (["f_1.png", "f_2.png", "f_99999.png"], [0, 1, 2]),
+        (["7.1.png", "7.2.png", "7.25.png"], [0, 2, 3]),
+        (["7.1.png", "7.2.png", "7.35.png"], [0, 1, 2]),
+        (["7.8.png", "7.9.png", "7.10.png", "7.12.png"], [0, 1, 2, 4]),
         ([], []),
     ],
 )

@@ -34,7 +34,7 @@ from cable_tracker.sequences.bags.bag_limits import (
 from cable_tracker.sequences.bags.rosbags_paths import BagReader
 from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.bags.topics import Topic
-from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.natural_order import naturally_sorted
 
 _ROS1_SUFFIX = ".bag"
 BAG_SUFFIXES = (*ROS2_SUFFIXES, _ROS1_SUFFIX)
@@ -88,13 +88,8 @@ def storage_files(path: Path) -> list[Path]:
     """Return the storage files of a bag folder in their natural order, or the file itself."""
     if not path.is_dir():
         return [path]
-    return sorted(
-        (
-            file
-            for file in path.iterdir()
-            if file.suffix.lower() in ROS2_SUFFIXES and file.is_file()
-        ),
-        key=natural_key,
+    return naturally_sorted(
+        file for file in path.iterdir() if file.suffix.lower() in ROS2_SUFFIXES and file.is_file()
     )
 
 
@@ -415,7 +410,7 @@ def _open_packed(path: Path) -> BagStorage:
     folder = TemporaryDirectory()
     try:
         copies, damage = _unpack(packed_files(path), Path(folder.name))
-        files = sorted((*plain, *copies), key=natural_key)
+        files = naturally_sorted((*plain, *copies))
         storage = SalvagedStorage(files, damage)
     except BaseException:
         folder.cleanup()

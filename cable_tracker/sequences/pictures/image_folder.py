@@ -11,7 +11,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.natural_order import gap_note, natural_key, positions_by_number
+from cable_tracker.sequences.natural_order import gap_note, naturally_sorted, positions_by_number
 from cable_tracker.sequences.source_base import Source, UnreadableFrame
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
@@ -52,13 +52,10 @@ def load_picture(path: Path) -> RawImage:
 
 def find_pictures(folder: Path) -> list[Path]:
     """Return the pictures of a folder in natural order; hidden files are left out."""
-    return sorted(
-        (
-            file
-            for file in folder.iterdir()
-            if file.suffix.lower() in PICTURE_SUFFIXES and not file.name.startswith(".")
-        ),
-        key=natural_key,
+    return naturally_sorted(
+        file
+        for file in folder.iterdir()
+        if file.suffix.lower() in PICTURE_SUFFIXES and not file.name.startswith(".")
     )
 
 
