@@ -20,9 +20,10 @@ def naturally_sorted(paths: Iterable[Path]) -> list[Path]:
     """Return paths in the order of their names, in which runs of digits count as numbers.
 
     A number with one point, as in `frame_9.5` or `1699999999.25`, may be a decimal, or two numbers:
-    a part and a count. It is a decimal where the names have differing numbers of decimals and none
-    ends with a zero, as decimals do that are not padded: 9.25 comes before 9.5. A count of that
-    kind comes to 10 sooner or later, and so do nanoseconds without their zeros: then 9.5 comes
+    a part and a count. It is a decimal where the names have differing numbers of decimals, differ
+    before the point too, and none ends with a zero, as decimals do that are not padded: 9.25 comes
+    before 9.5. A count of that kind comes to 10 sooner or later, that of a single part (`dive1.87`)
+    has the same number before it, and nanoseconds without their zeros end with one: then 9.5 comes
     before 9.25. With equally many decimals both are the same. Numbers with several points, as
     `v1.2.10`, are versions, and no decimals.
 
@@ -44,9 +45,11 @@ def _key(name: str) -> tuple[tuple[int, int, str], ...]:
 
 def _aligned(names: Sequence[str]) -> list[str]:
     """Return names in which all decimals have equally many places; else they are as they were."""
-    fractions = [match[2] for name in names for match in _DECIMAL.finditer(name)]
-    lengths = set(map(len, fractions))
-    if len(lengths) < 2 or any(len(each) > 1 and each.endswith("0") for each in fractions):
+    found = [match.groups() for name in names for match in _DECIMAL.finditer(name)]
+    lengths = {len(fraction) for _, fraction in found}
+    is_part_fixed = len({part for part, _ in found}) < 2
+    is_counted = any(len(fraction) > 1 and fraction.endswith("0") for _, fraction in found)
+    if len(lengths) < 2 or is_part_fixed or is_counted:
         return list(names)
     longest = max(lengths)
     return [_DECIMAL.sub(lambda match: match[1] + match[2].ljust(longest, "0"), n) for n in names]
@@ -57,8 +60,7 @@ def positions_by_number(names: Sequence[str]) -> list[int]:
 
     Names count where they differ in one run of digits alone, which grows, in steps that are all
     multiples of the smallest and at most `LONGEST_GAP` of it. A missing number is then a gap in
-    the series; names of any other kind stand one after the other. Decimals are told from two
-    numbers as `naturally_sorted` does.
+    the series; names of any other kind stand one after the other.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def positions_by_number(names: Sequence[str]) -> list[int]:
         In natural order.
     """
     successive = list(range(len(names)))
-    split = [_DIGITS.split(stem) for stem in _aligned([Path(name).stem for name in names])]
+    split = [_DIGITS.split(Path(name).stem) for name in names]
     if len(split) < 3 or len({len(parts) for parts in split}) > 1:
         return successive
     varying = [place for place, parts in enumerate(zip(*split, strict=True)) if len(set(parts)) > 1]
