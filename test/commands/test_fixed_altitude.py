@@ -32,8 +32,11 @@ def silent(command):
 
 @pytest.mark.parametrize(
     ("name", "options"),
-    [("track", ("--no-video", "--no-bag", "--no-pictures")), ("survey", ())],
-    ids=["track", "survey"],
+    [
+        pytest.param("track", ("--no-video", "--no-bag", "--no-pictures"), id="track"),
+        # Two surveys, each with workers of its own.
+        pytest.param("survey", (), id="survey", marks=pytest.mark.slow),
+    ],
 )
 def test_it_is_said_once_that_a_fixed_altitude_stands_in(command, silent, name, options):
     code, said, notes = command(name, silent, "--output", "out", *options)
