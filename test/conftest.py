@@ -30,8 +30,8 @@ KEPT_SURFACES = 12
 """Beds and cables of so many dives [each]; the finest of them have 15 MB."""
 
 
-STUCK = 1500.0
-"""Time after which a process that is still at one test ends, well over what a test may take [s]."""
+STUCK = 2.5
+"""A process that is still at one test after so many times its time limit ends."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -40,12 +40,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def end_if_stuck(config: pytest.Config) -> None:
-    """End this process after that time, with its stacks: the run names its test, and goes on.
+    """End this process later, with its stacks, so that the run names its test and goes on.
 
     The time limit of a test cannot: it interrupts no compiled code, and acts once, so that what
-    hangs while it cleans up after a late test hangs for ever.
+    hangs while it cleans up after a late test hangs for ever. Without a limit, as for a debugger,
+    nothing ends.
     """
-    faulthandler.dump_traceback_later(STUCK, exit=True, file=config.stash[TRUE_STDERR])
+    limit = config.getoption("timeout", None)
+    if limit:
+        faulthandler.dump_traceback_later(STUCK * limit, exit=True, file=config.stash[TRUE_STDERR])
 
 
 @pytest.hookimpl(wrapper=True)
