@@ -187,7 +187,7 @@ def sequence_file_seeds() -> dict[str, bytes]:
     with as_file(b"", "seed.txt") as path:
         write_labels(path, labels)
         written = path.read_bytes()
-    return {"written": written, "outside": b"1 2 3 4 # ../../etc/passwd\n"}
+    return {"written": written, "outside": b"1 2 3 0.4 # ../../etc/passwd\n"}
 
 
 def read_recording(path: Path) -> None:

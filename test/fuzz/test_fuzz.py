@@ -100,5 +100,5 @@ def test_recordings_that_name_a_wrong_type(target, name):
 def test_a_target_leaves_no_files():
     folder = scratch()
     TARGETS["metadata"].run(b"")
-    TARGETS["sequence_file"].run(b"1 2 3 4 # a.png\n")
+    TARGETS["sequence_file"].run(b"1 2 3 0.4 # a.png\n")
     assert not folder.exists()

@@ -41,9 +41,10 @@ APART = 100_000 * NANOSECONDS
 """Time between the beginnings of two recordings of one list [ns]: longer than a dive."""
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
 _LONGEST_LINE = 10_000
-_LARGEST_ANGLE = 1e4
-"""Largest angle that is read; in a far larger one whole turns cannot be told from the rest
-[rad]."""
+_LARGEST_ANGLE = math.tau
+"""Largest alpha that is read [rad]: one that is counted from 0 on, or once round, is no larger."""
+_LARGEST_SKEW = math.pi / 2
+"""Largest beta [rad]: borders that stand across the centreline."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +120,19 @@ def _check_video(filename: str, frame: int | None) -> None:
         raise ValueError(f"{filename} is a video; name the frame: FILE:FRAME")
 
 
+def _check_angles(angle: float, skew: float) -> None:
+    """See that alpha and beta can be radians; in degrees they would be wrapped to other cables.
+
+    Raises
+    ------
+    ValueError
+        One of them cannot.
+    """
+    for name, value, limit in (("alpha", angle, _LARGEST_ANGLE), ("beta", skew, _LARGEST_SKEW)):
+        if abs(value) > limit:
+            raise ValueError(f"{name} is {value:g}; alpha and beta are in radians, not degrees")
+
+
 def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
     numbers, hash_sign, name = text.partition("#")
     name = name.strip()
@@ -129,8 +143,7 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
         raise ValueError("the file name after # is missing")
     if not all(math.isfinite(value) for value in values):
         raise ValueError("a number is not finite")
-    if abs(values[1]) > _LARGEST_ANGLE:
-        raise ValueError(f"alpha is {values[1]:g} rad")
+    _check_angles(*values[1::2])
     if values[2] <= 0.0:
         raise ValueError(f"w is {values[2]:g} px; leave out frames without a cable")
     filename, frame = _parse_name(name)
@@ -155,8 +168,9 @@ def _read_lines(path: Path) -> Iterator[str]:
 def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
     """Read a sequence file.
 
-    Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta; those beyond
-    10 000 rad are malformed, and so are widths that are not above 0.
+    Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta. An alpha beyond
+    2 pi and a beta beyond pi/2 are malformed, for they are in degrees; so are widths that are not
+    above 0.
 
     Parameters
     ----------

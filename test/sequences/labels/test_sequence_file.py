@@ -78,15 +78,17 @@ def test_an_angle_beyond_the_wrap_is_the_same_line(write):
         ("1 2 3 # a.png", "3 numbers"),
         ("1 2 3 4 5 # a.png", "5 numbers"),
         ("1 2 x 4 # a.png", "could not convert"),
-        ("1 0.2 3 4", "file name"),
-        ("1 0.2 3 4 #  ", "file name"),
-        ("nan 0.2 3 4 # a.png", "not finite"),
-        ("1 0.2 inf 4 # a.png", "not finite"),
-        ("1 -1e12 3 4 # a.png", "alpha is -1e"),
-        ("1 0.2 3 4 # /etc/passwd", "outside"),
-        ("1 0.2 3 4 # ../a.png", "outside"),
-        ("1 0.2 3 4 # a/../../b.mp4:3", "outside"),
-        ("1 0.2 3 4 # a\0.png", "outside"),
+        ("1 0.2 3 0.4", "file name"),
+        ("1 0.2 3 0.4 #  ", "file name"),
+        ("nan 0.2 3 0.4 # a.png", "not finite"),
+        ("1 0.2 inf 0.4 # a.png", "not finite"),
+        ("1 -1e12 3 0.4 # a.png", "alpha is -1e"),
+        ("1 -18.9 30 0.9 # a.png", "alpha is -18.9; alpha and beta are in radians, not degrees"),
+        ("1 0.2 30 -1.7 # a.png", "beta is -1.7; alpha and beta are in radians, not degrees"),
+        ("1 0.2 3 0.4 # /etc/passwd", "outside"),
+        ("1 0.2 3 0.4 # ../a.png", "outside"),
+        ("1 0.2 3 0.4 # a/../../b.mp4:3", "outside"),
+        ("1 0.2 3 0.4 # a\0.png", "outside"),
     ],
 )
 def test_a_malformed_line_is_named(write, line, reason):
@@ -304,7 +306,7 @@ def test_the_real_labels(footage):
 
 def test_a_label_knows_its_line_behind_comments_and_empty_lines(tmp_path):
     path = tmp_path / "labels.txt"
-    path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
+    path.write_text("# head\n1 2 3 0.4 # a\n\n  # note\n1 2 3 0.4 # b\n")
     assert [label.line for label in read_labels(path)] == [2, 5]
 
 
