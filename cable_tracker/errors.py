@@ -74,4 +74,6 @@ def read_failure(path: Path, error: OSError) -> UnreachableError:
     """Return the error that says that a file or folder cannot be read, and why."""
     is_missing = isinstance(error, FileNotFoundError | NotADirectoryError)
     advice = "check the path" if is_missing else "check its permissions"
+    if isinstance(error, IsADirectoryError):
+        advice = "name a file in it"
     return UnreachableError(f"{path}: cannot be read ({error.strerror}); {advice}")

@@ -147,7 +147,7 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
                 f" {source.path}; give the boxes that belong to this recording"
             )
         return BoxTruth(by_stamp=boxes)
-    if not truth.is_file() or truth == source.path:
+    if truth == source.path:
         raise RecordingError(
             f"{source.path}: has no boxes to judge by; give them with --truth FILE, lines of the"
             f" form: {FORM}"

@@ -53,6 +53,14 @@ def test_numbers_are_read_back_to_the_last_bit(tmp_path_factory, boxes):
     assert list(read_boxes(file).values()) == boxes
 
 
+def test_a_file_with_boxes_that_is_not_there_is_named(tmp_path):
+    write_target_pictures(tmp_path / "dive", labelled())
+    (tmp_path / "folder").mkdir()
+    for name, advice in (("mistyped.txt", "check the path"), ("folder", "name a file in it")):
+        with pytest.raises(RecordingError, match=rf"{name}: cannot be read .*; {advice}"):
+            found_in(tmp_path / "dive", tmp_path / name)
+
+
 def test_pictures_are_written_with_their_boxes(tmp_path):
     assert write_target_pictures(tmp_path / "dive", labelled()) == 3
     assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
