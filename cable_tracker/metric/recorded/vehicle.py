@@ -33,6 +33,11 @@ IGNORED_NAMES = ("camera_name", "rectification_matrix")
 TURNED = math.radians(1.0)
 """An imu that is turned by more against base_link cannot be read as if it were not [rad]."""
 
+UNKNOWN_MOUNTING = (
+    "the mounting of the camera is not known: it counts as looking straight down at a cable, or"
+    f" ahead at a target; say so in vehicle.yaml ({', '.join(MOUNTING_PARAMETERS)})"
+)
+
 LEANING = math.radians(5.0)
 """A beam that is farther from straight down is noted [rad]: it makes an altitude 0.4 % too large,
 and from there the error grows as the square."""
@@ -166,20 +171,12 @@ def describe_vehicle(
         said, notes = _from_frames(source, camera_frame, is_vertical=is_vertical)
     said |= file.values
     has_calibration = source is not None and Instrument.CAMERA_INFO in source.found.topics
-    if (has_calibration or file.calibration is not None) and not notes:
-        notes += _note_on_mounting(said)
+    is_said = any(name in said for name in MOUNTING_PARAMETERS)
+    if (has_calibration or file.calibration is not None) and not (notes or is_said):
+        notes.append(UNKNOWN_MOUNTING)
     return VehicleDescription(
         default_values() | said, file.calibration, tuple(notes), frozenset(said)
     )
-
-
-def _note_on_mounting(said: Mapping[str, object]) -> list[str]:
-    if any(name in said for name in MOUNTING_PARAMETERS):
-        return []
-    return [
-        "the mounting of the camera is not known: it counts as looking straight down at a cable, or"
-        f" ahead at a target; say so in vehicle.yaml ({', '.join(MOUNTING_PARAMETERS)})"
-    ]
 
 
 def _from_frames(

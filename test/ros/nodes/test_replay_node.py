@@ -790,6 +790,20 @@ class TestInstruments:
         world.replay(source=str(bag), rate=20.0, instruments=True)
         assert replay_instruments.NO_STATIC_WORDS in capfd.readouterr().err
 
+    def test_a_mounting_that_only_the_tracker_needs_is_not_asked_for(
+        self, world: Any, make_dive: Dive, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        vehicle = tmp_path / "vehicle.yaml"
+        vehicle.write_text(
+            "image_width: 160\nimage_height: 120\ndistortion_model: plumb_bob\n"
+            "camera_matrix: [150, 0, 80, 0, 150, 60, 0, 0, 1]\n"
+            "distortion_coefficients: [0, 0, 0, 0, 0]\n"
+        )
+        world.replay(source=str(make_dive(3)), instruments=True, vehicle=str(vehicle))
+        said = capfd.readouterr().err
+        assert "instruments: camera_info" in said
+        assert "mounting" not in said
+
     def test_they_can_be_left_out(self, world: Any, bag: Path) -> None:
         heard, images = world.listen(Odometry, "odometry"), world.listen(Image, "image")
         node = world.replay(source=str(bag), rate=20.0, instruments=False)
