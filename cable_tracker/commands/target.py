@@ -56,6 +56,11 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.tracker import TargetTracker
 
+NO_METRES = (
+    "no metres: there is no calibration; give one with --vehicle, without it the size of the target"
+    " and the mounting of the camera can do nothing"
+)
+
 
 def target(  # noqa: PLR0917
     source: SourceArgument,
@@ -126,6 +131,8 @@ def target(  # noqa: PLR0917
         progress = stack.enter_context(progress_bar("following", recording.frame_count))
         frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
+        if not described.has_instruments and (target_size or described.vehicle.said):
+            print_notes(source, [NO_METRES])
         if ros:
             client = need_ros("clients.track_target")
             replayed = need_ros("clients.lockstep").replay_parameters(

@@ -160,3 +160,16 @@ def test_the_bag_holds_what_the_node_would_publish(folder, first_box, tmp_path):
     )  # fmt: skip
     corner = boxes[0].polygon.points[0]
     assert (corner.x, corner.y) == pytest.approx(first_box[:2], abs=6.0)
+
+
+@pytest.mark.parametrize("option", ["--target-size", "--vehicle"])
+def test_what_asks_for_metres_where_there_is_no_calibration_is_told(folder, tmp_path, option):
+    vehicle = tmp_path / "vehicle.yaml"
+    vehicle.write_text("camera_pitch: 10.0\n")
+    value = 0.5 if option == "--target-size" else vehicle
+    wanted = ("--no-bag", "--no-video", "--no-pictures")
+    result = run(folder, option, value, "--output", tmp_path / "out", *wanted)
+    assert result.exit_code == 0, result.output
+    assert f"note: {folder}: no metres: there is no calibration" in result.output
+    plain = run(folder, "--output", tmp_path / "plain", *wanted)
+    assert "no metres" not in plain.output
