@@ -8,12 +8,10 @@ OpenCV, for Pillow has no colour of 16 bits a channel.
 from __future__ import annotations
 
 import io
-import re
 import struct
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 from PIL.BmpImagePlugin import BmpImageFile
 from PIL.ImageFile import ImageFile
@@ -30,8 +28,6 @@ MAX_PIXELS = 64_000_000
 _JPEG_SCAN, _JPEG_END = b"\xff\xda", b"\xff\xd9"
 _PNG_END = b"IEND\xae\x42\x60\x82"
 _TIFF_WIDTH, _TIFF_HEIGHT = 256, 257
-_PNM_BITMAPS, _PNM_DIGITS = (b"P1", b"P4"), (b"P2", b"P3")
-_PNM_WORD = re.compile(rb"#[^\r\n]*|[^\s#]+")
 _LARGEST_BYTE = 255
 _REFUSALS = (
     ArithmeticError, AttributeError, EOFError, LookupError, OSError, SyntaxError, TypeError,
@@ -99,11 +95,11 @@ def _pnm_white(data: bytes) -> int | None:
 
     OpenCV brings levels that are written as digits to 8 bits, and leaves all others as they are.
     """
-    if data[:2] in _PNM_BITMAPS:
-        return None
-    words = (match[0] for match in _PNM_WORD.finditer(data) if not match[0].startswith(b"#"))
-    _, _, _, white = (int(word.lstrip(b"P")) for word in islice(words, 4))
-    return None if data[:2] in _PNM_DIGITS and white <= _LARGEST_BYTE else white
+    decoder, _, _, arguments = PpmImageFile(io.BytesIO(data)).tile[0]
+    # The raw decoder reads bits, or levels of all of 8 or 16 bits.
+    white = arguments[1] if decoder != "raw" and isinstance(arguments, tuple) else None
+    is_scaled = decoder == "ppm_plain" and white is not None and white <= _LARGEST_BYTE
+    return None if is_scaled else white
 
 
 def _size_by(reader: type[ImageFile]) -> Callable[[bytes], tuple[int, int]]:
