@@ -35,8 +35,8 @@ LEASE: Final = 25.0
 """For so long the graph may keep the publisher of a process that was killed [s]; Fast DDS lets a
 lease end after 20 s."""
 
-_RAW, _COMPRESSED = node_topics.IMAGE, node_topics.COMPRESSED_IMAGE
-_TRANSPORTS: Final = {_RAW.type_name: "raw", _COMPRESSED.type_name: "compressed"}
+_TOPICS: Final = {"raw": node_topics.IMAGE, "compressed": node_topics.COMPRESSED_IMAGE}
+"""What is heard with each `image_transport`."""
 
 ADVICE_ON_LOSS: Final = (
     "large frames need config/fastdds_loopback.xml, image_reliability:=reliable or compressed"
@@ -130,7 +130,7 @@ class ImageInput:
     ) -> None:
         self._node = node
         self._is_compressed = transport == "compressed"
-        self._type = (_COMPRESSED if self._is_compressed else _RAW).type_name
+        self._heard = _TOPICS[transport]
         self._profile = qos.image_input(reliability)
         self._statistics = statistics
         self._gaps = GapCounter()
@@ -160,10 +160,9 @@ class ImageInput:
             incompatible_qos=on_mismatch,
             use_default_callbacks=False,
         )
-        topic = _COMPRESSED if self._is_compressed else _RAW
         # As bytes: a message object would cost two more copies of the pixels.
         self._subscription = subscription(
-            self._node, topic, on_image, self._profile, events=events, raw=True
+            self._node, self._heard, on_image, self._profile, events=events, raw=True
         )
 
     def read(self, message: bytes, info: Mapping[str, Any]) -> CameraFrame:
@@ -202,7 +201,8 @@ class ImageInput:
 
         Their frames cannot be told apart in what comes, and no tracker follows two views at once.
         """
-        heard = [each for each in self._publishers() if str(each.topic_type) == self._type]
+        kind = self._heard.type_name
+        heard = [each for each in self._publishers() if str(each.topic_type) == kind]
         names = sorted(map(qos.endpoint_name, heard))
         cameras = names if len(names) > 1 and self._are_alive(names) else []
         if cameras and cameras != self._cameras:
@@ -241,11 +241,11 @@ class ImageInput:
 
     def _words_on_types(self, types: Sequence[str]) -> str:
         """Say how to hear images of the other type, where none of those published is read."""
-        transport = next((_TRANSPORTS[each] for each in types if each in _TRANSPORTS), "")
-        if not transport or self._type in types:
+        transport = "raw" if self._is_compressed else "compressed"
+        other, own = _TOPICS[transport], self._heard.type_name
+        if own in types or other.type_name not in types:
             return ""
-        name = (_RAW if self._is_compressed else _COMPRESSED).name
         return (
-            f", and it is read as {self._type}; set image_transport to {transport} and remap"
-            f" `{name}` to it"
+            f", and it is read as {own}; set image_transport to {transport} and remap"
+            f" `{other.name}` to it"
         )

@@ -143,7 +143,7 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
         raise ValueError("the file name after # is missing")
     if not all(math.isfinite(value) for value in values):
         raise ValueError("a number is not finite")
-    _check_angles(*values[1::2])
+    _check_angles(values[1], values[3])
     if values[2] <= 0.0:
         raise ValueError(f"w is {values[2]:g} px; leave out frames without a cable")
     filename, frame = _parse_name(name)
