@@ -53,16 +53,24 @@ class VehicleDescription:
         All of `METRIC_PARAMETERS`, by name.
     calibration : Calibration or None
         Calibration of the camera, where no topic gives one.
-    notes : tuple of str
-        Remarks for the user.
+    notes_on_frames : tuple of str
+        What the user should know of the bag's frames.
     said : frozenset of str
         Names of those values that the bag's frames or the file say; the others are defaults.
+    is_mounting_unknown : bool
+        There is a calibration, so that metres can be told, but neither says how the camera looks.
     """
 
     values: dict[str, object] = field(default_factory=default_values)
     calibration: Calibration | None = None
-    notes: tuple[str, ...] = ()
+    notes_on_frames: tuple[str, ...] = ()
     said: frozenset[str] = frozenset()
+    is_mounting_unknown: bool = False
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that the user should know of the description."""
+        return (*self.notes_on_frames, *([UNKNOWN_MOUNTING] if self.is_mounting_unknown else []))
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,10 +180,13 @@ def describe_vehicle(
     said |= file.values
     has_calibration = source is not None and Instrument.CAMERA_INFO in source.found.topics
     is_said = any(name in said for name in MOUNTING_PARAMETERS)
-    if (has_calibration or file.calibration is not None) and not (notes or is_said):
-        notes.append(UNKNOWN_MOUNTING)
     return VehicleDescription(
-        default_values() | said, file.calibration, tuple(notes), frozenset(said)
+        default_values() | said,
+        file.calibration,
+        tuple(notes),
+        frozenset(said),
+        is_mounting_unknown=(has_calibration or file.calibration is not None)
+        and not (notes or is_said),
     )
 
 

@@ -18,7 +18,6 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_messages import as_ros2
-from cable_tracker.metric.recorded.vehicle import UNKNOWN_MOUNTING
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class
@@ -95,10 +94,10 @@ class InstrumentReplay:
         self._sent = dict.fromkeys(CABLE_INSTRUMENTS, 0)
         self._feed = InstrumentFeed(None)
         self._is_first = True
-        for note in vehicle.notes:
-            # Trackers have the mounting as parameters, and warn of it themselves.
-            if note != UNKNOWN_MOUNTING:
-                node.get_logger().warning(note)
+        # Trackers have the mounting as parameters, and warn of it themselves.
+        found_notes = () if self._source is None else self._source.found.notes
+        for note in (*found_notes, *vehicle.vehicle.notes_on_frames):
+            node.get_logger().warning(note)
         self._send_static(node)
         if sent:
             node.get_logger().info(f"instruments: {', '.join(each.value for each in sent)}")
