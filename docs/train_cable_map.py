@@ -3,10 +3,10 @@
     python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 12000] [--seed 0]
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
-A network that is trained further is mixed with the one that it began as, and its log-odds are
-sharpened (`NEW_SHARE`, `SHARPENED`, `RAISED`). The one in use was trained in several runs, and is
-not mixed with an earlier one; the last two, of 2700 and 1650 steps, had shadows that end (`CRISP`,
-`SPANNING`) and captions (`CAPTIONED`), then `LITTERED`. `TWINNED` came after it.
+The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
+network is trained further. The one in use was trained in several runs; the last two, of 2700 and
+1650 steps, had shadows that end (`CRISP`, `SPANNING`) and captions (`CAPTIONED`), then `LITTERED`.
+`TWINNED` came after it.
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report
@@ -100,10 +100,6 @@ BATCH = 32
 HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
 """Largest learning rates, of a new network and of one that is trained further, and the share of the
 steps until it is reached."""
-
-NEW_SHARE = 0.7
-"""Share of the new weights in the mean of new and old ones, which does better on pictures of other
-worlds than either (M. Wortsman et al., 2022, "Robust fine-tuning of zero-shot models")."""
 
 SHARPENED, RAISED = 1.2, 0.7
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
@@ -422,7 +418,7 @@ def _painted(
     """
     at, deviation = _surface(pose, levels.shape), float(levels.std()) + 3.0
     skin = _bands(at, rng) + _shading(at, rng)
-    grain = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    grain = _seen_aslant(_ground(int(rng.integers(len(GROUNDS))), rng), levels.shape, rng)
     skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
     rough = cv2.resize(rng.standard_normal((40, 53), np.float32), levels.shape[::-1])
@@ -569,7 +565,7 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     height, width = levels.shape
     cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
     for kind in rng.choice(len(GROUNDS), rng.integers(1, 3), replace=False):
-        ground = _seen_aslant(GROUNDS[kind](rng), levels.shape, rng)
+        ground = _seen_aslant(_ground(int(kind), rng), levels.shape, rng)
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
@@ -617,7 +613,7 @@ def _littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         soft = rng.uniform(0.3, 1.5)
         shadow = _filled(np.vstack([corners, corners + thrown]), levels.shape, soft)
         littered = littered * (1.0 - np.float32(rng.uniform(0.2, 0.9)) * shadow)
-        ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+        ground = _seen_aslant(_ground(int(rng.integers(len(GROUNDS))), rng), levels.shape, rng)
         block = littered.mean() + deviation * np.float32(1.5 * rng.normal())
         block = block + np.float32(rng.random() ** 2 / max(ground.std(), 0.3)) * deviation * ground
         littered = littered + _filled(corners, levels.shape, soft) * (block - littered)
@@ -754,6 +750,24 @@ def _step(rng: np.random.Generator) -> Image:
 
 GROUNDS = (_waves, _cobbles, _stones, _tracks, _boulders, _beds, _step)
 
+KEPT_GROUNDS, RENEWED = 60, 0.2
+"""How many grounds of each kind are kept, to be seen aslant anew, and how often one of them is made
+anew: a batch takes two thirds of the time."""
+
+_kept_grounds: tuple[list[Image], ...] = tuple([] for _ in GROUNDS)
+
+
+def _ground(kind: int, rng: np.random.Generator) -> Image:
+    """Return ground of a kind: most often one that has been made before."""
+    kept = _kept_grounds[kind]
+    if len(kept) < KEPT_GROUNDS:
+        kept.append(GROUNDS[kind](rng))
+        return kept[-1]
+    at = int(rng.integers(KEPT_GROUNDS))
+    if rng.random() < RENEWED:
+        kept[at] = GROUNDS[kind](rng)
+    return kept[at]
+
 
 def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return a picture, and its map, turned, enlarged or made smaller, and bent."""
@@ -833,7 +847,9 @@ def load(network: MapNetwork, path: Path, pictures: Tensor) -> None:
         convolution = network.get_submodule(module)
         convolution.weight.data = weight
         if convolution.bias is not None:
-            convolution.bias.data = bias
+            # Those of the last layer are sharpened.
+            convolution.weight.data = weight / SHARPENED
+            convolution.bias.data = (bias - RAISED) / SHARPENED
             continue
         parent, _, place = module.rpartition(".")
         after = network.get_submodule(f"{parent}.{int(place) + 1}")
@@ -930,18 +946,15 @@ def export(network: MapNetwork, path: Path) -> None:
     )
 
 
-def mix(old: Path, new: Path) -> None:
-    """Put the mean of two networks' weights, sharpened, in place of the new ones."""
-    model = onnx.load(new)
-    for before, after in zip(
-        onnx.load(old).graph.initializer, model.graph.initializer, strict=True
-    ):
-        weights = (1.0 - NEW_SHARE) * onnx.numpy_helper.to_array(before)
-        weights += NEW_SHARE * onnx.numpy_helper.to_array(after)
-        if after.name.startswith("log_odds."):
-            weights = SHARPENED * weights + (RAISED if after.name.endswith("bias") else 0.0)
-        after.CopyFrom(onnx.numpy_helper.from_array(weights.astype(np.float32), after.name))
-    onnx.save(model, new)
+def sharpen(path: Path) -> None:
+    """Sharpen the log-odds of a network that was written."""
+    model = onnx.load(path)
+    for each in model.graph.initializer:
+        if each.name.startswith("log_odds."):
+            weights = SHARPENED * onnx.numpy_helper.to_array(each)
+            weights += RAISED if each.name.endswith("bias") else 0.0
+            each.CopyFrom(onnx.numpy_helper.from_array(weights.astype(np.float32), each.name))
+    onnx.save(model, path)
 
 
 def main() -> None:
@@ -955,8 +968,7 @@ def main() -> None:
     chosen = parser.parse_args()
     frames = labelled_frames(chosen.frames)
     export(train(frames, chosen.steps, chosen.seed, chosen.go_on), chosen.output)
-    if chosen.go_on is not None:
-        mix(chosen.go_on, chosen.output)
+    sharpen(chosen.output)
 
 
 if __name__ == "__main__":
