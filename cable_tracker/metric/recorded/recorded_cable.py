@@ -161,8 +161,16 @@ class RecordedVehicle:
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes for the user before anything is tracked."""
-        found = () if self.source is None else self.source.found.notes
-        return (*found, *self.vehicle.notes)
+        return (*self._found_notes, *self.vehicle.notes)
+
+    @property
+    def notes_on_recording(self) -> tuple[str, ...]:
+        """Those of `notes` that say something of the recording itself."""
+        return (*self._found_notes, *self.vehicle.notes_on_frames)
+
+    @property
+    def _found_notes(self) -> tuple[str, ...]:
+        return () if self.source is None else self.source.found.notes
 
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about unreadable messages, to be asked for after tracking."""

@@ -95,8 +95,7 @@ class InstrumentReplay:
         self._feed = InstrumentFeed(None)
         self._is_first = True
         # Trackers have the mounting as parameters, and warn of it themselves.
-        found_notes = () if self._source is None else self._source.found.notes
-        for note in (*found_notes, *vehicle.vehicle.notes_on_frames):
+        for note in vehicle.notes_on_recording:
             node.get_logger().warning(note)
         self._send_static(node)
         if sent:
