@@ -418,7 +418,7 @@ def _painted(
     """
     at, deviation = _surface(pose, levels.shape), float(levels.std()) + 3.0
     skin = _bands(at, rng) + _shading(at, rng)
-    grain = _seen_aslant(_ground(int(rng.integers(len(GROUNDS))), rng), levels.shape, rng)
+    grain = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
     skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
     rough = cv2.resize(rng.standard_normal((40, 53), np.float32), levels.shape[::-1])
@@ -565,7 +565,7 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     height, width = levels.shape
     cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
     for kind in rng.choice(len(GROUNDS), rng.integers(1, 3), replace=False):
-        ground = _seen_aslant(_ground(int(kind), rng), levels.shape, rng)
+        ground = _seen_aslant(GROUNDS[kind](rng), levels.shape, rng)
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
@@ -613,7 +613,7 @@ def _littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         soft = rng.uniform(0.3, 1.5)
         shadow = _filled(np.vstack([corners, corners + thrown]), levels.shape, soft)
         littered = littered * (1.0 - np.float32(rng.uniform(0.2, 0.9)) * shadow)
-        ground = _seen_aslant(_ground(int(rng.integers(len(GROUNDS))), rng), levels.shape, rng)
+        ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
         block = littered.mean() + deviation * np.float32(1.5 * rng.normal())
         block = block + np.float32(rng.random() ** 2 / max(ground.std(), 0.3)) * deviation * ground
         littered = littered + _filled(corners, levels.shape, soft) * (block - littered)
@@ -750,24 +750,6 @@ def _step(rng: np.random.Generator) -> Image:
 
 GROUNDS = (_waves, _cobbles, _stones, _tracks, _boulders, _beds, _step)
 
-KEPT_GROUNDS, RENEWED = 60, 0.2
-"""How many grounds of each kind are kept, to be seen aslant anew, and how often one of them is made
-anew: a batch takes two thirds of the time."""
-
-_kept_grounds: tuple[list[Image], ...] = tuple([] for _ in GROUNDS)
-
-
-def _ground(kind: int, rng: np.random.Generator) -> Image:
-    """Return ground of a kind: most often one that has been made before."""
-    kept = _kept_grounds[kind]
-    if len(kept) < KEPT_GROUNDS:
-        kept.append(GROUNDS[kind](rng))
-        return kept[-1]
-    at = int(rng.integers(KEPT_GROUNDS))
-    if rng.random() < RENEWED:
-        kept[at] = GROUNDS[kind](rng)
-    return kept[at]
-
 
 def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return a picture, and its map, turned, enlarged or made smaller, and bent."""
@@ -847,9 +829,7 @@ def load(network: MapNetwork, path: Path, pictures: Tensor) -> None:
         convolution = network.get_submodule(module)
         convolution.weight.data = weight
         if convolution.bias is not None:
-            # Those of the last layer are sharpened.
-            convolution.weight.data = weight / SHARPENED
-            convolution.bias.data = (bias - RAISED) / SHARPENED
+            convolution.bias.data = bias
             continue
         parent, _, place = module.rpartition(".")
         after = network.get_submodule(f"{parent}.{int(place) + 1}")
@@ -901,6 +881,7 @@ def train(frames: LabelledFrames, steps: int, seed: int, start: Path | None) -> 
     network = MapNetwork().to(memory_format=torch.channels_last)
     if start is not None:
         load(network, start, batch(frames, rng)[0])
+        blunt(network)
     optimiser = torch.optim.AdamW(network.parameters(), weight_decay=1e-3)
     rates = torch.optim.lr_scheduler.OneCycleLR(
         optimiser,
@@ -946,15 +927,18 @@ def export(network: MapNetwork, path: Path) -> None:
     )
 
 
-def sharpen(path: Path) -> None:
-    """Sharpen the log-odds of a network that was written."""
-    model = onnx.load(path)
-    for each in model.graph.initializer:
-        if each.name.startswith("log_odds."):
-            weights = SHARPENED * onnx.numpy_helper.to_array(each)
-            weights += RAISED if each.name.endswith("bias") else 0.0
-            each.CopyFrom(onnx.numpy_helper.from_array(weights.astype(np.float32), each.name))
-    onnx.save(model, path)
+def sharpen(network: MapNetwork) -> None:
+    """Sharpen the log-odds of a network that has been trained."""
+    last = network.log_odds
+    last.weight.data = SHARPENED * last.weight.data
+    last.bias.data = SHARPENED * last.bias.data + RAISED
+
+
+def blunt(network: MapNetwork) -> None:
+    """Undo `sharpen`, to train a network further."""
+    last = network.log_odds
+    last.weight.data = last.weight.data / SHARPENED
+    last.bias.data = (last.bias.data - RAISED) / SHARPENED
 
 
 def main() -> None:
@@ -967,8 +951,9 @@ def main() -> None:
     parser.add_argument("--go-on", type=Path, metavar="NETWORK")
     chosen = parser.parse_args()
     frames = labelled_frames(chosen.frames)
-    export(train(frames, chosen.steps, chosen.seed, chosen.go_on), chosen.output)
-    sharpen(chosen.output)
+    network = train(frames, chosen.steps, chosen.seed, chosen.go_on)
+    sharpen(network)
+    export(network, chosen.output)
 
 
 if __name__ == "__main__":
