@@ -4,14 +4,14 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
-network is trained further. The one in use was trained in several runs; the last two, of 2700 and
-1650 steps, had shadows that end (`CRISP`, `SPANNING`) and captions (`CAPTIONED`), then `LITTERED`.
-`TWINNED` came after it.
+network is trained further. The one in use was trained in several runs; the last three, of 5000,
+5000 and 3000 steps, had scenes and pairs of cables (`TWINNED`), the last one `BORDERED`.
 
-Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
-again; every second one of a world shows a cable of a kind that no world has. The worlds to report
-on, and the scenarios S1 to S6, are never seen. Needs PyTorch and onnx (the extra `train`) and real
-ground, as the worlds do. Some 4 minutes of two processors to render, an hour to train.
+Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
+(`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world
+shows a cable of a kind that no world has. The worlds to report on, and the scenarios S1 to S6, are
+never seen. Needs PyTorch and onnx (the extra `train`) and real ground, as the worlds do. Some 15
+minutes of two processors to render, an hour to train.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ import cv2
 import numpy as np
 import onnx
 import torch
+from lamplit_scenes import lamplit_frame
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -64,6 +65,8 @@ DIVES = {
     "tune_compressed": 800,
     "tune_empty": 1000,
     "tune_decoys": 2000,
+    "tune_banded": 2000,
+    "tune_display": 600,
     STRIPS: 2500,
 }
 """Number of dives through each world; of each the second frame is used."""
@@ -136,8 +139,18 @@ TWINNED = 0.3
 """Share of the cables beside which another one lies, of the same look: what is between the two is
 no cable. Where there was none, the network took two cables and what is between for a wide one."""
 
+BORDERED = 0.25
+"""Share of the cables beside which other ground begins, or a band of it runs: without it, the
+network took rough ground along one side for a part of the cable."""
+
 CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
+
+SCENES, SCENE_SHARE = 18_000, 0.35
+"""Number of scenes in three dimensions (`lamplit_scenes.py`), and their share of a batch."""
+
+COVERED_SCENE, RIPPLED_SCENE, LIT_SCENE, POOLED_SCENE = 0.15, 0.1, 0.15, 0.2
+"""As the shares above, of the scenes: what is added to them has no part in their shadows."""
 
 POOLED, PLAIN = 0.4, 0.4
 """Share of the pictures with pools and bands of light or shade, and of those without a cable whose
@@ -150,6 +163,41 @@ class LabelledFrames:
 
     images: Image
     poses: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabelledScenes:
+    """Scenes: levels (N, H, W) and shares of cells that are cable (N, H / 4, W / 4), uint8."""
+
+    images: Image
+    cells: Image
+
+
+def render_scenes(seeds: range) -> LabelledScenes:
+    """Render the scenes of some seeds."""
+    images, cells = zip(*(lamplit_frame(seed) for seed in seeds), strict=True)
+    width, height = WORLD_SIZE
+    small = (width // CELL, height // CELL)
+    reduced = [cv2.resize(each, small, interpolation=cv2.INTER_AREA) for each in cells]
+    return LabelledScenes(np.stack(images), np.stack(reduced))
+
+
+def labelled_scenes(folder: Path) -> LabelledScenes:
+    """Return the scenes to train on; they are rendered if the folder does not hold them."""
+    path = folder / "scenes.npz"
+    if not path.is_file():
+        seeds = range(FIRST_SEED, FIRST_SEED + SCENES)
+        jobs = [seeds[first : first + DIVES_AT_ONCE] for first in range(0, SCENES, DIVES_AT_ONCE)]
+        with ProcessPoolExecutor(initializer=cv2.setNumThreads, initargs=(1,)) as pool:
+            parts = list(pool.map(render_scenes, jobs))
+        folder.mkdir(parents=True, exist_ok=True)
+        np.savez(
+            path,
+            images=np.concatenate([part.images for part in parts]),
+            cells=np.concatenate([part.cells for part in parts]),
+        )
+    with np.load(path) as kept:
+        return LabelledScenes(kept["images"], kept["cells"])
 
 
 def render(job: tuple[str, int, int]) -> LabelledFrames:
@@ -278,6 +326,8 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     is_inverted = rng.random() < INVERTED
     levels, pose = _with_any_skin(image.astype(np.float32), pose, not is_inverted, rng)
     cells = true_map(pose)
+    if not np.isnan(pose).any() and rng.random() < BORDERED:
+        levels = _bordered(levels, pose, rng)
     if not np.isnan(pose).any() and rng.random() < TWINNED:
         levels, cells = _twinned(levels, cells, pose, rng)
     if rng.random() < RIPPLED:
@@ -294,10 +344,36 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels = _lit(levels, rng)
     if rng.random() < POOLED:
         levels = _pooled(levels, rng)
+    levels, cells = _mirrored(levels, cells, rng)
+    return _recorded(255.0 - levels if is_inverted else levels, rng), cells
+
+
+def _mirrored(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+    """Return a picture and its map, mirrored along none, one or both of their sides."""
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
-    return _recorded(255.0 - levels if is_inverted else levels, rng), np.ascontiguousarray(cells)
+    return levels, np.ascontiguousarray(cells)
+
+
+def augmented_scene(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+    """Return levels float32 (H, W) and the map of a scene, changed but for its light."""
+    levels = image.astype(np.float32)
+    cells = cells.astype(np.float32) / np.float32(255.0)
+    if rng.random() < RIPPLED_SCENE:
+        levels = _rippled(levels, cells, rng)
+    if rng.random() < COVERED_SCENE:
+        levels = _covered(levels, cells, rng)
+    if rng.random() < SNOWED:
+        levels = _snowed(levels, rng)
+    if rng.random() < BENT:
+        levels, cells = _bent(levels, cells, rng)
+    if rng.random() < LIT_SCENE:
+        levels = _lit(levels, rng)
+    if rng.random() < POOLED_SCENE:
+        levels = _pooled(levels, rng)
+    levels, cells = _mirrored(levels, cells, rng)
+    return _recorded(levels, rng), cells
 
 
 def _with_any_skin(
@@ -571,6 +647,25 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     return levels
 
 
+def _bordered(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
+    """Return a picture with other ground, or a band of it, along one side of the cable."""
+    at = _surface(pose, levels.shape)
+    side, gap = rng.choice((-1.0, 1.0)), at.width * rng.uniform(0.0, 0.6)
+    beside = at.outside + np.float32(0.05 * rng.normal()) * at.along
+    ragged = cv2.resize(rng.standard_normal((30, 40), np.float32), levels.shape[::-1])
+    beside = beside + np.float32(3.0 * rng.random() ** 2) * ragged
+    soft = np.float32(rng.uniform(0.5, 4.0))
+    share = _logistic((beside - np.float32(gap)) / soft)
+    if rng.random() < 0.6:
+        far = np.float32(gap + max(at.width * 0.3 * 10.0 ** rng.random(), 6.0))
+        share = share * _logistic((far - beside) / soft)
+    ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    rough = np.float32(30.0 * rng.random() ** 1.5 / max(float(ground.std()), 0.3))
+    added = rough * ground + np.float32(12.0 * rng.normal() * rng.random())
+    on_its_side = (side * at.across > 0.0) & (at.outside > 0.0)
+    return np.asarray(levels + added * share * on_its_side, np.float32)
+
+
 def _twinned(
     levels: Image, cells: Image, pose: FloatArray, rng: np.random.Generator
 ) -> tuple[Image, Image]:
@@ -770,25 +865,34 @@ def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image,
     return moved, cv2.resize(shares, cells.shape[::-1], interpolation=cv2.INTER_AREA)
 
 
-def batch(frames: LabelledFrames, rng: np.random.Generator) -> tuple[Tensor, Tensor]:
+def batch(
+    frames: LabelledFrames, scenes: LabelledScenes, rng: np.random.Generator
+) -> tuple[Tensor, Tensor]:
     """Return pictures as the network takes them, and their true maps, padded alike."""
+    from_scenes = rng.binomial(BATCH, SCENE_SHARE)
+    changed = [
+        augmented(frames.images[index], frames.poses[index], rng)
+        for index in _drawn(frames.poses, BATCH - from_scenes, rng)
+    ] + [
+        augmented_scene(scenes.images[index], scenes.cells[index], rng)
+        for index in rng.choice(len(scenes.images), from_scenes, replace=False)
+    ]
     pictures, maps = [], []
-    for index in _drawn(frames.poses, rng):
-        image, cells = augmented(frames.images[index], frames.poses[index], rng)
+    for image, cells in changed:
         picture, (left, above) = padded(normalised(image))
         pictures.append(picture)
         maps.append(_padded_map(cells, picture.shape[1:], (left, above)))
     return torch.from_numpy(np.stack(pictures)), torch.from_numpy(np.stack(maps))
 
 
-def _drawn(poses: FloatArray, rng: np.random.Generator) -> IndexArray:
+def _drawn(poses: FloatArray, number: int, rng: np.random.Generator) -> IndexArray:
     """Return which frames a batch has, as many without a cable as `WITHOUT_CABLE` says."""
     without = np.isnan(poses).any(1)
-    count = rng.binomial(BATCH, WITHOUT_CABLE)
+    count = rng.binomial(number, WITHOUT_CABLE)
     return np.concatenate(
         [
             rng.choice(np.flatnonzero(without), count, replace=False),
-            rng.choice(np.flatnonzero(~without), BATCH - count, replace=False),
+            rng.choice(np.flatnonzero(~without), number - count, replace=False),
         ]
     )
 
@@ -871,7 +975,9 @@ def _take_statistics(
     network.train()
 
 
-def train(frames: LabelledFrames, steps: int, seed: int, start: Path | None) -> MapNetwork:
+def train(
+    frames: LabelledFrames, scenes: LabelledScenes, steps: int, seed: int, start: Path | None
+) -> MapNetwork:
     """Return a network after some steps, each with a batch of frames.
 
     `start` is a file with the network that it goes on from; None: it begins anew.
@@ -880,7 +986,7 @@ def train(frames: LabelledFrames, steps: int, seed: int, start: Path | None) -> 
     rng = np.random.default_rng(seed)
     network = MapNetwork().to(memory_format=torch.channels_last)
     if start is not None:
-        load(network, start, batch(frames, rng)[0])
+        load(network, start, batch(frames, scenes, rng)[0])
         blunt(network)
     optimiser = torch.optim.AdamW(network.parameters(), weight_decay=1e-3)
     rates = torch.optim.lr_scheduler.OneCycleLR(
@@ -893,11 +999,11 @@ def train(frames: LabelledFrames, steps: int, seed: int, start: Path | None) -> 
     has_bfloat16 = bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))
     mean = math.nan
     with ThreadPoolExecutor(1) as aside:
-        following = aside.submit(batch, frames, rng)
+        following = aside.submit(batch, frames, scenes, rng)
         for step in range(steps):
             pictures, shares = following.result()
             if step + 1 < steps:
-                following = aside.submit(batch, frames, rng)
+                following = aside.submit(batch, frames, scenes, rng)
             # Twice as fast where the processor has instructions for this type, else much slower.
             with torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16):
                 log_odds = network(pictures.to(memory_format=torch.channels_last))[:, 0]
@@ -950,8 +1056,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--go-on", type=Path, metavar="NETWORK")
     chosen = parser.parse_args()
-    frames = labelled_frames(chosen.frames)
-    network = train(frames, chosen.steps, chosen.seed, chosen.go_on)
+    frames, scenes = labelled_frames(chosen.frames), labelled_scenes(chosen.frames)
+    network = train(frames, scenes, chosen.steps, chosen.seed, chosen.go_on)
     sharpen(network)
     export(network, chosen.output)
 

@@ -575,6 +575,7 @@ def density_about_the_strip(strip, turned, monkeypatch) -> float:
         return conclusion
 
     monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", spy)
+    monkeypatch.setattr(working_image, "make_cable_map", lambda *_: strip_map(STRIP))
     elsewhere = CableState(0.0, STRIP.angle - turned, 30.0, 0.0)
     cable_filter = make_filter(refinement_rounds=1)
     cable_filter.step(cable_filter.guessed_belief(cloud(elsewhere)), strip, FRAME, NO_DETECTIONS)

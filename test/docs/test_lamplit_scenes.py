@@ -1,0 +1,101 @@
+import importlib.util
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+SCRIPT = Path(__file__).resolve().parents[2] / "docs" / "lamplit_scenes.py"
+DOWN = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+FOCAL_LENGTH = 300.0
+
+
+def load_scenes():
+    spec = importlib.util.spec_from_file_location("lamplit_scenes", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+scenes = load_scenes()
+
+
+def upright_tube(*, radius, height, offset=0.0, reflected=0.3):
+    skin = np.full((scenes.SIDE, scenes.SIDE), reflected, np.float32)
+    return scenes.Tube((offset, 0.0, height), (0.0, 1.0, 0.0), radius, skin, 0.0)
+
+
+def scene(tube, *lamps, relief=None):
+    flat = np.zeros((scenes.SIDE, scenes.SIDE), np.float32)
+    return scenes.Scene(
+        view=DOWN,
+        focal_length=FOCAL_LENGTH,
+        relief=flat if relief is None else relief,
+        albedo=np.full_like(flat, 0.3),
+        tube=tube,
+        lamps=np.array([[*place, 1.0, 0.001] for place in lamps]),
+        ambient=0.05,
+        absorption=0.0,
+        scattering=0.0,
+        beam=0.0,
+    )
+
+
+LEFT_OF_IT = (-1.0, 0.0, 0.6)
+ABOVE = (0.0, 0.0, 1.0)
+
+
+@settings(max_examples=10, deadline=None)
+@given(radius=st.floats(0.03, 0.2), height=st.floats(0.0, 0.4))
+def test_a_cable_is_as_wide_as_its_silhouette(radius, height):
+    _, cable = scenes.rendered(scene(upright_tube(radius=radius, height=height), ABOVE))
+    away = 1.0 - height
+    if height >= radius:
+        half = radius / math.sqrt(away**2 - radius**2)
+    else:
+        # The bottom hides the widest part of what is buried by more than its half.
+        touched = radius / math.sqrt(away**2 - radius**2)
+        lowest = 1.0 - math.sqrt(away**2 - radius**2) * math.cos(math.asin(radius / away))
+        half = touched if lowest >= 0.0 else math.sqrt(radius**2 - height**2)
+    assert cable.sum(1) == pytest.approx(2.0 * FOCAL_LENGTH * half, abs=2.0)
+
+
+def test_the_flank_away_from_the_lamp_is_dark():
+    light, _ = scenes.rendered(scene(upright_tube(radius=0.1, height=0.3), LEFT_OF_IT))
+    middle = light[120]
+    assert middle[145] > 3.0 * middle[190]
+
+
+def test_the_shadow_lies_on_the_side_away_from_the_lamp():
+    with_it, cable = scenes.rendered(scene(upright_tube(radius=0.05, height=0.05), LEFT_OF_IT))
+    without_it, _ = scenes.rendered(scene(None, LEFT_OF_IT))
+    darker = (with_it < 0.4 * without_it) & (cable == 0.0)
+    columns = np.flatnonzero(darker[120])
+    assert columns.size > 5
+    assert columns.min() > 160
+
+
+def test_the_shadow_of_a_free_span_lies_apart_from_it():
+    lamp = (-0.3, 0.0, 0.9)
+    with_it, cable = scenes.rendered(scene(upright_tube(radius=0.03, height=0.3), lamp))
+    without_it, _ = scenes.rendered(scene(None, lamp))
+    darker = (with_it < 0.4 * without_it) & (cable == 0.0)
+    gap = np.flatnonzero(darker[120]).min() - np.flatnonzero(cable[120]).max()
+    assert gap > 10
+
+
+def test_stones_throw_shadows():
+    relief = np.zeros((scenes.SIDE, scenes.SIDE), np.float32)
+    relief[250:262, 250:262] = 0.05
+    with_it, _ = scenes.rendered(scene(None, LEFT_OF_IT, relief=relief))
+    without_it, _ = scenes.rendered(scene(None, LEFT_OF_IT))
+    assert with_it[120, 172] < 0.4 * without_it[120, 172]
+
+
+def test_without_a_tube_there_is_no_cable():
+    _, cable = scenes.rendered(scene(None, ABOVE))
+    assert not cable.any()
