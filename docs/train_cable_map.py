@@ -4,8 +4,8 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
-network is trained further. The one in use was trained in several runs; the last three, of 5000,
-5000 and 3000 steps, had scenes and pairs of cables (`TWINNED`), the last one `BORDERED`.
+network is trained further. The one in use was trained in several runs; the last two, of 5000 steps
+each, were the first with scenes, and with pairs of cables (`TWINNED`).
 
 Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
 (`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world
@@ -104,7 +104,7 @@ HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
 """Largest learning rates, of a new network and of one that is trained further, and the share of the
 steps until it is reached."""
 
-SHARPENED, RAISED = 1.2, 0.7
+SHARPENED, RAISED = 1.2, -0.3
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
 is less sure of a single one than it could be."""
 
@@ -138,10 +138,6 @@ LITTERED = 0.3
 TWINNED = 0.3
 """Share of the cables beside which another one lies, of the same look: what is between the two is
 no cable. Where there was none, the network took two cables and what is between for a wide one."""
-
-BORDERED = 0.25
-"""Share of the cables beside which other ground begins, or a band of it runs: without it, the
-network took rough ground along one side for a part of the cable."""
 
 CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
@@ -326,8 +322,6 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     is_inverted = rng.random() < INVERTED
     levels, pose = _with_any_skin(image.astype(np.float32), pose, not is_inverted, rng)
     cells = true_map(pose)
-    if not np.isnan(pose).any() and rng.random() < BORDERED:
-        levels = _bordered(levels, pose, rng)
     if not np.isnan(pose).any() and rng.random() < TWINNED:
         levels, cells = _twinned(levels, cells, pose, rng)
     if rng.random() < RIPPLED:
@@ -645,25 +639,6 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
-
-
-def _bordered(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
-    """Return a picture with other ground, or a band of it, along one side of the cable."""
-    at = _surface(pose, levels.shape)
-    side, gap = rng.choice((-1.0, 1.0)), at.width * rng.uniform(0.0, 0.6)
-    beside = at.outside + np.float32(0.05 * rng.normal()) * at.along
-    ragged = cv2.resize(rng.standard_normal((30, 40), np.float32), levels.shape[::-1])
-    beside = beside + np.float32(3.0 * rng.random() ** 2) * ragged
-    soft = np.float32(rng.uniform(0.5, 4.0))
-    share = _logistic((beside - np.float32(gap)) / soft)
-    if rng.random() < 0.6:
-        far = np.float32(gap + max(at.width * 0.3 * 10.0 ** rng.random(), 6.0))
-        share = share * _logistic((far - beside) / soft)
-    ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
-    rough = np.float32(30.0 * rng.random() ** 1.5 / max(float(ground.std()), 0.3))
-    added = rough * ground + np.float32(12.0 * rng.normal() * rng.random())
-    on_its_side = (side * at.across > 0.0) & (at.outside > 0.0)
-    return np.asarray(levels + added * share * on_its_side, np.float32)
 
 
 def _twinned(
