@@ -3,8 +3,8 @@
 A cable is a tube on, in or above a bottom with a relief. Lamps beside the camera, which may be low
 and at one side, light both: flanks that look away from them lie in shadow, and everything throws
 one. Light falls off with the square of the distance, is swallowed by the water, and lights the
-water itself. So shadows fit what throws them, which painted ones only may. Lengths are in heights
-of the camera above the bottom.
+water itself. So shadows fit what throws them, as those that are painted may not. Lengths are in
+heights of the camera above the bottom.
 """
 
 from __future__ import annotations
@@ -42,7 +42,6 @@ KEPT_NOISES = 24
 
 SAMPLES = 6
 """Points of a lamp from which its shadows are cast."""
-
 
 RELIEF_REACH, RELIEF_STEPS = 0.25, 14
 """How far the shadows of the relief reach, and in how many steps they are looked for."""

@@ -19,10 +19,12 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -106,7 +108,7 @@ steps until it is reached."""
 
 SHARPENED, RAISED = 1.2, -0.3
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
-is less sure of a single one than it could be."""
+is less sure of a single one than it could be; raised, it takes soft shades for cables."""
 
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
@@ -179,21 +181,10 @@ def render_scenes(seeds: range) -> LabelledScenes:
 
 
 def labelled_scenes(folder: Path) -> LabelledScenes:
-    """Return the scenes to train on; they are rendered if the folder does not hold them."""
-    path = folder / "scenes.npz"
-    if not path.is_file():
-        seeds = range(FIRST_SEED, FIRST_SEED + SCENES)
-        jobs = [seeds[first : first + DIVES_AT_ONCE] for first in range(0, SCENES, DIVES_AT_ONCE)]
-        with ProcessPoolExecutor(initializer=cv2.setNumThreads, initargs=(1,)) as pool:
-            parts = list(pool.map(render_scenes, jobs))
-        folder.mkdir(parents=True, exist_ok=True)
-        np.savez(
-            path,
-            images=np.concatenate([part.images for part in parts]),
-            cells=np.concatenate([part.cells for part in parts]),
-        )
-    with np.load(path) as kept:
-        return LabelledScenes(kept["images"], kept["cells"])
+    """Return the scenes to train on."""
+    seeds = range(FIRST_SEED, FIRST_SEED + SCENES)
+    jobs = [seeds[first : first + DIVES_AT_ONCE] for first in range(0, SCENES, DIVES_AT_ONCE)]
+    return rendered_once(folder / "scenes.npz", LabelledScenes, render_scenes, jobs)
 
 
 def render(job: tuple[str, int, int]) -> LabelledFrames:
@@ -229,24 +220,34 @@ def _strip(seed: int) -> SimulatedFrame:
 
 
 def labelled_frames(folder: Path) -> LabelledFrames:
-    """Return the frames to train on; they are rendered if the folder does not hold them."""
-    path = folder / "frames.npz"
+    """Return the frames to train on."""
+    jobs = [
+        (name, FIRST_SEED + first, FIRST_SEED + min(first + DIVES_AT_ONCE, count))
+        for name, count in DIVES.items()
+        for first in range(0, count, DIVES_AT_ONCE)
+    ]
+    return rendered_once(folder / "frames.npz", LabelledFrames, render, jobs)
+
+
+Labelled = TypeVar("Labelled", LabelledFrames, LabelledScenes)
+Job = TypeVar("Job")
+
+
+def rendered_once(
+    path: Path, kind: type[Labelled], render_job: Callable[[Job], Labelled], jobs: Sequence[Job]
+) -> Labelled:
+    """Return what jobs render, together; it is rendered if there is no such file yet."""
+    names = [field.name for field in fields(kind)]
     if not path.is_file():
-        jobs = [
-            (name, FIRST_SEED + first, FIRST_SEED + min(first + DIVES_AT_ONCE, count))
-            for name, count in DIVES.items()
-            for first in range(0, count, DIVES_AT_ONCE)
-        ]
         with ProcessPoolExecutor(initializer=cv2.setNumThreads, initargs=(1,)) as pool:
-            parts = list(pool.map(render, jobs))
-        folder.mkdir(parents=True, exist_ok=True)
+            parts = list(pool.map(render_job, jobs))
+        path.parent.mkdir(parents=True, exist_ok=True)
         np.savez(
             path,
-            images=np.concatenate([part.images for part in parts]),
-            poses=np.concatenate([part.poses for part in parts]),
+            **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names},
         )
     with np.load(path) as kept:
-        return LabelledFrames(kept["images"], kept["poses"])
+        return kind(**{name: kept[name] for name in names})
 
 
 def true_map(pose: FloatArray) -> Image:
