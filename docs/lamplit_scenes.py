@@ -18,6 +18,8 @@ import numba
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.simulation.rendering.camera import chain, rotation_about
+from cable_tracker.simulation.rendering.texture import frequencies, spectral_noise
 from cable_tracker.simulation.worlds.ground import photographed_texture, photographs_of
 from cable_tracker.simulation.worlds.split import Split
 
@@ -75,6 +77,10 @@ class Tube:
     gloss: float
 
 
+NO_TUBE = Tube((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, np.zeros((1, 1), np.float32), 0.0)
+"""No ray meets it."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """What is in view, and the light.
@@ -130,14 +136,13 @@ def any_scene(rng: np.random.Generator) -> Scene:
     tube = (
         None if rng.random() < EMPTY else _any_tube(view, focal_length, float(albedo.mean()), rng)
     )
-    is_low = rng.random() < 0.5
     return Scene(
         view=view,
         focal_length=focal_length,
         relief=relief,
         albedo=albedo,
         tube=tube,
-        lamps=_any_lamps(is_low, rng),
+        lamps=_any_lamps(rng),
         ambient=0.6 * rng.random() ** 3 if rng.random() < 0.7 else 0.0,
         absorption=0.1 + 1.0 * rng.random() ** 2,
         scattering=0.25 * rng.random() ** 3,
@@ -148,18 +153,13 @@ def any_scene(rng: np.random.Generator) -> Scene:
 def _any_view(rng: np.random.Generator) -> FloatArray:
     """Return the rotation of a camera that looks down, tilted more or less, and turned."""
     pitch = math.radians(25.0 * rng.random() ** 2 * rng.choice((-1.0, 1.0)))
-    roll, turn = math.radians(4.0 * rng.normal()), 2.0 * math.pi * rng.random()
+    roll, turn = math.radians(-4.0 * rng.normal()), 2.0 * math.pi * rng.random()
     down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    tilted = _turned(0, pitch) @ _turned(1, roll)
-    return np.asarray(_turned(2, turn) @ down @ tilted)
-
-
-def _turned(axis: int, angle: float) -> FloatArray:
-    first, second = (each for each in range(3) if each != axis)
-    rotation = np.eye(3)
-    rotation[first, first] = rotation[second, second] = math.cos(angle)
-    rotation[first, second], rotation[second, first] = -math.sin(angle), math.sin(angle)
-    return rotation
+    turned, tilted, rolled = (
+        rotation_about(axis, np.array([angle]))
+        for axis, angle in ((2, turn), (0, pitch), (1, roll))
+    )
+    return chain(turned, down[None], tilted, rolled)[0]
 
 
 def _any_tube(
@@ -232,23 +232,18 @@ def _kept_noise(seed: int, smooth: float, rough: float, fine: float, coarse: flo
     return _noise(rng.uniform(smooth, rough), fine * (coarse / fine) ** rng.random(), rng)
 
 
-_FREQUENCIES = np.hypot(
-    np.fft.fftfreq(SIDE)[:, None].astype(np.float32), np.fft.rfftfreq(SIDE)[None].astype(np.float32)
-)
+_FREQUENCIES = np.hypot(*frequencies((SIDE, SIDE), 1.0))
 
 
 def _noise(slope: float, coarsest: float, rng: np.random.Generator) -> Image:
     """Return noise whose amplitudes fall as a power of the frequency, from a coarsest length on."""
-    white = np.fft.rfft2(rng.standard_normal((SIDE, SIDE), np.float32))
-    lowest = 1.0 / coarsest
-    size = np.where(lowest < _FREQUENCIES, (np.maximum(_FREQUENCIES, 1e-4) / lowest) ** -slope, 0.0)
-    noise = np.fft.irfft2(white * size, s=(SIDE, SIDE)).astype(np.float32)
-    noise /= noise.std() + np.float32(1e-9)
-    return np.asarray(noise)
+    octaves = coarsest * _FREQUENCIES
+    response = np.where(octaves > 1.0, np.maximum(octaves, 1.0) ** -slope, 0.0)
+    return spectral_noise(response, (SIDE, SIDE), rng)
 
 
 def _any_relief(rng: np.random.Generator) -> tuple[Image, Image]:
-    """Return heights of a bottom, and where stones lie on it (0 to 1), each (SIDE, SIDE)."""
+    """Return heights of a bottom, and how its stones differ in reflected light."""
     bumps = _kept_noise(int(rng.integers(KEPT_NOISES)), 1.5, 2.6, 30.0, 240.0)
     relief = np.float32(0.03 * rng.random() ** 2) * _placed(bumps, rng)
     y, x = np.mgrid[:SIDE, :SIDE].astype(np.float32) / np.float32(SIDE)
@@ -326,9 +321,9 @@ def _any_albedo(marks: Image, rng: np.random.Generator) -> Image:
     return np.clip(rng.uniform(0.1, 0.5) * np.exp(changed), 0.01, 1.0).astype(np.float32)
 
 
-def _any_lamps(is_low: bool, rng: np.random.Generator) -> FloatArray:
+def _any_lamps(rng: np.random.Generator) -> FloatArray:
     """Return lamps: low ones at one side, others about the camera, or as high as the sun."""
-    lamps = []
+    lamps, is_low = [], rng.random() < 0.5
     count = 1 if is_low else int(rng.choice((1, 2, 2, 3)))
     turn = 2.0 * math.pi * rng.random()
     for index in range(count):
@@ -347,15 +342,13 @@ def _any_lamps(is_low: bool, rng: np.random.Generator) -> FloatArray:
 
 def rendered(scene: Scene) -> tuple[Image, Image]:
     """Return the light of each pixel, float32 (H, W), and which share of it is cable."""
-    tube = scene.tube
-    none = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0)
-    no_skin = np.zeros((1, 1), np.float32)
+    tube = scene.tube or NO_TUBE
     light, cable = _rendered(
         scene.view,
         scene.focal_length,
         (scene.relief, scene.albedo),
-        none if tube is None else (tube.point, tube.direction, tube.radius, tube.gloss),
-        no_skin if tube is None else tube.skin,
+        (tube.point, tube.direction, tube.radius, tube.gloss),
+        tube.skin,
         scene.lamps,
         (scene.ambient, scene.absorption, scene.scattering, scene.beam),
         *SIZE,

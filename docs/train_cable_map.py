@@ -119,9 +119,8 @@ PAINTED = 0.4
 ADDED = 0.3
 """Share of the pictures without a cable that are given one: the same ground with and without."""
 
-INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT, LIT = 0.3, 0.4, 0.3, 0.5, 0.3, 0.5, 0.3
-"""Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
-particles before them, are bent, and lit by other lamps. What is inverted is given no shadow: a
+INVERTED, BLURRED = 0.3, 0.4
+"""Shares of the pictures that are inverted and blurred. What is inverted is given no shadow: a
 network that sees bright ones as often as dark ones cannot tell a shadow from what casts it."""
 
 WITHOUT_CABLE = 0.2
@@ -134,9 +133,6 @@ SHADED, CRISP, SPANNING = 0.5, 0.6, 0.4
 """Share of the cables that cast a shadow to one side, of those shadows that have an end, and of
 these that lie apart from the cable, as below a free span."""
 
-LITTERED = 0.3
-"""Share of the pictures with plates and blocks on the bottom, and their shadows."""
-
 TWINNED = 0.3
 """Share of the cables beside which another one lies, of the same look: what is between the two is
 no cable. Where there was none, the network took two cables and what is between for a wide one."""
@@ -147,12 +143,42 @@ CAPTIONED = 0.15
 SCENES, SCENE_SHARE = 18_000, 0.35
 """Number of scenes in three dimensions (`lamplit_scenes.py`), and their share of a batch."""
 
-COVERED_SCENE, RIPPLED_SCENE, LIT_SCENE, POOLED_SCENE = 0.15, 0.1, 0.15, 0.2
-"""As the shares above, of the scenes: what is added to them has no part in their shadows."""
+PLAIN = 0.4
+"""Share of the pictures without a cable whose ground is made plain before."""
 
-POOLED, PLAIN = 0.4, 0.4
-"""Share of the pictures with pools and bands of light or shade, and of those without a cable whose
-ground is made plain before."""
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """Shares of the pictures that are changed, in this order.
+
+    Attributes
+    ----------
+    rippled, covered : float
+        Crossed by ripples; other ground is added.
+    littered : float
+        Plates and blocks lie on the bottom, with their shadows.
+    snowed, bent, lit : float
+        Behind particles; bent; lit by other lamps.
+    pooled : float
+        With pools and bands of light or shade.
+    """
+
+    rippled: float
+    covered: float
+    littered: float
+    snowed: float
+    bent: float
+    lit: float
+    pooled: float
+
+
+OF_FRAMES = Changes(
+    rippled=0.3, covered=0.5, littered=0.3, snowed=0.3, bent=0.5, lit=0.3, pooled=0.4
+)
+OF_SCENES = Changes(
+    rippled=0.1, covered=0.15, littered=0.0, snowed=0.3, bent=0.5, lit=0.15, pooled=0.2
+)
+"""Fewer: what is added to a scene has no part in its shadows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -325,22 +351,37 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     cells = true_map(pose)
     if not np.isnan(pose).any() and rng.random() < TWINNED:
         levels, cells = _twinned(levels, cells, pose, rng)
-    if rng.random() < RIPPLED:
-        levels = _rippled(levels, cells, rng)
-    if rng.random() < COVERED:
-        levels = _covered(levels, cells, rng)
-    if not is_inverted and rng.random() < LITTERED:
-        levels = _littered(levels, cells, rng)
-    if rng.random() < SNOWED:
-        levels = _snowed(levels, rng)
-    if rng.random() < BENT:
-        levels, cells = _bent(levels, cells, rng)
-    if rng.random() < LIT:
-        levels = _lit(levels, rng)
-    if rng.random() < POOLED:
-        levels = _pooled(levels, rng)
-    levels, cells = _mirrored(levels, cells, rng)
+    changes = replace(OF_FRAMES, littered=0.0) if is_inverted else OF_FRAMES
+    levels, cells = _changed(levels, cells, changes, rng)
     return _recorded(255.0 - levels if is_inverted else levels, rng), cells
+
+
+def augmented_scene(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+    """Return levels float32 (H, W) and the map of a scene, changed but for its shadows."""
+    levels, shares = image.astype(np.float32), cells.astype(np.float32) / np.float32(255.0)
+    levels, shares = _changed(levels, shares, OF_SCENES, rng)
+    return _recorded(levels, rng), shares
+
+
+def _changed(
+    levels: Image, cells: Image, changes: Changes, rng: np.random.Generator
+) -> tuple[Image, Image]:
+    """Return a picture and its map with some of the changes, mirrored or not."""
+    if rng.random() < changes.rippled:
+        levels = _rippled(levels, cells, rng)
+    if rng.random() < changes.covered:
+        levels = _covered(levels, cells, rng)
+    if changes.littered and rng.random() < changes.littered:
+        levels = _littered(levels, cells, rng)
+    if rng.random() < changes.snowed:
+        levels = _snowed(levels, rng)
+    if rng.random() < changes.bent:
+        levels, cells = _bent(levels, cells, rng)
+    if rng.random() < changes.lit:
+        levels = _lit(levels, rng)
+    if rng.random() < changes.pooled:
+        levels = _pooled(levels, rng)
+    return _mirrored(levels, cells, rng)
 
 
 def _mirrored(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
@@ -349,26 +390,6 @@ def _mirrored(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Im
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
     return levels, np.ascontiguousarray(cells)
-
-
-def augmented_scene(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
-    """Return levels float32 (H, W) and the map of a scene, changed but for its light."""
-    levels = image.astype(np.float32)
-    cells = cells.astype(np.float32) / np.float32(255.0)
-    if rng.random() < RIPPLED_SCENE:
-        levels = _rippled(levels, cells, rng)
-    if rng.random() < COVERED_SCENE:
-        levels = _covered(levels, cells, rng)
-    if rng.random() < SNOWED:
-        levels = _snowed(levels, rng)
-    if rng.random() < BENT:
-        levels, cells = _bent(levels, cells, rng)
-    if rng.random() < LIT_SCENE:
-        levels = _lit(levels, rng)
-    if rng.random() < POOLED_SCENE:
-        levels = _pooled(levels, rng)
-    levels, cells = _mirrored(levels, cells, rng)
-    return _recorded(levels, rng), cells
 
 
 def _with_any_skin(

@@ -70,22 +70,24 @@ def test_the_flank_away_from_the_lamp_is_dark():
     assert middle[145] > 3.0 * middle[190]
 
 
-def test_the_shadow_lies_on_the_side_away_from_the_lamp():
-    with_it, cable = scenes.rendered(scene(upright_tube(radius=0.05, height=0.05), LEFT_OF_IT))
-    without_it, _ = scenes.rendered(scene(None, LEFT_OF_IT))
+def shadow_in_the_middle_row(tube, lamp):
+    """Return the columns of the shadow, and those of the cable."""
+    with_it, cable = scenes.rendered(scene(tube, lamp))
+    without_it, _ = scenes.rendered(scene(None, lamp))
     darker = (with_it < 0.4 * without_it) & (cable == 0.0)
-    columns = np.flatnonzero(darker[120])
+    return np.flatnonzero(darker[120]), np.flatnonzero(cable[120])
+
+
+def test_the_shadow_lies_on_the_side_away_from_the_lamp():
+    columns, _ = shadow_in_the_middle_row(upright_tube(radius=0.05, height=0.05), LEFT_OF_IT)
     assert columns.size > 5
     assert columns.min() > 160
 
 
 def test_the_shadow_of_a_free_span_lies_apart_from_it():
-    lamp = (-0.3, 0.0, 0.9)
-    with_it, cable = scenes.rendered(scene(upright_tube(radius=0.03, height=0.3), lamp))
-    without_it, _ = scenes.rendered(scene(None, lamp))
-    darker = (with_it < 0.4 * without_it) & (cable == 0.0)
-    gap = np.flatnonzero(darker[120]).min() - np.flatnonzero(cable[120]).max()
-    assert gap > 10
+    tube, lamp = upright_tube(radius=0.03, height=0.3), (-0.3, 0.0, 0.9)
+    shadow, cable = shadow_in_the_middle_row(tube, lamp)
+    assert shadow.min() - cable.max() > 10
 
 
 def test_stones_throw_shadows():
