@@ -4,8 +4,9 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
-network is trained further. The one in use was trained in several runs; the last two, of 5000 steps
-each, were the first with scenes, and with pairs of cables (`TWINNED`).
+network is trained further. The one in use was trained in several runs, of which the last three had
+5000 steps each: scenes and pairs of cables (`TWINNED`) came with the first of these, soft bands of
+light and streaks (`Changes.veiled`, `STREAKED`) with the last.
 
 Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
 (`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world
@@ -106,7 +107,7 @@ HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
 """Largest learning rates, of a new network and of one that is trained further, and the share of the
 steps until it is reached."""
 
-SHARPENED, RAISED = 1.2, -0.3
+SHARPENED, RAISED = 1.2, 0.1
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
 is less sure of a single one than it could be; raised, it takes soft shades for cables."""
 
@@ -119,11 +120,12 @@ PAINTED = 0.4
 ADDED = 0.3
 """Share of the pictures without a cable that are given one: the same ground with and without."""
 
-INVERTED, BLURRED = 0.3, 0.4
-"""Shares of the pictures that are inverted and blurred. What is inverted is given no shadow: a
-network that sees bright ones as often as dark ones cannot tell a shadow from what casts it."""
+INVERTED, BLURRED, STREAKED = 0.3, 0.4, 0.4
+"""Shares of the pictures that are inverted, that are blurred, and of these that are blurred one
+way, as by motion. What is inverted is given no shadow: a network that sees bright ones as often as
+dark ones cannot tell a shadow from what casts it."""
 
-WITHOUT_CABLE = 0.2
+WITHOUT_CABLE = 0.25
 """Share of the pictures that are drawn among those without a cable."""
 
 LAMPLIT = 0.35
@@ -140,7 +142,7 @@ no cable. Where there was none, the network took two cables and what is between 
 CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
 
-SCENES, SCENE_SHARE = 18_000, 0.35
+SCENES, SCENE_SHARE = 18_000, 0.3
 """Number of scenes in three dimensions (`lamplit_scenes.py`), and their share of a batch."""
 
 PLAIN = 0.4
@@ -159,8 +161,8 @@ class Changes:
         Plates and blocks lie on the bottom, with their shadows.
     snowed, bent, lit : float
         Behind particles; bent; lit by other lamps.
-    pooled : float
-        With pools and bands of light or shade.
+    pooled, veiled : float
+        With pools of light or shade; with soft bands and steps of it.
     """
 
     rippled: float
@@ -170,13 +172,14 @@ class Changes:
     bent: float
     lit: float
     pooled: float
+    veiled: float
 
 
 OF_FRAMES = Changes(
-    rippled=0.3, covered=0.5, littered=0.3, snowed=0.3, bent=0.5, lit=0.3, pooled=0.4
+    rippled=0.3, covered=0.5, littered=0.3, snowed=0.3, bent=0.5, lit=0.3, pooled=0.3, veiled=0.3
 )
 OF_SCENES = Changes(
-    rippled=0.1, covered=0.15, littered=0.0, snowed=0.3, bent=0.5, lit=0.15, pooled=0.2
+    rippled=0.1, covered=0.15, littered=0.0, snowed=0.3, bent=0.5, lit=0.15, pooled=0.15, veiled=0.2
 )
 """Fewer: what is added to a scene has no part in its shadows."""
 
@@ -381,6 +384,8 @@ def _changed(
         levels = _lit(levels, rng)
     if rng.random() < changes.pooled:
         levels = _pooled(levels, rng)
+    if rng.random() < changes.veiled:
+        levels = _veiled(levels, rng)
     return _mirrored(levels, cells, rng)
 
 
@@ -412,12 +417,29 @@ def _recorded(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture as a camera and a display record it."""
     levels = 255.0 * np.clip(levels / 255.0, 0.0, 1.0) ** np.float32(math.exp(0.3 * rng.normal()))
     if rng.random() < BLURRED:
-        levels = cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
+        is_streaked = rng.random() < STREAKED
+        levels = _streaked(levels, rng) if is_streaked else _defocused(levels, rng)
     noise = np.float32(12.0) * rng.random() ** 3
     levels = levels + noise * rng.standard_normal(levels.shape, np.float32)
     if rng.random() < CAPTIONED:
         levels = _captioned(levels, rng)
     return levels.astype(np.float32)
+
+
+def _defocused(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture that is blurred alike in all directions."""
+    return cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
+
+
+def _streaked(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture that is blurred one way, as by motion while the shutter is open."""
+    length, turn = 2.0 * 8.0 ** rng.random(), math.pi * rng.random()
+    reach = math.ceil(0.5 * length)
+    off = np.arange(-reach, reach + 1, dtype=np.float32)
+    along = off * math.cos(turn) + off[:, None] * math.sin(turn)
+    aside = off[:, None] * math.cos(turn) - off * math.sin(turn)
+    within = np.maximum(1.0 - np.abs(aside), 0.0) * (np.abs(along) <= 0.5 * length)
+    return cv2.filter2D(levels, -1, within / within.sum(), borderType=cv2.BORDER_REFLECT)
 
 
 def _any_pose(rng: np.random.Generator) -> FloatArray:
@@ -457,6 +479,26 @@ def _pooled(levels: Image, rng: np.random.Generator) -> Image:
         sharpest = 0.03 if shorter > 0.5 * longer else 0.2
         rim = np.float32(sharpest ** rng.random())
         light += np.float32(rng.uniform(-1.2, 1.2)) / (1.0 + np.exp(np.minimum(outside / rim, 20)))
+    lit: Image = levels * np.exp(light).astype(np.float32)
+    return lit
+
+
+def _veiled(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with soft, straight bands and steps of light or shade, on ground and cable.
+
+    Such are the beams of lamps, the edges of the vehicle's own shadow, and what a lens darkens.
+    """
+    height, width = levels.shape
+    x = np.arange(width, dtype=np.float32)
+    y = np.arange(height, dtype=np.float32)[:, None]
+    light = np.zeros_like(levels)
+    for _ in range(rng.integers(1, 4)):
+        turn, half = math.pi * rng.random(), 25.0 * 6.0 ** rng.random()
+        across, down = x - np.float32(rng.uniform(0, width)), y - np.float32(rng.uniform(0, height))
+        aside = np.abs(down * math.cos(turn) - across * math.sin(turn))
+        # Softer than the border of any cable that is as wide, however it is blurred.
+        rim = np.float32(half * rng.uniform(0.2, 0.6))
+        light += np.float32(0.4 * rng.normal()) * _logistic((half - aside) / rim)
     lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
 
@@ -727,9 +769,10 @@ def _snowed(levels: Image, rng: np.random.Generator) -> Image:
     for _ in range(round(5.0 * 20.0 ** rng.random())):
         middle = (int(rng.integers(width)), int(rng.integers(height)))
         cv2.circle(snow, middle, round(largest * rng.random()), rng.random(), cv2.FILLED)
-    return levels + np.float32(100.0 * rng.random()) * cv2.GaussianBlur(
-        snow, (0, 0), rng.uniform(0.5, 1.5)
-    )
+    snow = cv2.GaussianBlur(snow, (0, 0), rng.uniform(0.5, 1.5))
+    if rng.random() < STREAKED:
+        snow = _streaked(snow, rng)
+    return levels + np.float32(100.0 * rng.random()) * snow
 
 
 def _seen_aslant(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:

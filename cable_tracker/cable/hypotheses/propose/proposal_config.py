@@ -24,6 +24,12 @@ rad]."""
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 """Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
 
+MAP_WEIGHT, KNOWN_MAP_WEIGHT = 11.0, 4.0
+"""Weight of the overlap of a strip with the map in the likelihood [nats per nat], in a search and
+beside a known cable. Of strips that share a border the map tells the right one, where growth and
+sand have stronger borders than the cable; where one is known, its own borders are the better guide.
+Chosen on the worlds to tune on (`tune_*`)."""
+
 
 class ProposalConfig(NamedTuple):
     """What is the same in every frame with a known cable, and in every one without.
@@ -50,6 +56,8 @@ class ProposalConfig(NamedTuple):
         Limits of what counts as a shadow.
     is_known : bool
         Whether a cable is known: then borders count whole, and appearance does not.
+    map_weight : float
+        Weight of the overlap of a strip with the map in the likelihood [nats per nat].
     """
 
     image_size: tuple[float, float]
@@ -64,6 +72,7 @@ class ProposalConfig(NamedTuple):
     same_hypothesis_radii: FloatArray
     shadows: ShadowRules
     is_known: bool
+    map_weight: float
 
 
 def proposal_config(
@@ -95,6 +104,7 @@ def proposal_config(
             scale,
         ),
         is_known=False,
+        map_weight=MAP_WEIGHT,
     )
 
 
@@ -104,4 +114,4 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
     It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
     """
     limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
-    return config._replace(evidence_limits=limits, is_known=True)
+    return config._replace(evidence_limits=limits, is_known=True, map_weight=KNOWN_MAP_WEIGHT)

@@ -28,11 +28,6 @@ from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_loop, compiled_part
 
-MAP_WEIGHT = 4.0
-"""Weight of the overlap of a strip with the map in the likelihood [nats per nat]: of strips that
-share a border the map tells the right one, where growth and sand have stronger borders than the
-cable. Chosen on the worlds to tune on."""
-
 
 class Sample(NamedTuple):
     """Room for N particles of a frame.
@@ -84,13 +79,18 @@ def empty_sample(count: int) -> Sample:
 
 
 @compiled_loop
-def fill_map_log_ratios(sample: Sample, start: int, stop: int, cable_map: CableMap) -> None:
-    """Fill in what the map says from `start` to `stop`, 0 for `NO_MAP`."""
+def fill_map_log_ratios(
+    sample: Sample, start: int, stop: int, cable_map: CableMap, weight: float
+) -> None:
+    """Fill in what the map says from `start` to `stop`, 0 for `NO_MAP`.
+
+    `weight`: that of the overlap of a strip with the map [nats per nat].
+    """
     for row in range(start, stop):
         sample.map_log_ratios[row] = 0.0
         if is_worked_out(cable_map):
             overlap = map_match(sample.states[row], cable_map).overlap
-            sample.map_log_ratios[row] = MAP_WEIGHT * min(overlap, cable_map.enough)
+            sample.map_log_ratios[row] = weight * min(overlap, cable_map.enough)
 
 
 @compiled_loop

@@ -9,10 +9,12 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     empty_sample,
     fill_log_likelihoods,
+    fill_map_log_ratios,
     importance_log_weights,
     lost_to_shadows,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, polarity_prior
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_overlap
 from cable_tracker.cable.model.limits import StateLimits
 
 
@@ -60,3 +62,21 @@ def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted()
     fill_log_likelihoods(sample, 0, 3, polarity_prior(0.3), limits, (320.0, 240.0))
     assert sample.log_likelihoods[0] == pytest.approx(1.5)
     assert (sample.log_likelihoods[1:] == -math.inf).all()
+
+
+def test_a_particle_on_what_the_map_shows_weighs_more_but_no_more_than_is_enough():
+    sample = empty_sample(2)
+    sample.states[:] = 0.0
+    sample.states[:, 0] = [0.0, 60.0]
+    sample.states[:, 2] = 24.0
+    shown = np.zeros((60, 80), np.float32)
+    shown[:, 37:43] = 0.9
+    cable_map = cable_map_of(shown, -158.0, 118.0, 4.0)
+    on_it, beside = (map_overlap(state, cable_map) for state in sample.states)
+    fill_map_log_ratios(sample, 0, 2, cable_map, 3.0)
+    assert sample.map_log_ratios.tolist() == pytest.approx([3.0 * on_it, 3.0 * beside])
+    assert on_it > 1.0 > -1.0 > beside
+    fill_map_log_ratios(sample, 0, 2, cable_map._replace(enough=1.0), 3.0)
+    assert sample.map_log_ratios.tolist() == pytest.approx([3.0, 3.0 * beside])
+    fill_map_log_ratios(sample, 0, 2, NO_MAP, 3.0)
+    assert sample.map_log_ratios.tolist() == [0.0, 0.0]
