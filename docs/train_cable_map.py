@@ -109,7 +109,7 @@ steps until it is reached."""
 
 SHARPENED, RAISED = 1.2, 0.1
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
-is less sure of a single one than it could be; raised, it takes soft shades for cables."""
+is less sure of a single one than it could be; raised further, it takes more trenches for cables."""
 
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
@@ -465,16 +465,11 @@ def _pooled(levels: Image, rng: np.random.Generator) -> Image:
 
     Round pools may have a sharp rim; what is long fades out, or it could be a cable.
     """
-    height, width = levels.shape
-    x = np.arange(width, dtype=np.float32)
-    y = np.arange(height, dtype=np.float32)[:, None]
     light = np.zeros_like(levels)
     for _ in range(rng.integers(1, 5)):
         longer, turn = 15.0 * 20.0 ** rng.random(), math.pi * rng.random()
         shorter = longer * rng.uniform(0.08, 1.0)
-        across, down = x - np.float32(rng.uniform(0, width)), y - np.float32(rng.uniform(0, height))
-        along = across * math.cos(turn) + down * math.sin(turn)
-        aside = down * math.cos(turn) - across * math.sin(turn)
+        along, aside = _about_any_place(levels.shape, turn, rng)
         outside = np.hypot(along / np.float32(longer), aside / np.float32(shorter)) - 1.0
         sharpest = 0.03 if shorter > 0.5 * longer else 0.2
         rim = np.float32(sharpest ** rng.random())
@@ -488,19 +483,28 @@ def _veiled(levels: Image, rng: np.random.Generator) -> Image:
 
     Such are the beams of lamps, the edges of the vehicle's own shadow, and what a lens darkens.
     """
-    height, width = levels.shape
-    x = np.arange(width, dtype=np.float32)
-    y = np.arange(height, dtype=np.float32)[:, None]
     light = np.zeros_like(levels)
     for _ in range(rng.integers(1, 4)):
         turn, half = math.pi * rng.random(), 25.0 * 6.0 ** rng.random()
-        across, down = x - np.float32(rng.uniform(0, width)), y - np.float32(rng.uniform(0, height))
-        aside = np.abs(down * math.cos(turn) - across * math.sin(turn))
+        _, aside = _about_any_place(levels.shape, turn, rng)
         # Softer than the border of any cable that is as wide, however it is blurred.
         rim = np.float32(half * rng.uniform(0.2, 0.6))
-        light += np.float32(0.4 * rng.normal()) * _logistic((half - aside) / rim)
+        light += np.float32(0.4 * rng.normal()) * _logistic((half - np.abs(aside)) / rim)
     lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
+
+
+def _about_any_place(
+    shape: tuple[int, ...], turn: float, rng: np.random.Generator
+) -> tuple[Image, Image]:
+    """Return how far pixels lie from a place along a direction, and aside of it [px]."""
+    height, width = shape
+    across = np.arange(width, dtype=np.float32) - np.float32(rng.uniform(0, width))
+    down = np.arange(height, dtype=np.float32)[:, None] - np.float32(rng.uniform(0, height))
+    return (
+        across * math.cos(turn) + down * math.sin(turn),
+        down * math.cos(turn) - across * math.sin(turn),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
