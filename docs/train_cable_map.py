@@ -139,6 +139,9 @@ TWINNED = 0.3
 """Share of the cables beside which another one lies, of the same look: what is between the two is
 no cable. Where there was none, the network took two cables and what is between for a wide one."""
 
+SEAMED = 0.2
+"""Share of the cables with a dark seam along one flank or both, where they touch the ground."""
+
 CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
 
@@ -157,6 +160,8 @@ class Changes:
     ----------
     rippled, covered : float
         Crossed by ripples; other ground is added.
+    banked : float
+        Other ground lies along one side of the cable, or along both.
     littered : float
         Plates and blocks lie on the bottom, with their shadows.
     snowed, bent, lit : float
@@ -167,6 +172,7 @@ class Changes:
 
     rippled: float
     covered: float
+    banked: float
     littered: float
     snowed: float
     bent: float
@@ -176,10 +182,26 @@ class Changes:
 
 
 OF_FRAMES = Changes(
-    rippled=0.3, covered=0.5, littered=0.3, snowed=0.3, bent=0.5, lit=0.3, pooled=0.3, veiled=0.3
+    rippled=0.3,
+    covered=0.5,
+    banked=0.35,
+    littered=0.3,
+    snowed=0.3,
+    bent=0.5,
+    lit=0.3,
+    pooled=0.3,
+    veiled=0.3,
 )
 OF_SCENES = Changes(
-    rippled=0.1, covered=0.15, littered=0.0, snowed=0.3, bent=0.5, lit=0.15, pooled=0.15, veiled=0.2
+    rippled=0.1,
+    covered=0.15,
+    banked=0.25,
+    littered=0.0,
+    snowed=0.3,
+    bent=0.5,
+    lit=0.15,
+    pooled=0.15,
+    veiled=0.2,
 )
 """Fewer: what is added to a scene has no part in its shadows."""
 
@@ -374,6 +396,8 @@ def _changed(
         levels = _rippled(levels, cells, rng)
     if rng.random() < changes.covered:
         levels = _covered(levels, cells, rng)
+    if rng.random() < changes.banked:
+        levels = _banked(levels, cells, rng)
     if changes.littered and rng.random() < changes.littered:
         levels = _littered(levels, cells, rng)
     if rng.random() < changes.snowed:
@@ -404,12 +428,14 @@ def _with_any_skin(
     has_cable = not np.isnan(pose).any()
     if rng.random() < (PAINTED if has_cable else ADDED):
         pose = pose if has_cable else _any_pose(rng)
-        levels = _painted(levels, pose, may_be_shaded, rng)
+        levels, has_cable = _painted(levels, pose, may_be_shaded, rng), True
     elif not has_cable and rng.random() < PLAIN:
         levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
     elif has_cable and may_be_shaded and rng.random() < SHADED:
         at = _surface(pose, levels.shape)
         levels = _beside_a_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
+    if has_cable and may_be_shaded and rng.random() < SEAMED:
+        levels = _seamed(levels, _surface(pose, levels.shape), rng)
     return levels, pose
 
 
@@ -707,6 +733,114 @@ def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
+
+
+def _banked(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with other ground along one side of the cable, or along both.
+
+    Dumped rock, gravel, weed, or sand of another tone: it lies closest at the cable. Where there is
+    none, it lies along any line: what has one border is no cable.
+    """
+    cable = cv2.resize(cells, levels.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    outside, side = _sides(cells, levels.shape, rng)
+    sides = (-1.0, 1.0) if rng.random() < 0.3 else (rng.choice((-1.0, 1.0)),)
+    for each in sides:
+        reach = 8.0 * 60.0 ** rng.random()
+        # Single stones lie on the border; none lies farther in.
+        is_beside = (each * side > 0.0) & (outside > -2.0)
+        beside = np.where(is_beside, np.maximum(outside, 0.0) / np.float32(reach), np.inf)
+        if rng.random() < 0.5:
+            levels = _dumped(levels, beside, rng)
+        else:
+            levels = _other_ground(levels, beside, 1.0 - cable, rng)
+    return levels
+
+
+def _sides(cells: Image, shape: tuple[int, ...], rng: np.random.Generator) -> tuple[Image, Image]:
+    """Return how far pixels lie outside the cable, below 0 inside, and aside of its axis [px].
+
+    Without a cable they are those of any line.
+    """
+    rows, columns = np.nonzero(cells > 0.5)
+    if len(rows) < 2:
+        _, aside = _about_any_place(shape, math.pi * rng.random(), rng)
+        return np.abs(aside), aside
+    is_cable = (cells > 0.5).astype(np.uint8)
+    off, deep = (
+        cv2.distanceTransform(each, cv2.DIST_L2, cv2.DIST_MASK_5)
+        for each in (1 - is_cable, is_cable)
+    )
+    outside = cv2.resize(CELL * (off - deep), shape[::-1], interpolation=cv2.INTER_LINEAR)
+    middle = np.array([columns.mean(), rows.mean()])
+    _, directions = np.linalg.eigh(np.cov(columns, rows))
+    across = directions[:, 0]
+    x = np.arange(shape[1], dtype=np.float32) - CELL * (middle[0] + 0.5)
+    y = np.arange(shape[0], dtype=np.float32)[:, None] - CELL * (middle[1] + 0.5)
+    return outside, (x * across[0] + y * across[1]).astype(np.float32)
+
+
+def _dumped(levels: Image, beside: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with stones, lit from one side, fewer the farther from the cable.
+
+    `beside`: distance from it in units of that over which they become fewer, infinite elsewhere.
+    """
+    rows, columns = levels.shape
+    dumped = levels.astype(np.float32)
+    largest, light = 1.5 * 8.0 ** rng.random(), rng.normal(0.0, 0.7, 2)
+    tone = dumped.mean() + (float(levels.std()) + 5.0) * 1.5 * rng.normal()
+    spread, depth = 15.0 * rng.random(), rng.uniform(0.2, 0.9)
+    number = round(
+        min(2.5 * levels.size / (math.pi * largest**2) * 3.0 ** rng.uniform(-2, 1), 2500)
+    )
+    places = rng.random((number, 2)) * (columns, rows)
+    far = beside[places[:, 1].astype(int), places[:, 0].astype(int)]
+    for middle in places[rng.random(number) < np.exp(-far)]:
+        radius = largest * rng.uniform(0.4, 1.0)
+        axes, turn = np.array([1.0, rng.uniform(0.5, 1.0)]) * radius, 360.0 * rng.random()
+        level = tone + spread * rng.normal()
+        for shift, size, lit in ((-0.4, 1.05, level * (1.0 - depth)), (0.0, 0.95, level)):
+            centre = tuple(int(each) for each in np.round(8.0 * (middle + shift * radius * light)))
+            lengths = tuple(round(8.0 * size * each) for each in axes)
+            cv2.ellipse(
+                dumped, centre, lengths, turn, 0.0, 360.0, float(lit), cv2.FILLED, cv2.LINE_8, 3
+            )
+        top = tuple(int(each) for each in np.round(8.0 * (middle + 0.3 * radius * light)))
+        cv2.circle(dumped, top, round(4.0 * radius), float(level + 8.0), cv2.FILLED, cv2.LINE_8, 3)
+    return cv2.GaussianBlur(dumped, (3, 3), rng.uniform(0.3, 0.8))
+
+
+def _other_ground(
+    levels: Image, beside: Image, ground_share: Image, rng: np.random.Generator
+) -> Image:
+    """Return a picture with ground of another tone and grain beside the cable, ragged at its end.
+
+    `beside` is that of `_dumped`; `ground_share`: share of each pixel that is no cable.
+    """
+    rough = _seen_aslant(_waves(rng), levels.shape, rng)
+    rough *= np.float32(rng.uniform(0.0, 0.5) / max(float(rough.std()), 0.3))
+    soft = np.float32(0.03 * 15.0 ** rng.random())
+    shown = _logistic((1.0 - np.minimum(beside, 20.0) + rough) / soft) * (beside < np.inf)
+    deviation = float(levels.std()) + 3.0
+    ground = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    ground *= np.float32(1.5 * rng.random() * deviation / max(float(ground.std()), 0.3))
+    level = np.float32(levels.mean() + deviation * rng.normal())
+    kept = np.float32(rng.random())
+    other = level + ground + kept * (levels - np.float32(levels.mean()))
+    return np.asarray(levels + shown * ground_share * (other - levels), np.float32)
+
+
+def _seamed(levels: Image, at: _Surface, rng: np.random.Generator) -> Image:
+    """Return a picture with a dark seam along one flank of a cable, or along both."""
+    dark = np.zeros_like(levels)
+    for side in (-1.0, 1.0) if rng.random() < 0.3 else (rng.choice((-1.0, 1.0)),):
+        half = np.float32(0.5 * min(2.0 + 7.0 * rng.random(), 0.35 * at.width))
+        off = np.abs(at.outside - half * rng.uniform(-1.0, 1.0))
+        ragged = cv2.resize(rng.standard_normal((30, 40), np.float32), levels.shape[::-1])
+        ragged *= np.float32(0.4 * rng.random())
+        soft = np.float32(0.3 * 6.0 ** rng.random())
+        seam = _logistic((half * (1.0 + ragged) - off) / soft) * (side * at.across > 0.0)
+        dark = np.maximum(dark, np.float32(rng.uniform(0.1, 0.8)) * seam)
+    return np.asarray(levels * (1.0 - dark), np.float32)
 
 
 def _twinned(

@@ -63,7 +63,7 @@ from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, s
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.map.cable_map import CableMap
+from cable_tracker.cable.measure.map.cable_map import CableMap, beside_expected
 from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
@@ -168,7 +168,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = prediction.prior.is_known
         looks = self._looks_at_map(belief, is_known=is_known)
-        cable_map = image.cable_map if looks else belief.map_moved_to(prediction.prior.expected[0])
+        expected = prediction.prior.expected[0]
+        cable_map = image.cable_map if looks else belief.map_moved_to(expected)
+        if looks and is_known:
+            cable_map = beside_expected(cable_map, expected)
         if not is_known:
             prediction = with_births_by_map(prediction, cable_map)
         births = prediction.density.births

@@ -8,6 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.propose.rounds import annealing_power, widening_in
+from cable_tracker.cable.hypotheses.propose.sample import MapWeights
 from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
@@ -24,11 +25,15 @@ rad]."""
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 """Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
 
-MAP_WEIGHT, KNOWN_MAP_WEIGHT = 11.0, 4.0
-"""Weight of the overlap of a strip with the map in the likelihood [nats per nat], in a search and
-beside a known cable. Of strips that share a border the map tells the right one, where growth and
-sand have stronger borders than the cable; where one is known, its own borders are the better guide.
-Chosen on the worlds to tune on (`tune_*`)."""
+SEARCH_MAP = MapWeights(overlap=11.0, lacking=0.0)
+"""Weights of the map in a search. Of strips that share a border the map tells the right one, where
+growth and sand have stronger borders than the cable. Chosen on the worlds to tune on (`tune_*`), as
+are those beside a known cable."""
+
+KNOWN_MAP = MapWeights(overlap=4.0, lacking=7.0)
+"""Weights of the map beside a known cable, whose own borders are the better guide: for what looks
+more like a cable it is not left easily, a crisp shadow for instance. But for what looks less like
+one, such as a dark seam along its flank, no more easily than a search would take that."""
 
 
 class ProposalConfig(NamedTuple):
@@ -56,8 +61,8 @@ class ProposalConfig(NamedTuple):
         Limits of what counts as a shadow.
     is_known : bool
         Whether a cable is known: then borders count whole, and appearance does not.
-    map_weight : float
-        Weight of the overlap of a strip with the map in the likelihood [nats per nat].
+    map_weights : MapWeights
+        How much the map of the frame counts in the likelihood.
     """
 
     image_size: tuple[float, float]
@@ -72,7 +77,7 @@ class ProposalConfig(NamedTuple):
     same_hypothesis_radii: FloatArray
     shadows: ShadowRules
     is_known: bool
-    map_weight: float
+    map_weights: MapWeights
 
 
 def proposal_config(
@@ -104,7 +109,7 @@ def proposal_config(
             scale,
         ),
         is_known=False,
-        map_weight=MAP_WEIGHT,
+        map_weights=SEARCH_MAP,
     )
 
 
@@ -114,4 +119,4 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
     It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
     """
     limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
-    return config._replace(evidence_limits=limits, is_known=True, map_weight=KNOWN_MAP_WEIGHT)
+    return config._replace(evidence_limits=limits, is_known=True, map_weights=KNOWN_MAP)

@@ -218,7 +218,7 @@ def _measure(
         inputs.scan.points_across,
         sample.measured,
     )
-    fill_map_log_ratios(sample, start, stop, inputs.cable_map, config.map_weight)
+    fill_map_log_ratios(sample, start, stop, inputs.cable_map, config.map_weights)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0
     fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)

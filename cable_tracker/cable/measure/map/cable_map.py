@@ -42,6 +42,9 @@ class CableMap(NamedTuple):
         Side of a cell [px].
     enough : float
         Overlap beyond which more is no better [nats], infinite in the map of a frame itself.
+    expected : float
+        Overlap of the strip that is expected [nats]: to match less well counts for more than to
+        match better. -inf where none is.
     """
 
     probabilities: Image
@@ -52,6 +55,7 @@ class CableMap(NamedTuple):
     top: float
     cell: float
     enough: float
+    expected: float
 
 
 @compiled
@@ -65,12 +69,28 @@ def cable_map_of(probabilities: Image, left: float, top: float, cell: float) -> 
             along_rows[row, column + 1] = along_rows[row, column] + found
             along_columns[column, row + 1] = along_columns[column, row] + found
     return CableMap(
-        probabilities, along_rows, along_columns, along_rows[:, -1].sum(), left, top, cell, np.inf
+        probabilities=probabilities,
+        sums_along_rows=along_rows,
+        sums_along_columns=along_columns,
+        mass=along_rows[:, -1].sum(),
+        left=left,
+        top=top,
+        cell=cell,
+        enough=np.inf,
+        expected=-np.inf,
     )
 
 
 NO_MAP = CableMap(
-    np.empty((0, 0), np.float32), np.empty((0, 1)), np.empty((0, 1)), 0.0, 0.0, 0.0, 1.0, np.inf
+    probabilities=np.empty((0, 0), np.float32),
+    sums_along_rows=np.empty((0, 1)),
+    sums_along_columns=np.empty((0, 1)),
+    mass=0.0,
+    left=0.0,
+    top=0.0,
+    cell=1.0,
+    enough=np.inf,
+    expected=-np.inf,
 )
 """The map of a frame of which none was worked out."""
 
@@ -122,6 +142,13 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
 def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
     """Return the overlap of a strip (4 or more,) with a map; see `MapMatch`."""
     return map_match(state, cable_map).overlap
+
+
+def beside_expected(cable_map: CableMap, state: FloatArray) -> CableMap:
+    """Return a map of which strips are held against the one that is expected, (4 or more,)."""
+    if not is_worked_out(cable_map):
+        return cable_map
+    return cable_map._replace(expected=map_overlap(state, cable_map))
 
 
 @compiled

@@ -71,7 +71,8 @@ class KeptMap:
         )
         cells = np.asarray(probabilities, np.float32)
         moved = cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
-        return moved._replace(enough=map_overlap(pose, moved) - SLACK)
+        as_good = map_overlap(pose, moved) - SLACK
+        return moved._replace(enough=as_good, expected=as_good)
 
 
 def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:

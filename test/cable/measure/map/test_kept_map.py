@@ -92,6 +92,7 @@ def test_in_a_moved_map_a_strip_is_as_good_as_the_expected_one_if_it_matches_nea
     assert kept.cable_map.enough == np.inf
     moved = kept.moved_to(state.to_array())
     assert overlap(state, moved) - SLACK == pytest.approx(moved.enough)
+    assert moved.expected == moved.enough
     beside, half = state.to_array(), state.to_array()
     beside[0] += 1.0
     half[[0, 2]] = 13.0 - 10.0, 20.0
