@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
-from typing import Self
 
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -21,9 +21,8 @@ from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.messages.cable_particles import cloud_of
-from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
@@ -51,6 +50,7 @@ class CableFollower(Follower):
     subject = CABLE
     _tracker: CableTracker
     _parameters: TrackerParameters
+    _instruments: RecordedMetres | None
 
     def __init__(
         self,
@@ -63,23 +63,17 @@ class CableFollower(Follower):
         self._limits = pair_limits(parameters)
         self._start = given_state_for(source, init, self._limits)
         self._no_start = ""
-        self._parameters = parameters
-        self._tracker = make_tracker(parameters)
-        self._metres = metres
-        self._forget_picture()
+        super().__init__(parameters, make_tracker(parameters), metres)
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
         warm_up(self._parameters)
 
-    def begin(self) -> None:
-        """Be ready for the first frame."""
+    def _begin_tracker(self) -> None:
         self._update_start()
         self.trouble = self._no_start
         if self._start is not None:
             self._tracker.initialise(self._start)
-        if self._metres is not None:
-            self._metres.jump(to_start=True)
 
     def _update_start(self) -> None:
         """Find the start anew where other cables may be followed than when it was found."""
@@ -94,27 +88,6 @@ class CableFollower(Follower):
             self._no_start = str(error)
         self._limits = limits
 
-    def reset(self) -> None:
-        """Forget everything."""
-        super().reset()
-        if self._metres is not None:
-            self._metres.jump()
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
-        other = super().copy()
-        if self._metres is not None:
-            other._metres = self._metres.copy()
-        return other
-
-    def _forget_picture(self) -> None:
-        self._decoded = self._grey = stand_in()
-
-    def close(self) -> None:
-        """Read no more of the recording."""
-        if self._metres is not None:
-            self._metres.close()
-
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from a belief."""
         assert isinstance(start, GivenState), "a cable is not marked with an outline"
@@ -125,17 +98,12 @@ class CableFollower(Follower):
         assert isinstance(parameters, TrackerParameters)
         self._tracker.configure(parameters, make_proposer(parameters))
 
-    def look(self, frame: Frame) -> None:
-        """Decode a frame."""
-        # Of one that cannot be decoded, the picture before is not shown under its number.
-        height, width = self._decoded.shape[:2]
-        self._grey = stand_in((width, height))
-        self._decoded = decode_grey(frame.image)
-        self._grey = shown_levels(self._decoded)
+    def _decode(self, image: RawImage | CompressedImage) -> Image:
+        return decode_grey(image)
 
     def follow(self, frame: Frame, number: int) -> CableSnapshot:
         """Track a frame."""
-        metres = self._metres
+        metres = self._instruments
         if metres is not None:
             metres.advance(frame)
         begin = time.perf_counter()
@@ -154,11 +122,11 @@ class CableFollower(Follower):
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            image=self._grey,
+            image=self._shown,
             status=status,
             reason=reason,
             truth=frame.truth,
-            metres=None if self._metres is None else UNTRACKED,
+            metres=None if self._instruments is None else UNTRACKED,
         )
 
     def _tracked(
@@ -169,7 +137,7 @@ class CableFollower(Follower):
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            image=self._grey,
+            image=self._shown,
             status=estimate.status.value,
             reason=estimate.event,
             state=estimate.claimed_state,

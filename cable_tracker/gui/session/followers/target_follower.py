@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from typing import Self
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart
@@ -16,9 +15,8 @@ from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr_levels
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.labels.target_labels import BoxTruth
-from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
@@ -50,6 +48,7 @@ class TargetFollower(Follower):
     subject = TARGET
     _tracker: TargetTracker
     _parameters: TargetParameters
+    _instruments: RecordedSight | None
 
     def __init__(
         self,
@@ -59,13 +58,10 @@ class TargetFollower(Follower):
         sight: RecordedSight | None = None,
     ) -> None:
         self._truth = truth
-        self._sight = sight
         self._start: StartText = parse_start_text(init)
         if len(self._start.boxes) > 1:
             raise ParameterError("init: the window follows one target; mark only one")
-        self._parameters = parameters
-        self._tracker = TargetTracker(self._with_detector(parameters))
-        self._forget_picture()
+        super().__init__(parameters, TargetTracker(self._with_detector(parameters)), sight)
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
@@ -75,33 +71,9 @@ class TargetFollower(Follower):
         """Return parameters with a detector where the start needs one; the user's stay as given."""
         return parameters.with_detector() if self._start.detects else parameters
 
-    def begin(self) -> None:
-        """Be ready for the first frame."""
+    def _begin_tracker(self) -> None:
         for start in self._start.boxes:
             self._tracker.initialise(start)
-        if self._sight is not None:
-            self._sight.jump(to_start=True)
-
-    def reset(self) -> None:
-        """Forget everything."""
-        super().reset()
-        if self._sight is not None:
-            self._sight.jump()
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
-        other = super().copy()
-        if self._sight is not None:
-            other._sight = self._sight.copy()
-        return other
-
-    def _forget_picture(self) -> None:
-        self._decoded = self._image = stand_in()
-
-    def close(self) -> None:
-        """Read no more of the recording."""
-        if self._sight is not None:
-            self._sight.close()
 
     def initialise(self, start: AnyStart) -> None:
         """Follow what is marked in the next frame."""
@@ -114,21 +86,16 @@ class TargetFollower(Follower):
         assert isinstance(parameters, TargetParameters)
         self._tracker.configure(self._with_detector(parameters))
 
-    def look(self, frame: Frame) -> None:
-        """Decode a frame."""
-        # Of one that cannot be decoded, the picture before is not shown under its number.
-        height, width = self._decoded.shape[:2]
-        self._image = stand_in((width, height))
-        self._decoded = decode_bgr_levels(frame.image)
-        self._image = shown_levels(self._decoded)
+    def _decode(self, image: RawImage | CompressedImage) -> Image:
+        return decode_bgr_levels(image)
 
     def follow(self, frame: Frame, number: int) -> TargetSnapshot:
         """Track a frame."""
-        sight = self._sight
+        sight = self._instruments
         if sight is not None:
             sight.advance(frame)
         begin = time.perf_counter()
-        height, width = self._image.shape[:2]
+        height, width = self._decoded.shape[:2]
         motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
         estimate = self._tracker.process(self._decoded, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
@@ -151,7 +118,7 @@ class TargetFollower(Follower):
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            image=self._image,
+            image=self._shown,
             status=estimate.status.value,
             reason=estimate.event,
             state=state,
@@ -173,7 +140,7 @@ class TargetFollower(Follower):
             number=number,
             frame=frame.index,
             stamp=frame.stamp,
-            image=self._image,
+            image=self._shown,
             status=status,
             reason=reason,
             truth=self._truth.box(frame),
