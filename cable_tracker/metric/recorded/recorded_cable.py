@@ -27,13 +27,12 @@ from cable_tracker.metric.recorded.vehicle import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_limits import METADATA, VEHICLE_FILE
-from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import (
     Instrument,
     InstrumentChoice,
     refuse_named_topics,
 )
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import Source
 
 
@@ -107,13 +106,6 @@ class RecordedMetres(RecordedInstruments[CableSight]):
     def is_aided(self) -> bool:
         """Whether there is odometry for the filter."""
         return self._aids
-
-    def advance(self, frame: Frame) -> list[InstrumentMessage]:
-        """Take what the instruments said up to a frame and shortly after it, and return it."""
-        taken = list(self._feed.up_to(frame))
-        for message in taken:
-            self._sight.take_message(message.instrument, message.stamp, message.message)
-        return taken
 
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].

@@ -8,6 +8,10 @@ from types import TracebackType
 from typing import Generic, Protocol, Self, TypeVar
 
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages.factory import Message
 
 
 class Sight(Protocol):
@@ -18,6 +22,9 @@ class Sight(Protocol):
 
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
+
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
 
 
 SightType = TypeVar("SightType", bound=Sight)
@@ -60,6 +67,13 @@ class RecordedInstruments(ABC, Generic[SightType]):
         other = copy(self)
         other._feed, other._sight = self._feed.copy(), self._sight.copy()
         return other
+
+    def advance(self, frame: Frame) -> list[InstrumentMessage]:
+        """Take what the instruments said up to a frame and shortly after it, and return it."""
+        taken = list(self._feed.up_to(frame))
+        for message in taken:
+            self._sight.take_message(message.instrument, message.stamp, message.message)
+        return taken
 
     def jump(self, *, to_start: bool = False) -> None:
         """Begin anew at whatever frame comes next; of all that was said the calibration stays.

@@ -14,7 +14,6 @@ from cable_tracker.metric.targets.target_metres import TargetMetres, TargetSetti
 from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.parameter_table import ParameterValue
@@ -88,11 +87,6 @@ class RecordedSight(RecordedInstruments[TargetSight]):
     def why_unaided(self) -> str:
         """Why turns were not taken out of the last frame; empty if they were."""
         return self._sight.why_unaided
-
-    def advance(self, frame: Frame) -> None:
-        """Take what the instruments said up to a frame and shortly after it."""
-        for message in self._feed.up_to(frame):
-            self._sight.take_message(message.instrument, message.stamp, message.message)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture; see `TargetSight`."""
