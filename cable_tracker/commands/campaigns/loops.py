@@ -24,6 +24,7 @@ from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
 from cable_tracker.evaluation.methods import METHODS
+from cable_tracker.ros.process.child_process import GRACE, end_process, last_line_of
 from cable_tracker.ros.process.environment import DOMAIN_VARIABLE
 
 FIRST_DOMAIN, LAST_DOMAIN = 88, 101
@@ -34,8 +35,12 @@ MOST_WORKERS = LAST_DOMAIN - FIRST_DOMAIN + 1
 POLL = 0.2
 """Time between two looks at what has ended [s]."""
 
-GRACE = 30.0
-"""Time that a run gets to stop its nodes [s]."""
+NODES_OF_RUN = 3
+"""Number of nodes that a run starts: what tracks, controller and simulator."""
+
+RUN_GRACE = (NODES_OF_RUN + 1) * GRACE
+"""Time that a run gets to end after SIGTERM [s]. It stops its nodes one after the other, and each
+of them gets its own time: a run that is killed before leaves nodes behind that nothing stops."""
 
 PR_SET_PDEATHSIG = 1
 """Number of the operation of prctl that sets the signal which a process gets when its parent
@@ -99,13 +104,12 @@ class LoopTask:
                 while process.poll() is None:
                     time.sleep(POLL)
             finally:
-                _stop(process)
+                end_process(process, RUN_GRACE)
             said.seek(0)
             lines = said.read().decode(errors="replace").splitlines()
         advance(1)
         if process.returncode:
-            reason = next((line.strip() for line in reversed(lines) if line.strip()), "")
-            reason = reason or f"it ended with code {process.returncode}"
+            reason = last_line_of(lines) or f"it ended with code {process.returncode}"
             raise RosError(reason.removeprefix("error: "))
         for file in result.iterdir():
             shutil.move(file, folder / file.name)
@@ -182,15 +186,3 @@ def _outcome(task: LoopTask, outcome: Outcome, folder: Path) -> LoopOutcome:
         return LoopOutcome(task.method, task.seed, read_summary(folder / task.name / SUMMARY))
     except RecordingError as error:
         return LoopOutcome(task.method, task.seed, None, str(error))
-
-
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    """End a run that is on its way; it stops its nodes."""
-    if process.poll() is not None:
-        return
-    process.terminate()
-    try:
-        process.wait(GRACE)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()

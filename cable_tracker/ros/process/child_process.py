@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -89,15 +89,26 @@ class NodeProcess:
 
     def stop(self) -> int:
         """Ask the process to end, kill it if it does not, and return its exit code."""
-        # SIGINT would be lost on a node that is still importing where our own parent ignores it, as
-        # a shell does for what it runs in the background.
-        self._process.terminate()
-        if self.wait(GRACE) is None:
-            self._process.kill()
-        return self._process.wait()
+        return end_process(self._process, GRACE)
 
     def last_line(self) -> str:
         """Return the last line that the process printed."""
         self._log.seek(0)
-        lines = [line.strip() for line in self._log if line.strip()]
-        return lines[-1] if lines else "it printed nothing"
+        return last_line_of(self._log) or "it printed nothing"
+
+
+def end_process(process: subprocess.Popen[bytes], grace: float) -> int:
+    """Ask a process to end, kill it if it has not after a time [s], and return its exit code."""
+    # SIGINT would be lost on a node that is still importing where our own parent ignores it, as a
+    # shell does for what it runs in the background.
+    process.terminate()
+    try:
+        return process.wait(grace)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return process.wait()
+
+
+def last_line_of(lines: Iterable[str]) -> str:
+    """Return the last line that is not blank, without the blanks about it; empty without one."""
+    return next((line.strip() for line in reversed(list(lines)) if line.strip()), "")
