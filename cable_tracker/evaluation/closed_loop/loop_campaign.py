@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary, format_cell, write_records
-from cable_tracker.sequences.tables.csv_tables import write_csv
+from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary
+from cable_tracker.sequences.tables.csv_tables import format_cell, write_csv, write_records
 
 RUNS, METHODS_TABLE = "runs.csv", "methods.csv"
 

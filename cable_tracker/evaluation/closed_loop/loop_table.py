@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -14,7 +14,6 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.sample_statistics import percentile_of_size, root_mean_square
-from cable_tracker.sequences.tables.csv_tables import write_csv
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 
@@ -222,13 +221,6 @@ def _losses(rows: Sequence[LoopRow]) -> list[float]:
     return losses
 
 
-def write_records(path: Path, kind: type, records: Sequence[object]) -> None:
-    """Write dataclasses of one kind as CSV, a column for each field; what is not known is empty."""
-    names = [field.name for field in fields(kind)]
-    rows = ([format_cell(getattr(record, name)) for name in names] for record in records)
-    write_csv(path, names, rows)
-
-
 def read_summary(path: Path) -> LoopSummary:
     """Read the judgement of a run that `write_records` has written.
 
@@ -252,12 +244,3 @@ def _value(cell: str, kind: type) -> Any:  # noqa: ANN401
     if kind is bool:
         return cell == "true"
     return float(cell or math.nan) if kind is float else kind(cell)
-
-
-def format_cell(value: object) -> str:
-    """Write a value into a CSV file; what is not known is empty."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return f"{value:.5f}" if math.isfinite(value) else ""
-    return str(value)

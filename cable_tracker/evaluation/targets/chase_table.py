@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.sample_statistics import mean, median
-from cable_tracker.sequences.tables.csv_tables import write_csv
+from cable_tracker.sequences.tables.csv_tables import write_records
 from cable_tracker.visualisation.plots import write_figure
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
@@ -129,9 +129,7 @@ def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -
     OutputError
         A file cannot be written.
     """
-    names = [field.name for field in fields(ChaseRow)]
-    cells = ([str(getattr(row, name)).replace("nan", "") for name in names] for row in rows)
-    write_csv(folder / TABLE, names, cells)
+    write_records(folder / TABLE, ChaseRow, rows)
     text = yaml.safe_dump(asdict(summary), sort_keys=False)
     write_bytes(folder / SUMMARY, text.encode())
     figure = Figure(figsize=(9.0, 3.2))

@@ -16,8 +16,8 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
     LoopSummary,
     read_summary,
     summarise_loop,
-    write_records,
 )
+from cable_tracker.sequences.tables.csv_tables import write_records
 
 LENGTH = 20.0
 BURIAL = Burial(9.0, 11.0)

@@ -53,4 +53,5 @@ def test_table_figures_and_plot_are_written(tmp_path):
     with (tmp_path / TABLE).open(newline="") as file:
         lines = list(csv.DictReader(file))
     assert len(lines) == 20
-    assert lines[11]["range"] == ""
+    assert (lines[10]["range"], lines[11]["range"]) == ("2.60000", "")
+    assert (lines[11]["is_visible"], lines[14]["is_visible"]) == ("false", "true")

@@ -1,10 +1,12 @@
 import csv
 import io
+import math
+from dataclasses import dataclass
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.sequences.tables.csv_tables import csv_text, write_csv
+from cable_tracker.sequences.tables.csv_tables import csv_text, write_csv, write_records
 
 CELLS = st.text(st.characters(exclude_characters="\r\0", exclude_categories=("Cs",)))
 
@@ -28,3 +30,18 @@ def test_a_file_holds_the_text_of_the_table(tmp_path):
 def test_letters_of_names_that_are_not_utf_8_are_replaced(tmp_path):
     write_csv(tmp_path / "table.csv", ("name",), [("Tauchg\udce4nge",)])
     assert (tmp_path / "table.csv").read_text(encoding="utf-8") == "name\nTauchg?nge\n"
+
+
+@dataclass
+class Record:
+    name: str
+    count: int
+    depth: float
+    is_told: bool
+
+
+def test_records_have_a_column_for_each_field_and_what_is_not_known_is_empty(tmp_path):
+    records = [Record("nan", 3, 1.5, True), Record("", 0, math.nan, False)]
+    write_records(tmp_path / "table.csv", Record, iter(records))
+    lines = (tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()
+    assert lines == ["name,count,depth,is_told", "nan,3,1.50000,true", ",0,,false"]

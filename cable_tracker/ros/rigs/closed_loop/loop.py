@@ -22,7 +22,6 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
     LoopRow,
     LoopSummary,
     summarise_loop,
-    write_records,
 )
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.clients.lockstep import (
@@ -42,6 +41,7 @@ from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     need_rows,
     turn_of,
 )
+from cable_tracker.sequences.tables.csv_tables import write_records
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.motion.live_world import LiveSettings, cable_course
 from cable_tracker.simulation.rendering.tube import SETTLED
