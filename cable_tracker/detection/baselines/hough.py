@@ -57,11 +57,8 @@ class HoughDetector(CableDetector):
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
         image_size = (pixels.shape[1], pixels.shape[0])
         points = zero_crossings(pixels).within(region)
-        if len(points) == 0:
-            return []
-        return pair_lines(
-            hough_lines(points, image_size), image_size, region, MINIMUM_SCORE, self._limits
-        )
+        lines = hough_lines(points, image_size)
+        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
 
 
 def zero_crossings(pixels: Image) -> EdgePoints:

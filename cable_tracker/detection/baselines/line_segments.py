@@ -62,14 +62,8 @@ class LineSegmentDetector(CableDetector):
         image_size = (pixels.shape[1], pixels.shape[0])
         segments = self._find_segments(pixels)
         segments = segments.selected(segments.lengths >= SHORTEST * pixel_scale(image_size[0]))
-        if region is not None:
-            segments = segments.selected(
-                region.covers(segments.starts) & region.covers(segments.ends)
-            )
-        if len(segments) == 0:
-            return []
         gradient = gradient_of(cv2.GaussianBlur(pixels, (0, 0), SIGMA))
-        lines = lines_of_segments(segments, gradient, MINIMUM_CONTRAST)
+        lines = lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
         return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
 
     def _find_segments(self, pixels: Image) -> Segments:

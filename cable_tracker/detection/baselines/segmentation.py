@@ -76,13 +76,7 @@ class SegmentationDetector(CableDetector):
         contours = region_contours(smooth, gradient)
         segments = straight_segments(contours, gradient)
         segments = segments.selected(segments.lengths >= SHORTEST * scale)
-        if region is not None:
-            segments = segments.selected(
-                region.covers(segments.starts) & region.covers(segments.ends)
-            )
-        if len(segments) == 0:
-            return []
-        lines = lines_of_segments(segments, gradient, MINIMUM_CONTRAST)
+        lines = lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
         return pair_lines(
             lines, (pixels.shape[1], pixels.shape[0]), region, MINIMUM_SCORE, self._limits
         )

@@ -9,6 +9,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.edges import EdgePoints, Gradient
+from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import image_to_pixel
 
 SAMPLE_SPACING = 2.0
@@ -43,6 +44,12 @@ class Segments:
     def selected(self, chosen: BoolArray) -> Segments:
         """Return the segments of a mask of shape (N,)."""
         return Segments(self.starts[chosen], self.ends[chosen])
+
+    def within(self, region: SearchRegion | None) -> Segments:
+        """Return those that may be on a border of a cable in a region; all of them without one."""
+        if region is None:
+            return self
+        return self.selected(region.covers(self.starts) & region.covers(self.ends))
 
 
 def lines_of_segments(

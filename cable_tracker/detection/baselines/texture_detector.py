@@ -90,11 +90,8 @@ class TextureDetector(CableDetector):
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
         image_size = (pixels.shape[1], pixels.shape[0])
         points = cable_cells(describe_cells(pixels)).within(region)
-        if len(points) == 0:
-            return []
-        return pair_lines(
-            hough_lines(points, image_size), image_size, region, MINIMUM_SCORE, self._limits
-        )
+        lines = hough_lines(points, image_size)
+        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
 
 
 def cable_cells(cells: Cells) -> EdgePoints:
