@@ -13,19 +13,12 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.worlds.world_dive import LENGTHS
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 
 UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))
 """Turns px² and rad² of d, alpha, w, beta into px² and deg²."""
-
-LENGTHS = [
-    StateColumn.DISTANCE,
-    StateColumn.WIDTH,
-    StateColumn.DISTANCE_RATE,
-    StateColumn.WIDTH_RATE,
-]
-"""Columns that are in pixels."""
 
 LONGEST_STEP = 1.5
 """Longest time from one frame to the next one, as a multiple of the usual: after more than that

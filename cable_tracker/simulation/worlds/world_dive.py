@@ -40,6 +40,14 @@ from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH, pixel_scale
 
+LENGTHS = [
+    StateColumn.DISTANCE,
+    StateColumn.WIDTH,
+    StateColumn.DISTANCE_RATE,
+    StateColumn.WIDTH_RATE,
+]
+"""Columns of a state that are in pixels."""
+
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
 
@@ -121,13 +129,7 @@ class WorldDive:
             rng,
             height=REFERENCE_WIDTH * height / width,
         )
-        lengths = [
-            StateColumn.DISTANCE,
-            StateColumn.WIDTH,
-            StateColumn.DISTANCE_RATE,
-            StateColumn.WIDTH_RATE,
-        ]
-        self.states[:, lengths] *= self._scale
+        self.states[:, LENGTHS] *= self._scale
         # On the bottom a texel is a pixel where the view is middling.
         self._unit = float(self.states[:, StateColumn.WIDTH].mean()) / (2 * self._scale)
         speed = float(rng.uniform(*TRAVEL_SPEED))
