@@ -7,12 +7,13 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar, TypeVar, cast
+from typing import Any, ClassVar, TypeVar
 
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
 
 from cable_tracker.example_controller.command import STOP, Command
+from cable_tracker.metric.settings import number
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
@@ -162,7 +163,7 @@ class GuidanceNode(ProcessNode):
         raise NotImplementedError
 
     def _number(self, name: str) -> float:
-        return float(cast(float, self._values[name]))
+        return number(self._values, name)
 
     def on_state(self, message: Message) -> None:
         """Take note that the tracker has seen a frame, and whether it claims something in it."""

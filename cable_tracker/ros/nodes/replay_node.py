@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
+from cable_tracker.metric.settings import number
 from cable_tracker.node_parameter_tables import (
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
@@ -73,7 +74,7 @@ class ReplayNode(ProcessNode):
             raise ParameterError(
                 "source: name the recording, for instance --ros-args -p source:=/data/dive.mcap"
             )
-        frame_rate = float(cast(float, self._start_values["frame_rate"]))
+        frame_rate = number(self._start_values, "frame_rate")
         # Time between two frames, for what comes after the last [s]; a single frame tells of none.
         self._interval = 1.0 / frame_rate
         self._source = open_source(
@@ -172,7 +173,7 @@ class ReplayNode(ProcessNode):
     @property
     def _due(self) -> float:
         """When the next frame is due, on the monotonic clock [s]; a change of `rate` counts."""
-        return self._since + self._pause / float(cast(float, self._values["rate"]))
+        return self._since + self._pause / number(self._values, "rate")
 
     def _read_next(self) -> Frame | None:
         try:
@@ -199,7 +200,7 @@ class ReplayNode(ProcessNode):
         return None if 0 < duration <= elapsed else frame
 
     def _nanoseconds(self, name: str) -> int:
-        return round(float(cast(float, self._values[name])) * NANOSECONDS)
+        return round(number(self._values, name) * NANOSECONDS)
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -271,7 +272,7 @@ class ReplayNode(ProcessNode):
 
     @property
     def _answer_timeout(self) -> float:
-        return float(cast(float, self._start_values["answer_timeout"]))
+        return number(self._start_values, "answer_timeout")
 
     def _words_on_other_topics(self) -> str:
         """Name the topics on which images are awaited and none come."""

@@ -10,6 +10,7 @@ from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
 from cable_tracker.errors import RosError
+from cable_tracker.metric.settings import number
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
@@ -128,7 +129,7 @@ class VehicleNode(ProcessNode):
         self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
 
     def _number(self, name: str) -> float:
-        return float(cast(float, self._values[name]))
+        return number(self._values, name)
 
     def _whole(self, name: str) -> int:
         return int(cast(int, self._values[name]))
