@@ -70,11 +70,6 @@ class LineOfSight:
         self._settings = settings
         self._integral = 0.0
 
-    @property
-    def integral(self) -> float:
-        """By how much the cable is thought to be farther to the left [m]."""
-        return self._integral
-
     def steer(self, cable: Cable, seconds: float, speed: float | None = None) -> Command:
         """Return the next command.
 

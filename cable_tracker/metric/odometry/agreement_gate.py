@@ -64,13 +64,8 @@ class AgreementGate:
         return other
 
     @property
-    def is_open(self) -> bool:
-        """Whether predictions may be used."""
-        return self._open
-
-    @property
     def doubt(self) -> Unaided | None:
-        """Why they may not; None if they may."""
+        """Why predictions may not be used; None if they may."""
         if self._open:
             return None
         return CABLE_DISAGREES if self._proved_wrong else NOT_PROVED
