@@ -295,8 +295,13 @@ VEHICLE_PARAMETERS = (
 )
 """Of every node that simulates a vehicle; read at start only."""
 
+WORLD_SEED = count(
+    "seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."
+)
+"""Of every node that simulates a vehicle, the first of its table."""
+
 SIMULATOR_PARAMETERS = (
-    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
+    WORLD_SEED,
     number("length", 100.0, "m", (1.0, 1e5), "Length of the cable; at its end the node ends."),
     number(
         "buried",
@@ -327,7 +332,7 @@ SIMULATOR_PARAMETERS = (
 """Read at start only."""
 
 TARGET_SIMULATOR_PARAMETERS = (
-    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
+    WORLD_SEED,
     number("duration", 300.0, "s", (1.0, 1e5), "After so long the node ends."),
     number("speed", 0.35, "m/s", (0.0, 2.0), "Speed of the target."),
     number("hidden_every", 50.0, "s", (5.0, 1e5), "Time from one cloud of silt to the next."),
@@ -337,6 +342,18 @@ TARGET_SIMULATOR_PARAMETERS = (
     *VEHICLE_PARAMETERS,
 )
 """Read at start only."""
+
+STEPWISE = flag(
+    "lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."
+)
+STATE_TIMEOUT = number(
+    "state_timeout",
+    1.0,
+    "s",
+    (0.05, 60.0),
+    "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
+)
+"""Of every node that steers by a tracker's `state`, as `STEPWISE`."""
 
 FOLLOWER_PARAMETERS = (
     number("distance", 2.5, "m", (0.3, 100.0), "Distance from the target that is kept."),
@@ -377,7 +394,7 @@ FOLLOWER_PARAMETERS = (
         (0.05, 3.0),
         "Search: angle to either side at first; then ever farther.",
     ),
-    flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
+    STEPWISE,
     number(
         "settle_time",
         0.05,
@@ -385,13 +402,7 @@ FOLLOWER_PARAMETERS = (
         (0.0, 60.0),
         "How long to wait for the `relative_pose` that belongs to a `state`.",
     ),
-    number(
-        "state_timeout",
-        1.0,
-        "s",
-        (0.05, 60.0),
-        "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
-    ),
+    STATE_TIMEOUT,
 )
 """Read at start only."""
 
@@ -409,7 +420,7 @@ CONTROLLER_PARAMETERS = (
         (0.0, 1e4),
         "Search so far along the line where the cable was, then give up.",
     ),
-    flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
+    STEPWISE,
     number(
         "settle_time",
         0.05,
@@ -417,13 +428,7 @@ CONTROLLER_PARAMETERS = (
         (0.0, 60.0),
         "How long to wait for `cross_track` and `odometry` that belong to a `state`.",
     ),
-    number(
-        "state_timeout",
-        1.0,
-        "s",
-        (0.05, 60.0),
-        "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
-    ),
+    STATE_TIMEOUT,
 )
 """Read at start only."""
 
