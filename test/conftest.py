@@ -5,10 +5,11 @@ import faulthandler
 import gc
 import os
 import pickle
+import sys
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -142,6 +143,44 @@ def kept_surfaces() -> Iterator[None]:
         patch.setattr(dive, "make_bed", keep(dive.make_bed))
         patch.setattr(dive, "make_cable", keep(dive.make_cable))
         yield
+
+
+class Outcome(NamedTuple):
+    """How a command ended, and what it wrote."""
+
+    code: int
+    out: str
+    err: str
+
+    def assert_refused(self, words: str) -> None:
+        """One line on stderr, exit code 2."""
+        assert self.code == 2
+        assert self.out == ""
+        assert self.err.startswith("error: ")
+        assert self.err.count("\n") == 1
+        assert words in self.err
+
+
+@pytest.fixture
+def command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., Outcome]:
+    """Run `cable-tracker` in an empty folder."""
+    from cable_tracker import cli  # noqa: PLC0415
+
+    monkeypatch.chdir(tmp_path)
+
+    def run_command(*arguments: object) -> Outcome:
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, arguments)])
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        return Outcome(code, *capsys.readouterr())
+
+    return run_command
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import version
@@ -51,42 +50,6 @@ OLD_TYPER = tuple(map(int, version("typer").split(".")[:2])) < (0, 15)
 """It imports Rich at once, and gives no advice."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How a command ended, and what it wrote."""
-
-    code: int
-    out: str
-    err: str
-
-    def assert_refused(self, words: str) -> None:
-        """One line on stderr, exit code 2."""
-        assert self.code == 2
-        assert self.out == ""
-        assert self.err.startswith("error: ")
-        assert self.err.count("\n") == 1
-        assert words in self.err
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the command in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_command(*arguments: object) -> Outcome:
-        capsys.readouterr()
-        monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, arguments)])
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        written = capsys.readouterr()
-        return Outcome(code, written.out, written.err)
-
-    return run_command
-
-
 @cache
 def small_dive(frames: int, clutter: float) -> tuple[Frame, ...]:
     """What `simulate` writes; worked out once, for most tests want it."""
@@ -94,22 +57,22 @@ def small_dive(frames: int, clutter: float) -> tuple[Frame, ...]:
 
 
 @pytest.fixture
-def bag(run) -> Path:
+def bag(command) -> Path:
     """A small simulated bag with truth."""
     write_bag(Path("dive"), small_dive(8, 0.1))
     return Path("dive")
 
 
 @pytest.fixture
-def unlabelled(bag, run) -> Path:
+def unlabelled(bag, command) -> Path:
     """The same dive as pictures without labels."""
     write_sequence(Path("pictures"), small_dive(3, 0.5))
     Path("pictures/sequence.txt").unlink()
     return Path("pictures")
 
 
-def test_a_bag_is_tracked_into_a_folder(run, bag):
-    outcome = run("track", bag, "--init", "truth", "--seed", 1)
+def test_a_bag_is_tracked_into_a_folder(command, bag):
+    outcome = command("track", bag, "--init", "truth", "--seed", 1)
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.startswith("8 frames: 8 TRACKING\n")
     assert "8 of 8 labelled frames claimed; 0.0% of those off" in outcome.out
@@ -120,32 +83,32 @@ def test_a_bag_is_tracked_into_a_folder(run, bag):
         assert Path(line.strip()).exists()
 
 
-def test_with_a_vehicle_file_it_is_told_why_there_are_no_metres(run, bag):
+def test_with_a_vehicle_file_it_is_told_why_there_are_no_metres(command, bag):
     Path("vehicle.yaml").write_text("fixed_altitude: 2.0\n")
-    outcome = run("track", bag, "--init", "truth", "--vehicle", "vehicle.yaml")
+    outcome = command("track", bag, "--init", "truth", "--vehicle", "vehicle.yaml")
     assert "\nno metres: no camera calibration (8 claims)\n" in outcome.out
     rows = read_estimates(Path("dive_tracked/estimates.csv"))
     assert all(row.no_metres.startswith("no camera calibration: ") for row in rows)
 
 
-def test_the_same_seed_gives_the_same_table_and_another_one_does_not(run, bag):
+def test_the_same_seed_gives_the_same_table_and_another_one_does_not(command, bag):
     tables = []
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         options = ("--init", "truth", "--seed", seed, "--output", name, "--no-timing")
-        assert run("track", bag, *options, *TABLE_ALONE).code == 0
+        assert command("track", bag, *options, *TABLE_ALONE).code == 0
         tables.append(Path(name, "estimates.csv").read_bytes())
     assert tables[0] == tables[1] != tables[2]
 
 
-def test_a_start_may_have_a_negative_first_number(run, bag):
-    assert run("track", bag, "--init", "-5,0.1,9,0", *TABLE_ALONE).code == 0
+def test_a_start_may_have_a_negative_first_number(command, bag):
+    assert command("track", bag, "--init", "-5,0.1,9,0", *TABLE_ALONE).code == 0
 
 
-def test_what_a_detector_says_is_claimed_like_any_other_find(run, bag):
+def test_what_a_detector_says_is_claimed_like_any_other_find(command, bag):
     demanding = ("-p", "evidence_to_find=100", "--force", *TABLE_ALONE)
 
     def statuses(init):
-        assert run("track", bag, "--init", init, "--output", "out", *demanding).code == 0
+        assert command("track", bag, "--init", init, "--output", "out", *demanding).code == 0
         return {row.status for row in read_estimates(Path("out") / "estimates.csv")}
 
     assert statuses("truth") == {"TRACKING"}
@@ -160,27 +123,27 @@ def test_preset_parameter_file_and_seed_add_up(tmp_path):
     assert chosen_parameters(None, {}, None) == TrackerParameters()
 
 
-def test_a_missing_recording_is_refused(run):
-    run("track", "nothing.mcap").assert_refused("nothing.mcap: there is no such file or folder")
+def test_a_missing_recording_is_refused(command):
+    command("track", "nothing.mcap").assert_refused("nothing.mcap: there is no such file or folder")
 
 
 @pytest.mark.parametrize("name", ["a.mcap", "a.db3", "a.bag", "a.mp4", "a.txt", "a.xyz", "a"])
 @pytest.mark.parametrize("content", [b"", b"no recording \x00\xff" * 50], ids=["empty", "garbage"])
-def test_garbage_is_refused_in_one_line_that_names_it(run, name, content):
+def test_garbage_is_refused_in_one_line_that_names_it(command, name, content):
     Path(name).write_bytes(content)
-    for command in (("track", name), ("convert", name, "out")):
-        run(*command).assert_refused(name)
+    for words in (("track", name), ("convert", name, "out")):
+        command(*words).assert_refused(name)
     assert [path.name for path in Path().iterdir()] == [name]
 
 
 @pytest.mark.parametrize("init", ["", "left", "1,2,3", "nan,0,30,0", "0,0,-1,0"])
-def test_a_bad_start_is_refused(run, bag, init):
-    run("track", bag, "--init", init).assert_refused("initial state")
+def test_a_bad_start_is_refused(command, bag, init):
+    command("track", bag, "--init", init).assert_refused("initial state")
     assert not Path("dive_tracked").exists()
 
 
-def test_truth_needs_labels(run, unlabelled):
-    run("track", unlabelled, "--init", "truth").assert_refused("no ground truth to start from")
+def test_truth_needs_labels(command, unlabelled):
+    command("track", unlabelled, "--init", "truth").assert_refused("no ground truth to start from")
     assert not Path("pictures_tracked").exists()
 
 
@@ -194,9 +157,9 @@ def test_truth_needs_labels(run, unlabelled):
         ("a: 2020-99-99\n", "cannot be read as YAML"),
     ],
 )
-def test_a_bad_parameter_file_is_refused(run, bag, content, words):
+def test_a_bad_parameter_file_is_refused(command, bag, content, words):
     Path("p.yaml").write_text(content)
-    run("track", bag, "--params", "p.yaml").assert_refused(words)
+    command("track", bag, "--params", "p.yaml").assert_refused(words)
 
 
 @pytest.mark.parametrize(
@@ -209,8 +172,8 @@ def test_a_bad_parameter_file_is_refused(run, bag, content, words):
         (("--truth", "labels.txt"), "labels.txt"),
     ],
 )
-def test_other_bad_options_are_refused(run, bag, options, words):
-    run("track", bag, *options).assert_refused(words)
+def test_other_bad_options_are_refused(command, bag, options, words):
+    command("track", bag, *options).assert_refused(words)
 
 
 @pytest.mark.parametrize(
@@ -223,17 +186,17 @@ def test_other_bad_options_are_refused(run, bag, options, words):
         ("dance",),
     ],
 )
-def test_wrong_usage_is_explained_with_exit_code_2(run, arguments):
-    outcome = run(*arguments)
+def test_wrong_usage_is_explained_with_exit_code_2(command, arguments):
+    outcome = command(*arguments)
     assert outcome.code == 2
     assert "Usage" in outcome.err
     assert "Traceback" not in outcome.err
 
 
-def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(run, bag):
+def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(command, bag):
     stored = Path("dive/dive.mcap")
     Path("cut.mcap").write_bytes(stored.read_bytes()[: stored.stat().st_size * 5 // 8])
-    outcome = run("track", "cut.mcap", "--init", "truth", *TABLE_ALONE)
+    outcome = command("track", "cut.mcap", "--init", "truth", *TABLE_ALONE)
     rows = read_estimates(Path("cut_tracked/estimates.csv"))
     assert 1 <= len(rows) < 8
     assert outcome.code == 0
@@ -241,21 +204,21 @@ def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(run, bag):
     assert outcome.err.startswith("note: ")
 
 
-@pytest.mark.parametrize("command", ["track", "convert"])
-def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(run, unlabelled, command):
+@pytest.mark.parametrize("name", ["track", "convert"])
+def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(command, unlabelled, name):
     Path("pictures/frame_000002.png").write_bytes(b"garbage")
-    output = ("--output", "out", *TABLE_ALONE) if command == "track" else ("out",)
-    outcome = run(command, unlabelled, *output)
+    output = ("--output", "out", *TABLE_ALONE) if name == "track" else ("out",)
+    outcome = command(name, unlabelled, *output)
     assert outcome.code == 2
     assert outcome.out.startswith("2 frames: ")
     assert outcome.err.startswith("error: ")
     assert outcome.err.count("\n") == 1
     assert "frame_000002.png" in outcome.err
-    if command == "track":
+    if name == "track":
         assert len(read_estimates(Path("out/estimates.csv"))) == 2
 
 
-def test_instruments_that_cannot_be_read_are_told_once(run):
+def test_instruments_that_cannot_be_read_are_told_once(command):
     factory = RosbagsMessages()
     with BagWriter(Path("dive")) as writer:
         for frame in small_dive(3, 0.5):
@@ -265,14 +228,14 @@ def test_instruments_that_cannot_be_read_are_told_once(run):
             writer.write_serialised(
                 "/altitude", "sensor_msgs/msg/Range", b"\x00\x01\x00\x00\x07", frame.stamp
             )
-    result = run("track", "dive", *TABLE_ALONE)
+    result = command("track", "dive", *TABLE_ALONE)
     assert result.code == 0
     assert result.err.count("/altitude: 3 of its messages cannot be read") == 1
 
 
-def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
+def test_bad_frames_are_passed_over_where_that_is_wanted(command, unlabelled):
     Path("pictures/frame_000001.png").write_bytes(b"garbage")
-    outcome = run("track", unlabelled, "--skip-bad-frames", *TABLE_ALONE)
+    outcome = command("track", unlabelled, "--skip-bad-frames", *TABLE_ALONE)
     assert outcome.code == 0
     statuses = [row.status for row in read_estimates(Path("pictures_tracked/estimates.csv"))]
     assert [status == "REFUSED" for status in statuses] == [False, True, False]
@@ -280,62 +243,62 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
     assert "taken to be 25 a second (--rate)" in outcome.out
 
 
-def test_a_recording_without_a_usable_frame_is_refused(run, unlabelled):
+def test_a_recording_without_a_usable_frame_is_refused(command, unlabelled):
     for picture in Path("pictures").glob("*.png"):
         picture.write_bytes(b"garbage")
-    outcome = run("track", unlabelled, "--skip-bad-frames")
+    outcome = command("track", unlabelled, "--skip-bad-frames")
     outcome.assert_refused("none of the 3 frames can be used; record it again. The first one:")
     assert not Path("pictures_tracked").exists()
 
 
-def test_bad_frames_are_left_out_of_a_converted_recording_on_request(run, unlabelled):
+def test_bad_frames_are_left_out_of_a_converted_recording_on_request(command, unlabelled):
     Path("pictures/frame_000001.png").write_bytes(b"garbage")
-    outcome = run("convert", unlabelled, "copy", "--format", "grey", "--skip-bad-frames")
-    assert outcome == Outcome(0, "2 frames (1 that cannot be decoded left out): copy\n", "")
+    outcome = command("convert", unlabelled, "copy", "--format", "grey", "--skip-bad-frames")
+    assert outcome == (0, "2 frames (1 that cannot be decoded left out): copy\n", "")
 
 
-def test_a_parameter_file_may_name_preset_and_initial_state_as_for_the_node(run, bag):
+def test_a_parameter_file_may_name_preset_and_initial_state_as_for_the_node(command, bag):
     text = "/**:\n  ros__parameters:\n    preset: thesis\n    initial_state: '1,0.1,20,0.01'\n"
     Path("node.yaml").write_text(text)
     table = ("--no-timing", *TABLE_ALONE)
-    run("track", bag, "--params", "node.yaml", *table, "--output", "by_file")
+    command("track", bag, "--params", "node.yaml", *table, "--output", "by_file")
     options = ("--preset", "thesis", "--init", "1,0.1,20,0.01")
-    run("track", bag, *options, *table, "--output", "by_options")
+    command("track", bag, *options, *table, "--output", "by_options")
     tables = [Path(name, "estimates.csv").read_bytes() for name in ("by_file", "by_options")]
     assert tables[0] == tables[1]
-    both = run("track", bag, "--params", "node.yaml", "--preset", "default", *table, "--force")
+    both = command("track", bag, "--params", "node.yaml", "--preset", "default", *table, "--force")
     assert "note: the preset thesis is used" in both.err
     assert Path("dive_tracked/estimates.csv").read_bytes() == tables[0]
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 @pytest.mark.parametrize("image_format", ["as-is", "grey", "jpeg"])
-def test_a_recording_is_converted_with_its_truth(run, bag, storage, image_format):
+def test_a_recording_is_converted_with_its_truth(command, bag, storage, image_format):
     options = ("--storage", storage, "--format", image_format)
-    outcome = run("convert", bag, "copy", *options)
-    assert outcome == Outcome(0, "8 frames: copy\n", "")
+    outcome = command("convert", bag, "copy", *options)
+    assert outcome == (0, "8 frames: copy\n", "")
     with open_source(Path("copy")) as copy, open_source(bag) as original:
         pairs = list(zip(copy.frames(), original.frames(), strict=True))
         assert copy.compressed is (image_format == "jpeg")
     assert [(a.stamp, a.truth) for a, _ in pairs] == [(b.stamp, b.truth) for _, b in pairs]
-    run("convert", bag, "copy").assert_refused("copy: exists already")
-    assert run("convert", bag, "copy", "--force").code == 0
+    command("convert", bag, "copy").assert_refused("copy: exists already")
+    assert command("convert", bag, "copy", "--force").code == 0
 
 
-def test_pictures_become_a_bag_at_the_wanted_rate(run, unlabelled):
-    assert run("convert", unlabelled, "copy", "--rate", 10).code == 0
+def test_pictures_become_a_bag_at_the_wanted_rate(command, unlabelled):
+    assert command("convert", unlabelled, "copy", "--rate", 10).code == 0
     with AnyReader([Path("copy")]) as reader:
         stamps = [stamp for _, stamp, _ in reader.messages()]
     assert stamps == [1_000_000_000, 1_100_000_000, 1_200_000_000]
-    assert "have times of their own" in run("convert", "copy", "again", "--rate", 10).err
+    assert "have times of their own" in command("convert", "copy", "again", "--rate", 10).err
 
 
-def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
+def test_a_dive_is_simulated_as_a_bag_or_a_sequence(command):
     settings = SimulationSettings(frame_count=3, image_size=(48, 36), seed=5, clutter=0.2)
     options = ("--frames", 3, "--size", "48x36", "--seed", 5, "--clutter", 0.2)
     expected = [bytes(frame.image.data) for frame in simulate(settings)]
-    assert run("simulate", "bag", *options).out == "3 frames: bag\n"
-    assert run("simulate", "pictures", "--format", "sequence", *options).code == 0
+    assert command("simulate", "bag", *options).out == "3 frames: bag\n"
+    assert command("simulate", "pictures", "--format", "sequence", *options).code == 0
     with open_source(Path("bag")) as bag:
         assert [bytes(frame.image.data) for frame in bag.frames()] == expected
     with open_source(Path("pictures/sequence.txt")) as sequence:
@@ -379,8 +342,8 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
         (("--scenario", "S1", "--cable-seed", "2"), "--cable-seed can do nothing with --scenario"),
     ],
 )
-def test_a_dive_that_cannot_be_simulated_is_refused(run, options, words):
-    run("simulate", "out", *options).assert_refused(words)
+def test_a_dive_that_cannot_be_simulated_is_refused(command, options, words):
+    command("simulate", "out", *options).assert_refused(words)
     assert list(Path().iterdir()) == []
 
 
@@ -398,26 +361,26 @@ def test_what_is_no_size(text):
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])
-def test_parameters_are_printed_with_whole_names_in_any_width(run, monkeypatch, width):
+def test_parameters_are_printed_with_whole_names_in_any_width(command, monkeypatch, width):
     monkeypatch.setattr(parameters, "console", Console(width=width))
-    outcome = run("parameters")
+    outcome = command("parameters")
     assert outcome.code == 0
     assert all(name in outcome.out for name in set(PARAMETERS_BY_NAME))
     assert "Number of particles N; time per frame" in " ".join(outcome.out.split())
 
 
-def test_parameters_are_printed_as_a_file_for_track(run, bag):
-    outcome = run("parameters", "--preset", "thesis", "--format", "yaml")
+def test_parameters_are_printed_as_a_file_for_track(command, bag):
+    outcome = command("parameters", "--preset", "thesis", "--format", "yaml")
     Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
     assert set(read_parameter_file(Path("thesis.yaml"))) == set(PARAMETERS_BY_NAME)
     chosen = chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
     assert chosen == chosen_parameters("thesis", {}, None)
 
 
-def test_help_and_version(run):
-    assert run("--version") == Outcome(0, f"cable-tracker {__version__}\n", "")
-    for command in ("track", "convert", "simulate", "parameters"):
-        outcome = run(command, "--help")
+def test_help_and_version(command):
+    assert command("--version") == (0, f"cable-tracker {__version__}\n", "")
+    for name in ("track", "convert", "simulate", "parameters"):
+        outcome = command(name, "--help")
         assert outcome.code == 0
         assert "Usage" in outcome.out
 
@@ -453,8 +416,8 @@ def told_and_imported(*words):
 
 
 @pytest.mark.parametrize(("group", "groups"), [((), cli.GROUPS), (("dev",), dev.GROUPS)])
-def test_the_help_lists_commands_by_what_one_wants_to_do(run, group, groups):
-    shown = run(*group, "--help").out
+def test_the_help_lists_commands_by_what_one_wants_to_do(command, group, groups):
+    shown = command(*group, "--help").out
     titles = [line.removesuffix(":") for line in shown.splitlines() if line.endswith(":")]
     assert titles == ["Options", *groups]
     lines = [line.split(maxsplit=1) for line in shown.splitlines()]
@@ -465,35 +428,37 @@ def test_the_help_lists_commands_by_what_one_wants_to_do(run, group, groups):
 
 
 @pytest.mark.parametrize("name", [*cli.COMMANDS, *cli.FORMER_NAMES])
-def test_every_command_is_found_and_explains_itself(run, name):
-    outcome = run(name, "--help")
+def test_every_command_is_found_and_explains_itself(command, name):
+    outcome = command(name, "--help")
     assert outcome.code == 0
     assert "Usage" in outcome.out
 
 
 @pytest.mark.parametrize("name", cli.FORMER_NAMES)
-def test_former_names_are_those_of_commands_under_dev(run, name):
-    options = [run(*words, "--help").out.split("Options")[1] for words in ((name,), ("dev", name))]
+def test_former_names_are_those_of_commands_under_dev(command, name):
+    options = [
+        command(*words, "--help").out.split("Options")[1] for words in ((name,), ("dev", name))
+    ]
     assert options[0] == options[1]
-    assert f"  {name} " not in run("--help").out
+    assert f"  {name} " not in command("--help").out
 
 
 @pytest.mark.skipif(OLD_TYPER, reason="Typer gives no such advice before 0.15")
-def test_a_mistyped_command_is_told_the_right_one(run):
-    assert "Did you mean 'track'?" in run("trak").err
+def test_a_mistyped_command_is_told_the_right_one(command):
+    assert "Did you mean 'track'?" in command("trak").err
 
 
-def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(run, monkeypatch):
+def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(command, monkeypatch):
     def fails(name):
         if name.endswith("commands.survey"):
             raise ImportError("pyarrow requires NumPy 2.0 or newer")
         return import_module(name)
 
     monkeypatch.setattr("cable_tracker.commands.console.lazy_group.import_module", fails)
-    shown = run("--help")
+    shown = command("--help")
     assert shown.code == 0
     assert "survey Map the cable from dives" in " ".join(shown.out.split())
-    used = run("survey", "--help")
+    used = command("survey", "--help")
     assert (used.code, used.out) == (2, "")
     assert "survey cannot be used here: pyarrow requires NumPy 2.0" in used.err
 
@@ -520,52 +485,52 @@ def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
     assert result.stderr == "error: missing: there is no such file or folder; check the path\n"
 
 
-def test_a_scenario_of_the_evaluation_is_simulated_to_its_end(run, monkeypatch):
+def test_a_scenario_of_the_evaluation_is_simulated_to_its_end(command, monkeypatch):
     short = dataclasses.replace(SCENARIOS["S6"], frame_count=4)
     monkeypatch.setattr(scenarios, "SCENARIOS", SCENARIOS | {"S6": short})
-    outcome = run("simulate", "night", "--scenario", "S6", "--size", "64x48", "--seed", 2)
-    assert outcome == Outcome(0, "4 frames: night\n", "")
+    outcome = command("simulate", "night", "--scenario", "S6", "--size", "64x48", "--seed", 2)
+    assert outcome == (0, "4 frames: night\n", "")
     with open_source(Path("night")) as night:
         found = [bytes(frame.image.data) for frame in night.frames()]
     expected = [each.frame.image.data for each in simulate_scenario(short, 2, (64, 48))]
     assert found == [bytes(data) for data in expected]
 
 
-def test_an_unknown_scenario_is_refused_with_the_known_ones(run):
-    run("simulate", "out", "--scenario", "S9").assert_refused("S9")
-    assert "S1, S2" in run("simulate", "out", "--scenario", "S9").err
+def test_an_unknown_scenario_is_refused_with_the_known_ones(command):
+    command("simulate", "out", "--scenario", "S9").assert_refused("S9")
+    assert "S1, S2" in command("simulate", "out", "--scenario", "S9").err
 
 
-def test_photographs_need_a_scenario(run, tmp_path):
-    run("simulate", "out", "--photographs", tmp_path).assert_refused("--scenario")
+def test_photographs_need_a_scenario(command, tmp_path):
+    command("simulate", "out", "--photographs", tmp_path).assert_refused("--scenario")
 
 
 @pytest.mark.parametrize("detector", ["hough", "lsd"])
-def test_a_detector_can_say_where_to_start(run, detector):
-    run("simulate", "clear", "--frames", 3, "--clutter", 0.1, "--size", "160x120")
-    outcome = run("track", "clear", "--init", detector, *TABLE_ALONE)
+def test_a_detector_can_say_where_to_start(command, detector):
+    command("simulate", "clear", "--frames", 3, "--clutter", 0.1, "--size", "160x120")
+    outcome = command("track", "clear", "--init", detector, *TABLE_ALONE)
     assert outcome.code == 0
     rows = read_estimates(Path("clear_tracked/estimates.csv"))
     assert rows[0].status == "TRACKING"
 
 
-def test_a_detector_that_sees_nothing_is_no_start(run):
+def test_a_detector_that_sees_nothing_is_no_start(command):
     Path("dark").mkdir()
     cv2.imwrite("dark/0.png", np.zeros((48, 64), np.uint8))
-    run("track", "dark", "--init", "lsd").assert_refused("the detector lsd sees no cable")
+    command("track", "dark", "--init", "lsd").assert_refused("the detector lsd sees no cable")
 
 
 @pytest.mark.parametrize("output", [".", "/"])
-def test_an_output_without_a_name_is_refused(run, bag, output):
-    run("track", bag, "--output", output, "--force").assert_refused("no name for a new output")
+def test_an_output_without_a_name_is_refused(command, bag, output):
+    command("track", bag, "--output", output, "--force").assert_refused("no name for a new output")
 
 
-def test_a_start_in_degrees_is_refused(run, bag):
-    run("track", bag, "--init", "12,6.5,40,0.03").assert_refused("radians")
+def test_a_start_in_degrees_is_refused(command, bag):
+    command("track", bag, "--init", "12,6.5,40,0.03").assert_refused("radians")
 
 
-def test_the_dds_profile_is_found(run):
-    assert Path(run("dds-profile").out.strip()).name == "fastdds_loopback.xml"
+def test_the_dds_profile_is_found(command):
+    assert Path(command("dds-profile").out.strip()).name == "fastdds_loopback.xml"
 
 
 HALTING = """
@@ -636,13 +601,15 @@ def test_units_are_printed_in_every_locale(encoding):
     assert b"px" in printed.stdout and not printed.stderr
 
 
-def test_an_error_is_told_with_what_is_kept(run, monkeypatch):
+def test_an_error_is_told_with_what_is_kept(command, monkeypatch):
     def fails():
         error = OutputError("map: cannot be written")
         error.add_note("2 finished tasks are kept in map")
         raise error
 
     monkeypatch.setattr(cli, "app", fails)
-    assert run("survey") == Outcome(
-        2, "", "error: map: cannot be written; 2 finished tasks are kept in map\n"
+    assert command("survey") == (
+        2,
+        "",
+        "error: map: cannot be written; 2 finished tasks are kept in map\n",
     )

@@ -10,12 +10,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from cable_tracker import cli
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 
@@ -54,14 +53,6 @@ LARGE = [name for name in WRITING if name not in ("learn", "parameters")]
 """Write more than there is some room for."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How a command ended, and what it said."""
-
-    code: int
-    err: str
-
-
 @pytest.fixture(scope="module")
 def dive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A labelled bag of six frames, on a disk with room."""
@@ -72,23 +63,13 @@ def dive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def run(
-    dive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., Outcome]:
+def run(dive: Path, command: Callable[..., Any]) -> Callable[..., Any]:
     """Run a command of the table."""
 
-    def run_command(name: str, output: Path, *more: str) -> Outcome:
+    def run_command(name: str, output: Path, *more: str) -> Any:
         words = [word.format(dive=dive, out=output) for word in COMMANDS[name]]
-        monkeypatch.setattr(sys, "argv", ["cable-tracker", *words, *more])
-        capsys.readouterr()
-        code = 0
-        try:
-            cli.main()
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        return Outcome(code, capsys.readouterr().err)
+        return command(*words, *more)
 
-    monkeypatch.chdir(tmp_path)
     return run_command
 
 

@@ -5,13 +5,13 @@ import os
 import cv2
 import numpy as np
 import pytest
+from tracking_page import PICTURE
 
 pytest.importorskip("rclpy", reason="ROS 2 IS MISSING: no live node is watched")
 
 from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.environment import local_environment
 
-PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
 NAMESPACE = "/boat"
 FIRST_DOMAIN = 70
 PAGE_TIMEOUT = 300_000

@@ -1,11 +1,9 @@
 """A recording of a target, followed in this process and watched."""
 
-import math
-import threading
-
 import numpy as np
 import pytest
 from chase_bag import write_chase_bag
+from watched_session import Watched
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
@@ -23,58 +21,10 @@ from cable_tracker.offline.track_target import track_target
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.status_words import WARMING_UP
 
-TIMEOUT = 300.0
 PARAMETERS = TargetParameters(particle_count=80, seed=4)
 TURNING_LENGTH = 32
 TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
-
-
-class Watched:
-    """A session on a target."""
-
-    def __init__(self, session):
-        self.session = session
-        self.seen = []
-        self._changed = threading.Condition()
-        session.listen(self._take)
-
-    def _take(self, snapshot):
-        with self._changed:
-            self.seen.append(snapshot)
-            self._changed.notify_all()
-
-    def at(self, frame, after=0):
-        """Wait until a frame has been tracked, and return what was made of it."""
-
-        def is_there():
-            now = self.session.latest
-            return (
-                now is not None
-                and now.frame == frame
-                and now.status != WARMING_UP
-                and now.number > after
-            )
-
-        with self._changed:
-            assert self._changed.wait_for(is_there, TIMEOUT), self.session.latest
-        return self.session.latest
-
-    def go_to(self, frame):
-        self.session.seek(frame)
-        return self.at(frame)
-
-    def play_to_the_end(self):
-        """Play as fast as can be, and return what was said about each frame that was tracked."""
-        first = self.at(0)
-        self.session.set_speed(math.inf)
-        self.session.play()
-        last = self.at(self.session.frame_count - 1)
-        with self._changed:
-            # The session shows a snapshot before it tells its listeners.
-            assert self._changed.wait_for(lambda: last in self.seen, TIMEOUT)
-            return {0: first} | {each.frame: each for each in self.seen if each.frame > 0}
 
 
 @pytest.fixture

@@ -1,24 +1,13 @@
 """The tracking window on a target, in a real browser."""
 
 import pytest
+from tracking_page import PICTURE, TrackingPage
 
 from cable_tracker.evaluation.targets.metrics import overlap
 
-PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
 
-
-class Window:
-    """A page, as a user sees it."""
-
-    def __init__(self, page):
-        self.page = page
-        page.wait_for_function(f"{PICTURE} && {PICTURE}.status !== 'WARMING UP'")
-
-    def at(self, name):
-        return self.page.locator(f"[data-test={name}]")
-
-    def picture(self):
-        return self.page.evaluate(f"(({{parts, ...rest}}) => rest)({PICTURE})")
+class Window(TrackingPage):
+    """A page on which a target is followed."""
 
     def box(self):
         """Return left, top, right, bottom of what is drawn; None where no box is."""
@@ -28,7 +17,7 @@ class Window:
         xs, ys = found[0]["points"][::2], found[0]["points"][1::2]
         return min(xs), min(ys), max(xs), max(ys)
 
-    def drag(self, box):
+    def draw(self, box):
         """Draw a box on the picture."""
         ends = self.page.evaluate(
             """([x0, y0, x1, y1]) => {
@@ -40,10 +29,7 @@ class Window:
             }""",
             list(box),
         )
-        self.page.mouse.move(*ends[0])
-        self.page.mouse.down()
-        self.page.mouse.move(*ends[1], steps=4)
-        self.page.mouse.up()
+        self.drag(*ends)
 
 
 @pytest.fixture(scope="module")
@@ -58,17 +44,17 @@ def window(visit, address):
 
 
 def test_a_box_that_is_drawn_is_followed_and_told_in_numbers(window, target_frames):
-    window.drag(target_frames[0].box)
-    window.page.wait_for_function(f"{PICTURE}.status === 'TRACKING'")
+    window.draw(target_frames[0].box)
+    window.wait_for(f"{PICTURE}.status === 'TRACKING'")
     assert overlap(window.box(), target_frames[0].box) > 0.5
     assert [layer["name"] for layer in window.picture()["layers"]] == [
         "band", "contour", "box", "truth",
     ]  # fmt: skip
     names = [window.at(f"state-{row}").inner_text().split()[0] for row in range(6)]
     assert names == ["x", "y", "scale", "angle", "v_x", "v_y"]
-    window.page.wait_for_function("document.querySelector('[data-test=size]').innerText !== '–'")
+    window.wait_for("document.querySelector('[data-test=size]').innerText !== '–'")
     window.page.keyboard.press("ArrowRight")
-    window.page.wait_for_function(f"{PICTURE}.frame === 1")
+    window.wait_for(f"{PICTURE}.frame === 1")
     assert overlap(window.box(), target_frames[1].box) > 0.5
 
 
@@ -97,4 +83,4 @@ def test_the_box_can_be_typed(window, target_frames):
     dialog.locator("[data-test=dialog-refusal]").filter(has_text="px high").wait_for()
     window.page.get_by_label("bottom px").fill(str(bottom))
     dialog.locator("[data-test=dialog-ok]").click()
-    window.page.wait_for_function(f"{PICTURE}.status === 'TRACKING'")
+    window.wait_for(f"{PICTURE}.status === 'TRACKING'")

@@ -1,11 +1,11 @@
 import math
 import os
-import threading
 import time
 
 import cv2
 import numpy as np
 import pytest
+from watched_session import Watched
 
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
@@ -30,61 +30,10 @@ from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status_words import WARMING_UP
 
-TIMEOUT = 300.0
 LAST = 59
 LESS_THAN_A_FRAME_A_MINUTE = 1e-5
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
 TABLE_ONLY = WantedResults(video=False, bag=False, pictures=False)
-
-
-class Watched:
-    """A session with everything that it has said."""
-
-    def __init__(self, request, parameters=PARAMETERS):
-        self.session = RecordingSession(request, parameters)
-        self.seen = []
-        self._changed = threading.Condition()
-        self.session.listen(self._take)
-
-    def _take(self, snapshot):
-        with self._changed:
-            self.seen.append(snapshot)
-            self._changed.notify_all()
-
-    def wait(self, is_reached):
-        """Wait until something is so of what was said last, and return that."""
-        with self._changed:
-            assert self._changed.wait_for(lambda: self._fits(is_reached), TIMEOUT), self.latest
-            reached = self.latest
-            # The session shows a snapshot before it tells its listeners.
-            assert self._changed.wait_for(lambda: self._has_seen(reached), TIMEOUT), reached
-        return self.latest
-
-    def _has_seen(self, snapshot):
-        return not self.seen or self.seen[-1].number >= snapshot.number
-
-    def _fits(self, is_reached):
-        return self.latest is not None and is_reached(self.latest)
-
-    @property
-    def latest(self):
-        return self.session.latest
-
-    def at(self, frame):
-        """Wait until a frame has been tracked."""
-        return self.wait(lambda now: now.frame == frame and now.status != WARMING_UP)
-
-    def go_to(self, frame):
-        self.session.seek(frame)
-        return self.at(frame)
-
-    def play_to_the_end(self):
-        """Play as fast as can be, and return what was said about each frame."""
-        self.at(self.latest.frame if self.latest else 0)
-        self.session.set_speed(math.inf)
-        self.session.play()
-        self.at(self.session.frame_count - 1)
-        return {snapshot.frame: snapshot for snapshot in self.seen}
 
 
 @pytest.fixture
@@ -92,7 +41,8 @@ def watch(dive):
     opened = []
 
     def start(path=dive, init="truth", parameters=PARAMETERS, **options):
-        opened.append(Watched(RecordingRequest(path, init=init, **options), parameters))
+        request = RecordingRequest(path, init=init, **options)
+        opened.append(Watched(RecordingSession(request, parameters)))
         return opened[-1]
 
     yield start

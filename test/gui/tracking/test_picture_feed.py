@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
-from starlette.websockets import WebSocketDisconnect
+from socket_end import Browser
 
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.tracking.picture_feed import PictureFeed
@@ -15,34 +15,9 @@ from ..conftest import unpack
 TIMEOUT = 300.0
 
 
-class Browser:
-    """One end of a WebSocket, as a channel sees it."""
-
-    def __init__(self):
-        self._sent = asyncio.Queue()
-        self._said = asyncio.Queue()
-
-    async def accept(self):
-        pass
-
-    async def receive_text(self):
-        text = await self._said.get()
-        if text is None:
-            raise WebSocketDisconnect
-        return text
-
-    async def send_bytes(self, data):
-        await self._sent.put(data)
-
-    async def picture(self):
-        """Wait for a picture; return its description and its sections."""
-        return unpack(await asyncio.wait_for(self._sent.get(), TIMEOUT))
-
-    async def has_drawn(self):
-        await self._said.put("drawn")
-
-    async def go(self):
-        await self._said.put(None)
+async def picture_at(browser):
+    """Wait for a picture; return its description and its sections."""
+    return unpack(await asyncio.wait_for(browser.received.get(), TIMEOUT))
 
 
 class Shown:
@@ -94,7 +69,7 @@ def looking(feed, *visits):
             browser = Browser()
             serving = asyncio.create_task(feed.channel.serve(browser))
             await visit(browser)
-            await browser.go()
+            browser.leaves()
             await serving
 
     asyncio.run(run())
@@ -104,7 +79,7 @@ def test_a_browser_that_comes_late_sees_what_stands_still(feed, session):
     session.show(1)
 
     async def visit(browser):
-        assert (await browser.picture())[0]["number"] == 1
+        assert (await picture_at(browser))[0]["number"] == 1
 
     looking(feed, visit)
 
@@ -113,13 +88,13 @@ def test_a_slow_browser_misses_pictures_and_ends_with_the_newest(feed, session):
     session.show(1)
 
     async def visit(browser):
-        assert (await browser.picture())[0]["number"] == 1
+        assert (await picture_at(browser))[0]["number"] == 1
         for number in range(2, 50):
             session.show(number)
         number = 1
         while number < 49:
-            await browser.has_drawn()
-            number = (await browser.picture())[0]["number"]
+            browser.has_drawn()
+            number = (await picture_at(browser))[0]["number"]
 
     looking(feed, visit)
 
@@ -129,10 +104,10 @@ def test_who_comes_gets_the_whole_history(feed, session):
         session.show(number)
 
     async def visit(browser):
-        description, sections = await browser.picture()
+        description, sections = await picture_at(browser)
         while not description["history_is_whole"]:
-            await browser.has_drawn()
-            description, sections = await browser.picture()
+            browser.has_drawn()
+            description, sections = await picture_at(browser)
         assert len(sections["history"]) == 299
 
     looking(feed, visit, visit)
@@ -142,13 +117,13 @@ def test_a_frame_that_cannot_be_shown_is_said_and_the_next_one_comes(feed, sessi
     session.show(1, image=np.zeros((0, 8), np.uint8))
 
     async def visit(browser):
-        description, _ = await browser.picture()
+        description, _ = await picture_at(browser)
         assert description["number"] == 1
         assert description["status"] == "TRACKING"
         assert "cannot be encoded as JPEG" in description["reason"]
         session.show(2)
-        await browser.has_drawn()
-        assert (await browser.picture())[0]["number"] == 2
+        browser.has_drawn()
+        assert (await picture_at(browser))[0]["number"] == 2
 
     looking(feed, visit)
 
@@ -161,6 +136,6 @@ def test_another_session_takes_the_place_of_the_first(feed, session):
     session.show(6)
 
     async def visit(browser):
-        assert (await browser.picture())[0]["number"] == 1
+        assert (await picture_at(browser))[0]["number"] == 1
 
     looking(feed, visit)

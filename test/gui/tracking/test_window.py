@@ -12,6 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tracking_page import PICTURE, TrackingPage
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cli import app
@@ -25,7 +26,6 @@ from cable_tracker.tracking.parameter_files import (
 )
 
 LAST = 59
-PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
 
 
 @pytest.fixture
@@ -37,23 +37,16 @@ def pictures(tmp_path):
     return tmp_path
 
 
-class Window:
-    """A page, as a user sees it."""
+class Window(TrackingPage):
+    """A page on which a cable is followed."""
 
     def __init__(self, page):
-        self.page = page
-        self.wait_for(f"{PICTURE} && {PICTURE}.status !== 'WARMING UP'")
+        super().__init__(page)
         self.at("row-particle_count").wait_for()
         page.wait_for_function("document.querySelector('#p-particle_count').value !== ''")
 
-    def at(self, name):
-        return self.page.locator(f"[data-test={name}]")
-
     def field(self, name):
         return self.page.locator(f"#p-{name}")
-
-    def wait_for(self, expression):
-        self.page.wait_for_function(expression)
 
     def shows(self, **wanted):
         """Wait until the picture's packet says so."""
@@ -86,12 +79,6 @@ class Window:
         self.at("frame-field").press("Enter")
         self.shows(frame=frame)
 
-    def picture(self):
-        """Return the packet on the canvas, without its bytes."""
-        return self.page.evaluate(
-            f"(({{parts, ...rest}}) => ({{...rest, cloud: parts.cloud.rows}}))({PICTURE})"
-        )
-
     def says(self, name, words):
         """Wait until something on the page says so."""
         self.at(name).filter(has_text=words).wait_for()
@@ -112,11 +99,7 @@ class Window:
             }""",
             [state.distance, state.angle],
         )
-        mouse = self.page.mouse
-        mouse.move(*ends[0])
-        mouse.down()
-        mouse.move(*ends[1], steps=4)
-        mouse.up()
+        self.drag(*ends)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
-from starlette.websockets import WebSocketDisconnect
+from socket_end import Browser
 
 from cable_tracker.gui.web.frame_channel import FrameChannel
 
@@ -14,33 +14,6 @@ from cable_tracker.gui.web.frame_channel import FrameChannel
 def test_both_windows_can_be_opened_in_one_process():
     for name in ("tracking.window", "labelling.window"):
         importlib.import_module(f"cable_tracker.gui.{name}")
-
-
-class Browser:
-    """A WebSocket whose other end is the test."""
-
-    def __init__(self):
-        self.received = asyncio.Queue()
-        self._texts = asyncio.Queue()
-        self.accepted = False
-
-    async def accept(self):
-        self.accepted = True
-
-    async def receive_text(self):
-        text = await self._texts.get()
-        if text is None:
-            raise WebSocketDisconnect
-        return text
-
-    async def send_bytes(self, data):
-        await self.received.put(data)
-
-    def has_drawn(self):
-        self._texts.put_nowait("1")
-
-    def leaves(self):
-        self._texts.put_nowait(None)
 
 
 async def turns():
