@@ -4,9 +4,10 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
 
 The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
-network is trained further. The one in use was trained in several runs, of which the last three had
+network is trained further. The one in use was trained in several runs, of which the last four had
 5000 steps each: scenes and pairs of cables (`TWINNED`) came with the first of these, soft bands of
-light and streaks (`Changes.veiled`, `STREAKED`) with the last.
+light and streaks (`Changes.veiled`, `STREAKED`) with the third, other ground along a side of the
+cable and seams (`Changes.banked`, `SEAMED`) with the last, which saw half of the scenes.
 
 Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
 (`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world
@@ -107,7 +108,7 @@ HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
 """Largest learning rates, of a new network and of one that is trained further, and the share of the
 steps until it is reached."""
 
-SHARPENED, RAISED = 1.2, 0.1
+SHARPENED, RAISED = 1.2, 0.3
 """Factor and constant of the log-odds. A network that has seen every picture changed in many ways
 is less sure of a single one than it could be; raised further, it takes more trenches for cables."""
 
