@@ -60,7 +60,7 @@ from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInput
 from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
-from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
+from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE, PriorPresence
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import CableMap, beside_expected
@@ -168,10 +168,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = prediction.prior.is_known
         looks = self._looks_at_map(belief, is_known=is_known)
-        expected = prediction.prior.expected[0]
-        cable_map = image.cable_map if looks else belief.map_moved_to(expected)
-        if looks and is_known:
-            cable_map = beside_expected(cable_map, expected)
+        cable_map = _map_of_frame(belief, image, prediction.prior, looks=looks)
         if not is_known:
             prediction = with_births_by_map(prediction, cable_map)
         births = prediction.density.births
@@ -190,7 +187,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         )
         if looks:
             leader = conclusion.hypotheses.clusters.means[0]
-            updated = replace(updated, kept_map=KeptMap(cable_map, leader[:POSE_SIZE]))
+            updated = replace(updated, kept_map=KeptMap(image.cable_map, leader[:POSE_SIZE]))
         return updated
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
@@ -240,6 +237,16 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
         return belief_summary(belief, self._parameters, image.frame_scale)
+
+
+def _map_of_frame(
+    belief: Belief, image: WorkingImage, prior: PriorPresence, *, looks: bool
+) -> CableMap:
+    """Return the map that strips are held against: that of the frame, or the kept one."""
+    expected = prior.expected[0]
+    if not looks:
+        return belief.map_moved_to(expected)
+    return beside_expected(image.cable_map, expected) if prior.is_known else image.cable_map
 
 
 def _new_search(first: Belief, before: Belief) -> Belief:

@@ -18,7 +18,7 @@ from cable_tracker.cable.hypotheses.propose import sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
-from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_overlap, strip_shares
 from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, KeptMap
 from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.measure.picture.working_image import make_working_image
@@ -531,6 +531,24 @@ def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatc
 
 def strip_map(state):
     return cable_map_of(strip_shares(state.to_array(), KEPT.cable_map), -78.0, 58.0, 4.0)
+
+
+@pytest.mark.parametrize("is_given", [True, False], ids=["known", "searched for"])
+def test_strips_are_held_against_the_expected_one_where_a_cable_is_known(
+    strip, monkeypatch, is_given
+):
+    maps, conclude = [], multi_hypothesis_filter.draw_and_conclude
+
+    def draw_and_conclude(sample, inputs, counts, config, prior):
+        maps.append((inputs.cable_map, prior.expected[0]))
+        return conclude(sample, inputs, counts, config, prior)
+
+    monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", draw_and_conclude)
+    before = belief_before(is_given=is_given, kept_map=None)
+    make_filter().step(before, strip, FRAME, NO_DETECTIONS)
+    ((held_against, expected),) = maps
+    overlap = map_overlap(expected, strip.cable_map) if is_given else -np.inf
+    assert held_against.expected == overlap
 
 
 def test_a_map_is_kept_no_longer_than_the_interval(strip):
