@@ -1,4 +1,4 @@
-"""How calibration, altitude, attitude, odometry and cross track stand in ROS messages.
+"""How instruments, cross track, and bearing and place of a target stand in ROS messages.
 
 Those of rclpy or of rosbags, of ROS 2 or ROS 1.
 """
@@ -6,8 +6,9 @@ Those of rclpy or of rosbags, of ROS 2 or ROS 1.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
+from functools import partial
 
 import numpy as np
 
@@ -17,10 +18,11 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude, roll_and_pitch
 from cable_tracker.metric.odometry.motion import UNKNOWN_TURN
+from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.factory import Message, MessageFactory
-from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import (
     YAW,
     Y,
@@ -28,7 +30,7 @@ from cable_tracker.sequences.messages.poses import (
     pose_covariance,
     unit_quaternion,
 )
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.messages.target import make_bearing, make_relative_pose
 from cable_tracker.sequences.tables.estimates import RowMetres
 
 
@@ -173,20 +175,53 @@ def make_cross_track(
 
 
 def cross_track_messages(
-    factory: MessageFactory, stamp: int, base_frame: str, known: CrossTrack
-) -> dict[NodeTopic, Message]:
-    """Return the messages about a cable in metres, by topic: beside the vehicle, and ahead.
+    factory: MessageFactory, header: Message, base_frame: str, known: CrossTrack
+) -> MessageMakers:
+    """Return what makes the messages about a cable in metres: beside the vehicle, and ahead.
 
-    They are of the time of the frame [ns], in the vehicle's frame.
+    They are of the time of a frame's header, in the vehicle's frame of that name.
     """
-    header = make_header(factory, stamp, base_frame)
     points = {
-        node_topics.CROSS_TRACK: (0.0, known.at_foot()),
-        node_topics.CROSS_TRACK_AHEAD: (known.look_ahead, known.ahead()),
+        node_topics.CROSS_TRACK: (0.0, known.at_foot),
+        node_topics.CROSS_TRACK_AHEAD: (known.look_ahead, known.ahead),
     }
-    return {
-        topic: make_cross_track(
-            factory, header, (ahead, offset, known.depth), known.heading, covariance
+
+    def make(ahead: float, told: Callable[[], tuple[float, FloatArray]]) -> Message:
+        offset, covariance = told()
+        own_header = make_header(factory, stamp_of(header), base_frame)
+        place = (ahead, offset, known.depth)
+        return make_cross_track(factory, own_header, place, known.heading, covariance)
+
+    return {topic: partial(make, *point) for topic, point in points.items()}
+
+
+def relative_messages(
+    factory: MessageFactory,
+    header: Message,
+    base_frame: str,
+    known: TargetMetres,
+    camera_place: FloatArray,
+) -> MessageMakers:
+    """Return what makes the messages about a target in metres: bearing and place, if known.
+
+    Parameters
+    ----------
+    header : Message
+        Stamp and frame of the image, in which the bearing is.
+    base_frame : str
+        Name of the vehicle's frame, in which the place is.
+    camera_place : FloatArray
+        Position of the camera in that frame, shape (3,) [m].
+    """
+    ray, state = known.ray, known.relative
+    makers: MessageMakers = {}
+    if not isinstance(ray, Withheld):
+        makers[node_topics.BEARING] = lambda: make_bearing(factory, header, ray)
+    if not isinstance(state, Withheld):
+        makers[node_topics.RELATIVE_POSE] = lambda: make_relative_pose(
+            factory,
+            make_header(factory, stamp_of(header), base_frame),
+            state.position() + camera_place,
+            state.position_covariance(),
         )
-        for topic, (ahead, (offset, covariance)) in points.items()
-    }
+    return makers

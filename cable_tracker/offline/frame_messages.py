@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+from cable_tracker.arrays import Image
 from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.factory import MessageMakers
 from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 
 class FrameMessages:
-    """Writes messages with the header of one frame."""
+    """Writes the messages that the node would publish about one frame.
+
+    Attributes
+    ----------
+    factory : RosbagsMessages
+        Makes the messages.
+    header : Message
+        Stamp and frame of the image.
+    """
 
     def __init__(self, bag: MessageSink, frame: Frame) -> None:
-        self._bag = bag
-        self._stamp, self._bag_time = frame.stamp, frame.bag_time
-        self._factory = RosbagsMessages()
-        self._header = make_header(self._factory, frame.stamp, frame.frame_id)
+        self._bag, self._bag_time = bag, frame.bag_time
+        self.factory = RosbagsMessages()
+        self.header = make_header(self.factory, frame.stamp, frame.frame_id)
 
-    def _write(self, topic: NodeTopic, message: Message) -> None:
-        self._bag.write(topic.global_name, topic.type_name, message, self._bag_time)
+    def write(self, makers: MessageMakers) -> None:
+        """Write all messages, in their order."""
+        for topic, make in makers.items():
+            self._bag.write(topic.global_name, topic.type_name, make(), self._bag_time)
+
+    def write_overlay(self, topic: NodeTopic, picture: Image) -> None:
+        """Write a picture, blue-green-red, shape (H, W, 3), uint8, as JPEG."""
+        jpeg = encode_jpeg(picture)
+        self.write({topic: lambda: make_compressed_image(self.factory, jpeg, self.header)})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
-from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
@@ -21,16 +20,11 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
-from cable_tracker.sequences.messages.cable_markers import make_markers
-from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
-from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.messages.cable_messages import cable_messages, messages_without_cable
+from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status_words import REFUSED
@@ -156,7 +150,9 @@ def track_recording(
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
-    output = _CableMessages(results.bag, frame) if results.wanted.bag else None
+    output = FrameMessages(results.bag, frame) if results.wanted.bag else None
+    if output is not None:
+        write_truth(results.bag, frame)
     if metres is not None:
         metres.advance(frame)
     try:
@@ -167,7 +163,7 @@ def _track_frame(
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
         if output is not None:
-            output.write_refusal(str(error))
+            output.write(messages_without_cable(output.factory, output.header, REFUSED, str(error)))
         results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     assert tracker.particles is not None
@@ -177,55 +173,14 @@ def _track_frame(
         metres.observe(estimate)
         known = metres.measure(estimate)
     if output is not None:
-        output.write_estimate(estimate, grey, cloud, ms, known)
+        factory, header = output.factory, output.header
+        facts = {} if known is None else report_metres(known)
+        particles = tracker.particles
+        output.write(
+            cable_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
+        )
+        output.write_overlay(node_topics.OVERLAY, draw_estimate(grey, estimate, cloud))
         if metres is not None and isinstance(known, CrossTrack):
-            output.write_metres(known, metres.base_frame)
+            output.write(cross_track_messages(factory, header, metres.base_frame, known))
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])
-
-
-class _CableMessages(FrameMessages):
-    """Writes the messages that the node would publish about one frame."""
-
-    def __init__(self, bag: MessageSink, frame: Frame) -> None:
-        super().__init__(bag, frame)
-        write_truth(bag, frame)
-
-    def write_refusal(self, reason: str) -> None:
-        """Write that there is no estimate."""
-        factory, header = self._factory, self._header
-        self._write(node_topics.STATE, make_state(factory, header, None))
-        report = make_report(factory, header, REFUSED, {"event": reason})
-        self._write(node_topics.FRAME_REPORT, report)
-
-    def write_estimate(
-        self,
-        estimate: CableEstimate,
-        grey: Image,
-        cloud: FloatArray,
-        ms: float,
-        known: CrossTrack | Withheld | None,
-    ) -> None:
-        """Write everything about a tracked frame."""
-        factory, header = self._factory, self._header
-        claimed = estimate.claimed_state
-        sigma = estimate.standard_deviations()[:4]
-        self._write(node_topics.STATE, make_state(factory, header, claimed, sigma))
-        values = report_values(estimate, ms) | ({} if known is None else report_metres(known))
-        report = make_report(factory, header, estimate.status.value, values)
-        self._write(node_topics.FRAME_REPORT, report)
-        if claimed is not None:
-            centreline = make_centreline(factory, header, claimed, estimate.covariance)
-            self._write(node_topics.CENTRELINE, centreline)
-        self._write(node_topics.PARTICLES, make_particles(factory, header, cloud))
-        markers = make_markers(factory, header, claimed, estimate.image_size)
-        self._write(node_topics.MARKERS, markers)
-        overlay = draw_estimate(grey, estimate, cloud)
-        jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
-        self._write(node_topics.OVERLAY, jpeg)
-
-    def write_metres(self, known: CrossTrack, base_frame: str) -> None:
-        """Write where the cable is in metres, in the vehicle's frame of that name."""
-        messages = cross_track_messages(self._factory, self._stamp, base_frame, known)
-        for topic, message in messages.items():
-            self._write(topic, message)

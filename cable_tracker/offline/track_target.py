@@ -6,18 +6,24 @@ import time
 from collections.abc import Iterable
 
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.target_messages import TargetMessages
 from cable_tracker.offline.target_table import (
     TargetRow,
     metres_row,
     refused_metres_row,
     row_of,
 )
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages.target_messages import (
+    messages_without_target,
+    target_messages,
+)
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
@@ -75,7 +81,7 @@ def track_target(
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
-    output = TargetMessages(results.bag, frame) if results.wanted.bag else None
+    output = FrameMessages(results.bag, frame) if results.wanted.bag else None
     if sight is not None:
         sight.advance(frame)
     try:
@@ -88,7 +94,9 @@ def _follow(
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
         if output is not None:
-            output.write_refusal(str(error))
+            output.write(
+                messages_without_target(output.factory, output.header, REFUSED, str(error))
+            )
         if sight is not None:
             results.metres.append(refused_metres_row(frame, str(error)))
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
@@ -99,10 +107,18 @@ def _follow(
     facts: dict[str, str] = {}
     if sight is not None:
         metres = sight.take(estimate)
-        facts = target_facts(metres, sight.settings.mounting.position)
+        place = sight.settings.mounting.position
+        facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))
         if output is not None:
-            output.write_metres(metres, sight)
+            output.write(
+                relative_messages(output.factory, output.header, sight.base_frame, metres, place)
+            )
     if output is not None:
-        output.write_estimate(estimate, particles, picture, ms, facts)
+        output.write(
+            target_messages(
+                output.factory, output.header, estimate, particles, ms=ms, metres=lambda: facts
+            )
+        )
+        output.write_overlay(node_topics.TARGET_OVERLAY, picture)
     results.add(frame, row_of(frame, estimate, ms), picture)

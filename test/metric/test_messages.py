@@ -18,8 +18,14 @@ from cable_tracker.metric.messages import (
     read_camera_info,
     read_range,
     read_twist,
+    relative_messages,
 )
+from cable_tracker.metric.targets.relative_state import TargetSighting, begin_relative_state
+from cable_tracker.metric.targets.target_metres import TargetMetres
+from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
 K = [560.0, 0.0, 321.0, 0.0, 550.0, 238.0, 0.0, 0.0, 1.0]
@@ -143,3 +149,28 @@ def test_a_twist_comes_with_its_covariance() -> None:
     assert stated[0, 1] == stated[1, 0] == 0.01
     assert stated[1, 5] == stated[5, 1] == 0.0
     assert (np.linalg.eigvalsh(stated) > 0.0).all()
+
+
+class TestTargetInMetres:
+    RAY = np.array([0.0, 0.6, 0.8])
+    CAMERA_PLACE = np.array([0.5, 0.0, -0.1])
+    NOT_KNOWN = Withheld(Reason.RANGE_UNKNOWN, "the target has not been seen as a whole yet")
+
+    def makers_of(self, metres: TargetMetres) -> Any:
+        factory = RclpyMessages()
+        header = make_header(factory, 1_700_000_000_123_456_789, "camera")
+        return relative_messages(factory, header, "base", metres, self.CAMERA_PLACE)
+
+    def test_the_bearing_is_of_the_camera_and_the_place_of_the_vehicle(self) -> None:
+        state = begin_relative_state(TargetSighting(0.1, -0.2, 0.05, True), 0.4)
+        makers = self.makers_of(TargetMetres(self.RAY, state))
+        bearing, pose = makers[node_topics.BEARING](), makers[node_topics.RELATIVE_POSE]()
+        assert (bearing.header.frame_id, pose.header.frame_id) == ("camera", "base")
+        assert stamp_of(bearing.header) == stamp_of(pose.header) == 1_700_000_000_123_456_789
+        position = pose.pose.pose.position
+        assert [position.x, position.y, position.z] == list(state.position() + self.CAMERA_PLACE)
+
+    def test_what_is_not_known_has_no_message(self) -> None:
+        unknown = self.makers_of(TargetMetres(self.RAY, self.NOT_KNOWN))
+        assert list(unknown) == [node_topics.BEARING]
+        assert self.makers_of(TargetMetres(self.NOT_KNOWN, self.NOT_KNOWN)) == {}

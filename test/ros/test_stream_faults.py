@@ -22,8 +22,9 @@ from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.ros.nodes import tracker_node, tracker_outputs
+from cable_tracker.ros.nodes import tracker_node
 from cable_tracker.sequences.encodings import MAX_PIXELS
+from cable_tracker.sequences.messages import cable_messages
 from cable_tracker.sequences.messages.cable import read_state
 
 pytestmark = pytest.mark.slow
@@ -468,7 +469,7 @@ class TestNothingIsBuiltForNobody:
     ) -> None:
         built: list[Any] = []
         for name in ("make_centreline", "make_report"):
-            monkeypatch.setattr(tracker_outputs, name, lambda *words, name=name: built.append(name))
+            monkeypatch.setattr(cable_messages, name, lambda *words, name=name: built.append(name))
         node = world.tracker(initial_state=near)
         feed(node, regular(5))
         assert node.status == "TRACKING"

@@ -19,10 +19,10 @@ from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARA
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
+from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
-from cable_tracker.sequences.messages.headers import stamp_of
 
 AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 """Instruments for which a frame waits also before they have spoken."""
@@ -104,9 +104,8 @@ class MetricInputs(InstrumentInputs[CableSight]):
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
         self._tell_of_mounting()
-        messages = cross_track_messages(self._factory, stamp_of(header), self.base_frame, result)
-        for topic, message in messages.items():
-            self._publishers[topic].publish(message)
+        makers = cross_track_messages(self._factory, header, self.base_frame, result)
+        publish_wanted(self._publishers, makers, *makers)
 
     def _tell_of_stand_in(self, stamp: int) -> None:
         """Warn where `fixed_altitude` begins to stand in: metres may jump then."""

@@ -3,59 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.metric.targets.relative_state import RelativeState
-from cable_tracker.metric.targets.target_facts import target_facts
-from cable_tracker.metric.targets.target_metres import TargetMetres
-from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.messages.target import (
-    make_bearing,
-    make_polygon,
-    make_relative_pose,
-    make_target,
-    make_target_state,
-    target_report_values,
-)
-from cable_tracker.sequences.messages.target_markers import make_target_markers
-from cable_tracker.sequences.messages.target_particles import make_target_particles
+from cable_tracker.sequences.messages.factory import Message, MessageMakers
+from cable_tracker.sequences.messages.target_messages import messages_without_target
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
-from cable_tracker.target.model.estimate import TargetEstimate, box_corners
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.visualisation.target_overlay import draw_target
 
+RESULTS = (
+    node_topics.TARGET, node_topics.BOX, node_topics.CONTOUR, node_topics.BEARING,
+    node_topics.RELATIVE_POSE,
+)  # fmt: skip
+"""Topics of what is claimed, in the order of publishing."""
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TargetAnswer:
-    """Results of a frame for one target.
-
-    Attributes
-    ----------
-    estimate : TargetEstimate
-        Estimate in pixels.
-    metres : TargetMetres
-        Estimate in metres, or the reason for none.
-    particles : Particles or None
-        Particles, lengths in pixels of the frame.
-    """
-
-    estimate: TargetEstimate
-    metres: TargetMetres
-    particles: Particles | None
+PICTURES = (node_topics.PARTICLES, node_topics.MARKERS)
+"""Topics of what people look at, for each target."""
 
 
 class OneTarget:
@@ -70,55 +44,26 @@ class OneTarget:
     """
 
     def __init__(self, publishers: WatchedPublishers, prefix: str) -> None:
-        self._factory = RclpyMessages()
-
         def create(topic: NodeTopic, profile: QoSProfile) -> Publisher:
             return publishers.create(topic, profile, f"{prefix}{topic.name}")
 
         self._state = create(node_topics.STATE, qos.LATEST_RESULT)
-        self._target = create(node_topics.TARGET, qos.RESULTS)
-        self._contour = create(node_topics.CONTOUR, qos.RESULTS)
-        self._box = create(node_topics.BOX, qos.RESULTS)
-        self._bearing = create(node_topics.BEARING, qos.RESULTS)
-        self._relative = create(node_topics.RELATIVE_POSE, qos.RESULTS)
-        self._particles = create(node_topics.PARTICLES, qos.PICTURES)
-        self._markers = create(node_topics.MARKERS, qos.PICTURES)
+        self._wanted = {topic: create(topic, qos.RESULTS) for topic in RESULTS}
+        self._wanted |= {topic: create(topic, qos.PICTURES) for topic in PICTURES}
 
-    def publish_results(
-        self, header: Message, answer: TargetAnswer, base_frame: str, camera_place: FloatArray
-    ) -> None:
-        """Publish what is claimed: centre, outline, bearing, range."""
-        estimate, metres, factory = answer.estimate, answer.metres, self._factory
-        if not estimate.is_claimed:
-            return
-        if self._target.get_subscription_count():
-            self._target.publish(make_target(factory, header, estimate))
-        if self._box.get_subscription_count() and estimate.box is not None:
-            self._box.publish(make_polygon(factory, header, box_corners(estimate.box)))
-        if self._contour.get_subscription_count() and len(estimate.outline):
-            self._contour.publish(make_polygon(factory, header, estimate.outline))
-        if not isinstance(metres.ray, Withheld) and self._bearing.get_subscription_count():
-            self._bearing.publish(make_bearing(factory, header, metres.ray))
-        if isinstance(metres.relative, RelativeState) and self._relative.get_subscription_count():
-            place = metres.relative.position() + camera_place
-            covariance = metres.relative.position_covariance()
-            own_header = make_header(factory, stamp_of(header), base_frame)
-            self._relative.publish(make_relative_pose(factory, own_header, place, covariance))
+    def publish(self, makers: MessageMakers, topics: Sequence[NodeTopic]) -> None:
+        """Publish on some topics what is subscribed to."""
+        publish_wanted(self._wanted, makers, *topics)
 
-    def publish_pictures(self, header: Message, answer: TargetAnswer) -> None:
-        """Publish what people look at."""
-        if answer.particles is not None and self._particles.get_subscription_count():
-            self._particles.publish(make_target_particles(self._factory, header, answer.particles))
-        if self._markers.get_subscription_count():
-            self._markers.publish(make_target_markers(self._factory, header, answer.estimate))
-
-    def publish_state(self, header: Message, estimate: TargetEstimate | None) -> None:
+    def publish_state(self, makers: MessageMakers) -> None:
         """Publish the state: always, because a subscriber that joins later may ask for it."""
-        self._state.publish(make_target_state(self._factory, header, estimate))
+        self._state.publish(makers[node_topics.STATE]())
 
 
 class TargetOutputs:
     """The publishers of all targets, but for the node's diagnostics.
+
+    What is published of a frame is handed over as one `MessageMakers` for each target.
 
     Parameters
     ----------
@@ -138,92 +83,43 @@ class TargetOutputs:
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        if self._report.get_subscription_count():
-            values = {"event": reason}
-            reports = [make_report(self._factory, header, status, values) for _ in self._targets]
-            self._publish_report(reports)
-        for target in self._targets:
-            target.publish_state(header, None)
+        makers = messages_without_target(self._factory, header, status, reason)
+        self.publish_states([makers] * len(self._targets))
 
-    def publish_results(
+    def publish_results(self, makers: Sequence[MessageMakers]) -> None:
+        """Publish what is claimed: centre, outline, bearing, range."""
+        for target, own in zip(self._targets, makers, strict=True):
+            target.publish(own, RESULTS)
+
+    def publish_pictures(self, makers: Sequence[MessageMakers]) -> None:
+        """Publish what people look at, but for the overlay."""
+        for target, own in zip(self._targets, makers, strict=True):
+            target.publish(own, PICTURES)
+
+    def publish_overlay(
         self,
         header: Message,
-        answers: Sequence[TargetAnswer],
-        base_frame: str,
-        camera_place: FloatArray,
+        estimates: Sequence[TargetEstimate],
+        particles: Sequence[Particles | None],
+        picture: Picture,
     ) -> None:
-        """Publish what is claimed.
-
-        Parameters
-        ----------
-        header : Message
-            Stamp and frame of the image.
-        answers : sequence of TargetAnswer
-            Answers for the frame, one for each target.
-        base_frame : str
-            Frame of what is in metres.
-        camera_place : FloatArray
-            Position of the camera in base_link, shape (3,) [m].
-        """
-        for target, answer in zip(self._targets, answers, strict=True):
-            target.publish_results(header, answer, base_frame, camera_place)
-
-    def publish_pictures(
-        self, header: Message, answers: Sequence[TargetAnswer], picture: Picture
-    ) -> None:
-        """Publish what people look at; `picture` is blue-green-red, with levels 0..255."""
-        for target, answer in zip(self._targets, answers, strict=True):
-            target.publish_pictures(header, answer)
+        """Publish the frame with all targets drawn; it is blue-green-red, with levels 0..255."""
         if not self._overlay.is_wanted:
             return
         drawn = shown_levels(picture)
-        for line, answer in enumerate(answers):
-            states = answer.particles.states if answer.particles is not None else None
-            drawn = draw_target(drawn, answer.estimate, states, line=line)
+        for line, (estimate, cloud) in enumerate(zip(estimates, particles, strict=True)):
+            states = cloud.states if cloud is not None else None
+            drawn = draw_target(drawn, estimate, states, line=line)
         self._overlay.publish(header, drawn)
 
-    def publish_states(
-        self,
-        header: Message,
-        answers: Sequence[TargetAnswer],
-        milliseconds: float,
-        camera_place: FloatArray,
-    ) -> None:
-        """Publish reports and states; last, because a lockstep replay goes on upon a state.
+    def publish_states(self, makers: Sequence[MessageMakers]) -> None:
+        """Publish report and states; last, because a lockstep replay goes on upon a state.
 
-        Parameters
-        ----------
-        header : Message
-            Stamp and frame of the image.
-        answers : sequence of TargetAnswer
-            Answers for the frame, one for each target.
-        milliseconds : float
-            Processing time of the frame [ms].
-        camera_place : FloatArray
-            Position of the camera in base_link, shape (3,) [m].
+        The report is one message with the entries of all targets, in their order.
         """
         if self._report.get_subscription_count():
-            self._publish_report(
-                [
-                    make_report(
-                        self._factory,
-                        header,
-                        answer.estimate.status.value,
-                        target_report_values(
-                            answer.estimate,
-                            milliseconds,
-                            answer.particles.count if answer.particles is not None else 0,
-                        )
-                        | target_facts(answer.metres, camera_place),
-                    )
-                    for answer in answers
-                ]
-            )
-        for target, answer in zip(self._targets, answers, strict=True):
-            target.publish_state(header, answer.estimate)
-
-    def _publish_report(self, reports: list[Message]) -> None:
-        """Publish one message with the entries of all targets, in their order."""
-        first, *others = reports
-        first.status = [*first.status, *(entry for each in others for entry in each.status)]
-        self._report.publish(first)
+            first, *others = [own[node_topics.TARGET_REPORT]() for own in makers]
+            first.status = [*first.status, *(entry for each in others for entry in each.status)]
+            self._report.publish(first)
+        for target, own in zip(self._targets, makers, strict=True):
+            target.publish_state(own)

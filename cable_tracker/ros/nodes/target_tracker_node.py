@@ -9,6 +9,8 @@ from typing import Any
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
+from cable_tracker.metric.messages import relative_messages
+from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.node_parameter_tables import (
     TARGET_OWN_START_PARAMETERS,
     TARGET_RUNTIME_PARAMETERS,
@@ -18,11 +20,12 @@ from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
-from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
+from cable_tracker.ros.nodes.target_outputs import TargetOutputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import read_start
+from cable_tracker.sequences.messages.target_messages import target_messages
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
@@ -153,19 +156,21 @@ class TargetTrackerNode(CameraNode):
                 self._metric.forget(number)
         metres = self._metric.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
-        answers = [
-            TargetAnswer(estimate, result, tracker.particles)
-            for estimate, result, tracker in zip(
-                estimates, metres, self._group.trackers, strict=True
-            )
+        clouds = [tracker.particles for tracker in self._group.trackers]
+        place, base, factory = self._metric.camera_place, self._metric.base_frame, self._factory
+        make = partial(target_messages, factory, header, ms=milliseconds)
+        makers = [
+            make(estimate, cloud, metres=partial(target_facts, told, place))
+            | relative_messages(factory, header, base, told, place)
+            for estimate, cloud, told in zip(estimates, clouds, metres, strict=True)
         ]
-        place = self._metric.camera_place
-        self._outputs.publish_results(header, answers, self._metric.base_frame, place)
+        self._outputs.publish_results(makers)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
         self._estimates = estimates
-        self._outputs.publish_pictures(header, answers, picture)
-        self._outputs.publish_states(header, answers, milliseconds, place)
+        self._outputs.publish_pictures(makers)
+        self._outputs.publish_overlay(header, estimates, clouds, picture)
+        self._outputs.publish_states(makers)
         events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
         return FrameResult(status_of(estimates), "; ".join(events))
 

@@ -33,6 +33,7 @@ from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import read_prior
+from cable_tracker.sequences.messages.cable_messages import cable_messages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 
@@ -135,7 +136,12 @@ class TrackerNode(CameraNode):
             self._tracker.initialise(seen)
         estimate = self._tracker.process(picture, stamp, self._metric.motion(stamp, picture))
         milliseconds = (time.perf_counter() - begin) * 1e3
-        self._outputs.publish_centreline(header, estimate)
+        particles = self._tracker.particles
+        makers = cable_messages(
+            self._factory, header, estimate, particles, ms=milliseconds,
+            metres=lambda: report_metres(self._metric.result),
+        )  # fmt: skip
+        self._outputs.publish_centreline(makers)
         self._metric.observe(estimate)
         self._metric.publish(header, estimate)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
@@ -143,9 +149,9 @@ class TrackerNode(CameraNode):
         if estimate.is_claimed:
             self._search.stop()
         self._estimate = estimate
-        self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)
-        metres = report_metres(self._metric.result)
-        self._outputs.publish_state(header, estimate, milliseconds, metres)
+        self._outputs.publish_pictures(makers)
+        self._outputs.publish_overlay(header, estimate, particles, picture)
+        self._outputs.publish_state(makers)
         return FrameResult(estimate.status.value, estimate.event)
 
     def _restart(self) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
-from cable_tracker.sequences.messages.cable_markers import make_markers
-from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
-from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.cable_messages import messages_without_cable
+from cable_tracker.sequences.messages.cable_particles import cloud_of
+from cable_tracker.sequences.messages.factory import Message, MessageMakers
 from cable_tracker.visualisation.overlay import draw_estimate
 
 
@@ -32,59 +29,41 @@ class TrackerOutputs:
     def __init__(self, publishers: WatchedPublishers) -> None:
         self._factory = RclpyMessages()
         create = publishers.create
+        report = node_topics.FRAME_REPORT
         self._state = create(node_topics.STATE, qos.LATEST_RESULT)
-        self._centreline = create(node_topics.CENTRELINE, qos.RESULTS)
-        self._particles = create(node_topics.PARTICLES, qos.PICTURES)
-        self._markers = create(node_topics.MARKERS, qos.PICTURES)
+        self._wanted = {
+            node_topics.CENTRELINE: create(node_topics.CENTRELINE, qos.RESULTS),
+            node_topics.PARTICLES: create(node_topics.PARTICLES, qos.PICTURES),
+            node_topics.MARKERS: create(node_topics.MARKERS, qos.PICTURES),
+            report: create(report, qos.RESULTS, report.of_node("~")),
+        }
         self._overlay = OverlayPublisher(publishers, node_topics.OVERLAY)
-        self._report = create(
-            node_topics.FRAME_REPORT, qos.RESULTS, node_topics.FRAME_REPORT.of_node("~")
-        )
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        if self._report.get_subscription_count():
-            self._report.publish(make_report(self._factory, header, status, {"event": reason}))
-        self._state.publish(make_state(self._factory, header, None))
+        self.publish_state(messages_without_cable(self._factory, header, status, reason))
 
-    def publish_centreline(self, header: Message, estimate: CableEstimate) -> None:
+    def publish_centreline(self, makers: MessageMakers) -> None:
         """Publish where the cable runs, if one is claimed."""
-        if not self._centreline.get_subscription_count():
-            return
-        claimed = estimate.claimed_state
-        if claimed is not None:
-            self._centreline.publish(
-                make_centreline(self._factory, header, claimed, estimate.covariance)
-            )
+        publish_wanted(self._wanted, makers, node_topics.CENTRELINE)
 
-    def publish_pictures(
+    def publish_pictures(self, makers: MessageMakers) -> None:
+        """Publish what people look at, but for the overlay."""
+        publish_wanted(self._wanted, makers, node_topics.PARTICLES, node_topics.MARKERS)
+
+    def publish_overlay(
         self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
     ) -> None:
-        """Publish what people look at."""
-        if particles is not None and self._particles.get_subscription_count():
-            self._particles.publish(make_particles(self._factory, header, cloud_of(particles)))
-        if self._markers.get_subscription_count():
-            self._markers.publish(
-                make_markers(self._factory, header, estimate.claimed_state, estimate.image_size)
-            )
+        """Publish the frame, with what was found drawn into it."""
         if self._overlay.is_wanted:
             cloud = cloud_of(particles) if particles is not None else None
             self._overlay.publish(header, draw_estimate(grey, estimate, cloud))
 
-    def publish_state(
-        self,
-        header: Message,
-        estimate: CableEstimate,
-        milliseconds: float,
-        metres: Mapping[str, str],
-    ) -> None:
-        """Publish report, with what is known in metres, and state.
+    def publish_state(self, makers: MessageMakers) -> None:
+        """Publish report and state.
 
         The state goes last, because a lockstep replay sends the next frame upon it, and always,
         because a subscriber that joins later may ask for it.
         """
-        if self._report.get_subscription_count():
-            values = report_values(estimate, milliseconds) | dict(metres)
-            self._report.publish(make_report(self._factory, header, estimate.status.value, values))
-        sigma = estimate.standard_deviations()[:4]
-        self._state.publish(make_state(self._factory, header, estimate.claimed_state, sigma))
+        publish_wanted(self._wanted, makers, node_topics.FRAME_REPORT)
+        self._state.publish(makers[node_topics.STATE]())

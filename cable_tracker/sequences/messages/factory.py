@@ -7,13 +7,17 @@ package of our own would replace them and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeAlias
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.sequences.node_topics import NodeTopic
 
 Message: TypeAlias = Any
 """A message object of rclpy or of rosbags; neither has static types."""
+
+MessageMakers: TypeAlias = dict[NodeTopic, Callable[[], Message]]
+"""Topics for which there is a message, and what makes it; a bag holds them in this order."""
 
 
 class MessageFactory(Protocol):

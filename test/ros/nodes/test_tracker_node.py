@@ -19,6 +19,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
+from cable_tracker.sequences.messages import cable_messages
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
@@ -383,8 +384,8 @@ class TestTopics:
         node = world.tracker()
         builders = {
             "draw_estimate": tracker_outputs,
-            "make_particles": tracker_outputs,
-            "make_markers": tracker_outputs,
+            "make_particles": cable_messages,
+            "make_markers": cable_messages,
             "encode_jpeg": overlay_publisher,
         }
         built: list[str] = []
