@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
@@ -147,20 +148,39 @@ def track_recording(
     return None
 
 
+def track_picture(
+    frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedMetres | None
+) -> tuple[CableEstimate, float, CrossTrack | Withheld | None]:
+    """Track a picture, shape (H, W), with what the instruments said up to its frame.
+
+    Return the estimate, the time that took [ms], and the cable in metres; None: no instruments.
+
+    Raises
+    ------
+    FrameError
+        The frame cannot be used.
+    """
+    if metres is not None:
+        metres.advance(frame)
+    begin = time.perf_counter()
+    motion = metres.motion(frame.stamp, grey) if metres is not None else None
+    estimate = tracker.process(grey, frame.stamp, motion)
+    ms = (time.perf_counter() - begin) * 1e3
+    if metres is None:
+        return estimate, ms, None
+    metres.observe(estimate)
+    return estimate, ms, metres.measure(estimate)
+
+
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
     output = FrameMessages(results.bag, frame) if results.wanted.bag else None
     if output is not None:
         write_truth(results.bag, frame)
-    if metres is not None:
-        metres.advance(frame)
     try:
         grey = decode_grey(frame.image)
-        begin = time.perf_counter()
-        motion = metres.motion(frame.stamp, grey) if metres is not None else None
-        estimate = tracker.process(grey, frame.stamp, motion)
-        ms = (time.perf_counter() - begin) * 1e3
+        estimate, ms, known = track_picture(frame, grey, tracker, metres)
     except FrameError as error:
         if output is not None:
             output.write(messages_without_cable(output.factory, output.header, REFUSED, str(error)))
@@ -168,10 +188,6 @@ def _track_frame(
         return
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
-    known = None
-    if metres is not None:
-        metres.observe(estimate)
-        known = metres.measure(estimate)
     if output is not None:
         factory, header = output.factory, output.header
         facts = {} if known is None else report_metres(known)

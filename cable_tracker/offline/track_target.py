@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
+from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import (
@@ -25,6 +27,7 @@ from cable_tracker.sequences.messages.target_messages import (
     target_messages,
 )
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
@@ -78,20 +81,35 @@ def track_target(
     return None
 
 
+def follow_picture(
+    frame: Frame, image: Image, tracker: TargetTracker, sight: RecordedSight | None
+) -> tuple[TargetEstimate, float, TargetMetres | None]:
+    """Follow into a picture, shape (H, W, 3), with what the instruments said up to its frame.
+
+    Return the estimate, the time that took [ms], and the target in metres; None: no instruments.
+
+    Raises
+    ------
+    FrameError
+        The frame cannot be used.
+    """
+    if sight is not None:
+        sight.advance(frame)
+    begin = time.perf_counter()
+    height, width = image.shape[:2]
+    motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
+    estimate = tracker.process(image, frame.stamp, motion)
+    ms = (time.perf_counter() - begin) * 1e3
+    return estimate, ms, sight.take(estimate) if sight is not None else None
+
+
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
     output = FrameMessages(results.bag, frame) if results.wanted.bag else None
-    if sight is not None:
-        sight.advance(frame)
     try:
         image = decode_bgr_levels(frame.image)
-        begin = time.perf_counter()
-        motion = None
-        if sight is not None:
-            motion = sight.camera_motion(frame.stamp, (image.shape[1], image.shape[0]))
-        estimate = tracker.process(image, frame.stamp, motion)
-        ms = (time.perf_counter() - begin) * 1e3
+        estimate, ms, metres = follow_picture(frame, image, tracker, sight)
     except FrameError as error:
         if output is not None:
             output.write(
@@ -105,8 +123,7 @@ def _follow(
     poses = particles.states if particles is not None else None
     picture = draw_target(shown_levels(image), estimate, poses)
     facts: dict[str, str] = {}
-    if sight is not None:
-        metres = sight.take(estimate)
+    if sight is not None and metres is not None:
         place = sight.settings.mounting.position
         facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import replace
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
@@ -19,7 +16,7 @@ from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE
 from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.track_recording import given_state_for
+from cable_tracker.offline.track_recording import given_state_for, track_picture
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.messages.cable_particles import cloud_of
@@ -103,35 +100,7 @@ class CableFollower(Follower):
 
     def follow(self, frame: Frame, number: int) -> CableSnapshot:
         """Track a frame."""
-        metres = self._instruments
-        if metres is not None:
-            metres.advance(frame)
-        begin = time.perf_counter()
-        motion = metres.motion(frame.stamp, self._decoded) if metres is not None else None
-        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
-        ms = (time.perf_counter() - begin) * 1e3
-        snapshot = self._tracked(frame, number, estimate, ms)
-        if metres is None:
-            return snapshot
-        metres.observe(estimate)
-        return replace(snapshot, metres=metres.measure(estimate))
-
-    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> CableSnapshot:
-        """Return a snapshot of a frame that is not tracked."""
-        return CableSnapshot(
-            number=number,
-            frame=frame.index,
-            stamp=frame.stamp,
-            image=self._shown,
-            status=status,
-            reason=reason,
-            truth=frame.truth,
-            metres=None if self._instruments is None else UNTRACKED,
-        )
-
-    def _tracked(
-        self, frame: Frame, number: int, estimate: CableEstimate, ms: float
-    ) -> CableSnapshot:
+        estimate, ms, metres = track_picture(frame, self._decoded, self._tracker, self._instruments)
         particles = self._tracker.particles
         return CableSnapshot(
             number=number,
@@ -149,4 +118,18 @@ class CableFollower(Follower):
             n_eff=estimate.effective_sample_size,
             ms=ms,
             truth=frame.truth,
+            metres=metres,
+        )
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> CableSnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return CableSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._shown,
+            status=status,
+            reason=reason,
+            truth=frame.truth,
+            metres=None if self._instruments is None else UNTRACKED,
         )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
@@ -13,11 +11,11 @@ from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.offline.track_target import follow_picture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.labels.target_labels import BoxTruth
-from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
 from cable_tracker.target.model.state import PoseColumn
@@ -91,22 +89,7 @@ class TargetFollower(Follower):
 
     def follow(self, frame: Frame, number: int) -> TargetSnapshot:
         """Track a frame."""
-        sight = self._instruments
-        if sight is not None:
-            sight.advance(frame)
-        begin = time.perf_counter()
-        height, width = self._decoded.shape[:2]
-        motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
-        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
-        ms = (time.perf_counter() - begin) * 1e3
-        if sight is not None:
-            # Tells it from which frame the next turn of the camera counts.
-            sight.take(estimate)
-        return self._tracked(frame, number, estimate, ms)
-
-    def _tracked(
-        self, frame: Frame, number: int, estimate: TargetEstimate, ms: float
-    ) -> TargetSnapshot:
+        estimate, ms, _ = follow_picture(frame, self._decoded, self._tracker, self._instruments)
         claimed = estimate.is_claimed
         state = sigma = None
         if claimed:
