@@ -40,7 +40,8 @@ from cable_tracker.survey.outputs.surveyed_dive import (
     read_surveyed,
 )
 from cable_tracker.survey.recording import PICTURES, SurveySettings, find_datum, survey_recording
-from cable_tracker.survey.routes.merging import MergedRoute, merge
+from cable_tracker.survey.routes.merged_route import MergedRoute
+from cable_tracker.survey.routes.merging import merge
 
 RECORDINGS, REPORT = "recordings", "report.html"
 OWN_NAMES = frozenset({FRAMES, ROUTES, SUMMARY, PICTURES, MARKER})

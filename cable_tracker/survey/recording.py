@@ -31,7 +31,7 @@ from cable_tracker.survey.outputs.pictures import write_pictures
 from cable_tracker.survey.outputs.surveyed_dive import Origin, SurveyedDive, write_summary
 from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
-from cable_tracker.survey.routes.merging import PlacedRoute
+from cable_tracker.survey.routes.merged_route import PlacedRoute
 from cable_tracker.survey.routes.route import Course, make_routes
 from cable_tracker.survey.smoothing.keyframes import make_keyframes
 from cable_tracker.survey.smoothing.smoother import smooth

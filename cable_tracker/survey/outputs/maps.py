@@ -19,7 +19,7 @@ from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.survey.routes.events import Event
-from cable_tracker.survey.routes.merging import MergedRoute
+from cable_tracker.survey.routes.merged_route import MergedRoute
 
 EARTH = "EPSG:4326"
 """Longitude and latitude, WGS 84."""

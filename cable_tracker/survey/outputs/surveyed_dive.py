@@ -15,7 +15,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.survey.outputs.frames import FRAMES, check_frames
 from cable_tracker.survey.routes.dive_route import DiveRoute, Profile
 from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merging import PlacedRoute
+from cable_tracker.survey.routes.merged_route import PlacedRoute
 
 ROUTES, SUMMARY = "routes.npz", "dive.json"
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import compress
+from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, interpolated, true_runs
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.survey.routes.dive_route import DiveRoute
-from cable_tracker.survey.routes.events import HIDDEN_WORDS, Event, EventKind, hidden_detail
+from cable_tracker.survey.routes.events import Event, EventKind
+from cable_tracker.survey.routes.merged_events import merged_events
+from cable_tracker.survey.routes.merged_route import MergedRoute, PlacedRoute
 from cable_tracker.survey.routes.route import SPACING
 
 REACH = 5.0
@@ -37,71 +40,6 @@ DISAGREEMENT = 10.8
 
 LEAST_DISAGREEMENT = 2.0
 """Dives that disagree over a shorter way are no event [m]."""
-
-SAME_EVENT = 3.0
-"""Events of one kind in several dives are one if their beginnings and their ends are so near [m],
-or if they share `SAME_SHARE` of the longer one."""
-
-SAME_SHARE = 0.5
-"""See `SAME_EVENT`."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlacedRoute:
-    """A dive's route with its events, in a frame that it shares with others.
-
-    Attributes
-    ----------
-    recording : str
-        Which dive.
-    route : DiveRoute
-        In the common frame.
-    events : tuple of Event
-        Along it.
-    """
-
-    recording: str
-    route: DiveRoute
-    events: tuple[Event, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MergedRoute:
-    """The cable as all dives together have it; columns with one value for each point.
-
-    Attributes
-    ----------
-    along : FloatArray
-        Way from the beginning [m].
-    places : FloatArray
-        x, y, shape (N, 2) [m].
-    headings : FloatArray
-        From +x [rad].
-    sigmas : FloatArray
-        Standard deviation across the cable [m].
-    visible : FloatArray
-        Share of the dives' routes that see it, 0 to 1; NaN where none can say.
-    diameters, asides : FloatArray
-        Means over the dives' routes of the cable's diameter, and of how far beside it the vehicle
-        was, on whichever side [m]; NaN where none can say.
-    dives : FloatArray
-        Number of dives that observed each point, shape (N,).
-    events : tuple of Event
-        Along it.
-    recordings : tuple of str
-        The dives.
-    """
-
-    along: FloatArray
-    places: FloatArray
-    headings: FloatArray
-    sigmas: FloatArray
-    visible: FloatArray
-    diameters: FloatArray
-    asides: FloatArray
-    dives: FloatArray
-    events: tuple[Event, ...]
-    recordings: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,6 +74,28 @@ class _Beside:
     visible: FloatArray
     diameters: FloatArray
     vehicle: FloatArray
+
+
+class _WeightedMean(NamedTuple):
+    """Where routes have the cable together, at N points of an axis.
+
+    Attributes
+    ----------
+    asides : FloatArray
+        How far to the left of the axis, shape (N,) [m]; 0 where none of them can say.
+    sigmas : FloatArray
+        Standard deviation of that, shape (N,) [m]; interpolated where none of them can say.
+    counts : IndexArray
+        Number of routes that can say, shape (N,).
+    excess : FloatArray
+        Chi square by degree of freedom, shape (N,): more than 1 where they are farther apart than
+        they say themselves.
+    """
+
+    asides: FloatArray
+    sigmas: FloatArray
+    counts: IndexArray
+    excess: FloatArray
 
 
 def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
@@ -353,7 +313,37 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     beside = [_beside(of_group, each, begin if each is group[0] else None) for each in group]
     counts = np.array([each.counts for each in beside])
     asides = np.where(counts, [each.asides for each in beside], np.nan)
-    weights = 1.0 / np.array([each.variances for each in beside])
+    mean = _weighted_mean(asides, np.array([each.variances for each in beside]))
+    directions = _directions(axis)
+    normal = np.column_stack((-directions[:, 1], directions[:, 0]))
+    places = axis + mean.asides[:, None] * normal
+    recordings = [each.recording for each in beside]
+    seen_by = _seen_by(recordings, asides)
+    merged = MergedRoute(
+        along=np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T)))),
+        places=places,
+        headings=np.unwrap(np.arctan2(*_directions(places).T[::-1])),
+        sigmas=mean.sigmas,
+        visible=_mean([each.visible for each in beside]),
+        diameters=_mean([each.diameters for each in beside]),
+        asides=_mean([each.vehicle for each in beside]),
+        dives=np.sum(list(seen_by.values()), axis=0, dtype=np.float64),
+        events=(),
+        recordings=tuple(seen_by),
+    )
+    apart = (mean.counts > 1) & (mean.excess > DISAGREEMENT)
+    disagreements = _disagreements(merged, apart, asides, recordings)
+    events = [*merged_events(merged, group, [each.way for each in beside]), *disagreements]
+    events.sort(key=lambda event: (event.along, event.kind.value))
+    return replace(merged, events=tuple(events))
+
+
+def _weighted_mean(asides: FloatArray, variances: FloatArray) -> _WeightedMean:
+    """Average how far routes (R) are aside of an axis (N), each counting by its variance.
+
+    `asides` (R, N) [m] are NaN where a route does not count; `variances` (R, N) [m2].
+    """
+    weights = 1.0 / variances
     weights[~np.isfinite(asides)] = np.nan
     total = np.nansum(weights, axis=0)
     known = total > 0.0
@@ -365,33 +355,20 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     excess = chi / np.maximum(count - 1, 1)
     # Dives that disagree are less sure together than each of them says.
     sigma = np.where(known, sigma * np.sqrt(np.maximum(excess, 1.0)), np.nan)
-    sigma = np.interp(np.arange(len(axis)), np.flatnonzero(known), sigma[known])
-    directions = _directions(axis)
-    normal = np.column_stack((-directions[:, 1], directions[:, 0]))
-    places = axis + mean[:, None] * normal
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
-    # A dive may have gone along the same cable twice.
+    sigma = np.interp(np.arange(len(known)), np.flatnonzero(known), sigma[known])
+    return _WeightedMean(mean, sigma, count, excess)
+
+
+def _seen_by(recordings: Sequence[str], asides: FloatArray) -> dict[str, BoolArray]:
+    """Return for each dive at which points of an axis (N,) one of its routes counts.
+
+    A dive may have gone along the same cable twice.
+    """
     seen_by: dict[str, BoolArray] = {}
-    for each, aside in zip(beside, asides, strict=True):
-        seen = seen_by.get(each.recording, np.zeros(len(axis), np.bool_))
-        seen_by[each.recording] = seen | np.isfinite(aside)
-    merged = MergedRoute(
-        along=along,
-        places=places,
-        headings=np.unwrap(np.arctan2(*_directions(places).T[::-1])),
-        sigmas=sigma,
-        visible=_mean([each.visible for each in beside]),
-        diameters=_mean([each.diameters for each in beside]),
-        asides=_mean([each.vehicle for each in beside]),
-        dives=np.sum(list(seen_by.values()), axis=0, dtype=np.float64),
-        events=(),
-        recordings=tuple(seen_by),
-    )
-    apart = (count > 1) & (excess > DISAGREEMENT)
-    disagreements = _disagreements(merged, apart, asides, [each.recording for each in beside])
-    events = [*_events_of(merged, group, [each.way for each in beside]), *disagreements]
-    events.sort(key=lambda event: (event.along, event.kind.value))
-    return replace(merged, events=tuple(events))
+    for recording, aside in zip(recordings, asides, strict=True):
+        seen = seen_by.get(recording, np.zeros(len(aside), np.bool_))
+        seen_by[recording] = seen | np.isfinite(aside)
+    return seen_by
 
 
 def _mean(columns: Sequence[FloatArray]) -> FloatArray:
@@ -420,66 +397,3 @@ def _disagreements(
         kind = EventKind.DISAGREEMENT
         events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events
-
-
-def _events_of(
-    route: MergedRoute, group: Sequence[PlacedRoute], ways: Sequence[FloatArray]
-) -> list[Event]:
-    """Take the events of all dives to the merged route; what was seen several times is one.
-
-    `ways` are those of the dives' own points along the route, in points.
-    """
-    seen: list[tuple[int, Event]] = []
-    points = np.arange(len(route.along))
-    for number, (placed, way) in enumerate(zip(group, ways, strict=True)):
-        for event in placed.events:
-            ends = np.interp([event.along, event.end], placed.route.along, way)
-            start, end = np.interp(ends, points, route.along).tolist()
-            told = event if start <= end else event.reversed()
-            start, end = sorted((start, end))
-            x, y = interpolated(start, route.along, route.places).tolist()
-            seen.append((number, replace(told, along=start, end=end, place=(x, y))))
-    return _joined(route, sorted(seen, key=lambda each: (each[1].kind.value, each[1].along)))
-
-
-def _joined(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Event]:
-    """Join events (number of the way along the cable, event): each way has seen one once."""
-    groups: list[list[tuple[int, Event]]] = []
-    for number, event in events:
-        for group in reversed(groups[-4:]):
-            is_other_way = all(number != each for each, _ in group)
-            if is_other_way and _is_same(event, [each for _, each in group]):
-                group.append((number, event))
-                break
-        else:
-            groups.append([(number, event)])
-    return [_one(route, [event for _, event in group]) for group in groups]
-
-
-def _is_same(event: Event, group: Sequence[Event]) -> bool:
-    """Tell whether an event is the one that several dives saw."""
-    if group[0].kind is not event.kind:
-        return False
-    start, end = _span(group)
-    shared = min(end, event.end) - max(start, event.along)
-    off = max(abs(event.along - start), abs(event.end - end))
-    return off <= SAME_EVENT or shared >= SAME_SHARE * max(end - start, event.end - event.along)
-
-
-def _span(group: Sequence[Event]) -> tuple[float, float]:
-    """Return from where to where an event goes that several dives saw [m]."""
-    along = float(np.median([each.along for each in group]))
-    return along, max(along, float(np.median([each.end for each in group])))
-
-
-def _one(route: MergedRoute, group: Sequence[Event]) -> Event:
-    """Put an event that several dives saw together; the dive nearest to its beginning shows it."""
-    if len(group) == 1:
-        return group[0]
-    along, end = _span(group)
-    x, y = interpolated(along, route.along, route.places).tolist()
-    nearest = min(group, key=lambda each: abs(each.along - along))
-    others = tuple(sorted({each.recording for each in group} - {nearest.recording}))
-    is_hidden = nearest.kind in HIDDEN_WORDS
-    detail = hidden_detail(nearest.kind, end - along) if is_hidden else nearest.detail
-    return replace(nearest, along=along, end=end, place=(x, y), detail=detail, others=others)

@@ -1,36 +1,12 @@
 from dataclasses import fields, replace
-from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from survey_dives import Plan, make_dive
+from placed_routes import joined, placed, straight
+from survey_dives import Plan
 
-from cable_tracker.survey.recording import SurveySettings, analyse
-from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, Profile
 from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merging import PlacedRoute, merge
-from cable_tracker.survey.routes.route import SPACING
-
-
-@cache
-def route_of(plan: Plan) -> PlacedRoute:
-    surveyed, _ = analyse(make_dive(plan), SurveySettings())
-    (only,) = surveyed.routes
-    return only
-
-
-def placed(plan: Plan, name: str, shift: float = 0.0, sigma: float = 0.05) -> PlacedRoute:
-    """Return a dive's route as if it lay on the earth, shifted to the left, with a doubt."""
-    only = route_of(plan)
-    route = only.route
-    normal = np.column_stack((-np.sin(route.headings), np.cos(route.headings)))
-    moved = replace(
-        route,
-        places=route.places + shift * normal,
-        frame_variances=np.full(len(route.along), sigma**2),
-    )
-    return PlacedRoute(name, moved, tuple(replace(e, recording=name) for e in only.events))
+from cable_tracker.survey.routes.merging import merge
 
 
 def test_two_dives_give_one_route_between_them_weighted_by_their_doubt():
@@ -110,31 +86,6 @@ def test_a_dive_the_other_way_round_is_of_the_same_route():
     assert merged.recordings == ("a", "b")
 
 
-def test_a_burial_that_two_dives_saw_is_one_event():
-    plan = Plan(hidden=((15.0, 21.0),))
-    (merged,) = merge([placed(plan, "a"), placed(replace(plan, seed=2), "b")])
-    (event,) = [each for each in merged.events if each.kind is EventKind.BURIED]
-    assert {event.recording, *event.others} == {"a", "b"}
-
-
-def straight(name: str, start: tuple[float, float], end: tuple[float, float]) -> PlacedRoute:
-    """Return a dive's route along a straight line."""
-    (first, last), kind = np.array([start, end]), placed(Plan(bend=0.0, length=10.0), name)
-    count = round(float(np.hypot(*(last - first))) / SPACING) + 1
-    only = kind.route
-    columns = {
-        each.name: np.full(count, getattr(only, each.name)[5])
-        for each in fields(only)
-        if each.name not in ("start", "profile", "places")
-    }
-    columns["along"] = np.arange(count) * SPACING
-    columns["headings"] = np.full(count, np.arctan2(*(last - first)[::-1]))
-    bins = round(count * SPACING / PROFILE_SPACING)
-    profile = Profile(0.0, np.full(bins, 3.0), np.ones(bins, bool), np.zeros(bins, bool))
-    places = np.linspace(first, last, count)
-    return PlacedRoute(name, replace(only, places=places, profile=profile, **columns), ())
-
-
 @pytest.mark.parametrize("turn", [1.0, -1.0])
 def test_dives_over_cables_that_cross_stay_apart(turn):
     first = straight("a", (0.0, 0.0), (100.0, 0.0))
@@ -152,14 +103,6 @@ def test_whether_two_dives_are_of_one_cable_does_not_depend_on_which_is_longer(l
     unsure = replace(unsure, route=replace(unsure.route, frame_variances=doubt))
     (merged,) = merge([unsure, straight("b", (0.0, 8.0), (length, 8.0))])
     assert merged.recordings == (("a", "b") if length < 100.0 else ("b", "a"))
-
-
-def joined(name: str, *corners: tuple[float, float]) -> PlacedRoute:
-    """Return a dive's route along straight lines from corner to corner."""
-    parts = [straight(name, *ends).route.places for ends in pairwise(corners)]
-    places = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-    route = straight(name, (0.0, 0.0), ((len(places) - 1) * SPACING, 0.0)).route
-    return PlacedRoute(name, replace(route, places=places), ())
 
 
 def test_short_ways_side_by_side_here_and_there_are_no_common_route():
@@ -193,52 +136,6 @@ def test_what_a_dive_saw_where_it_has_left_the_route_is_there_and_not_on_the_rou
     assert left.along[-1] == pytest.approx(end - 40.0, abs=1.0)
 
 
-def test_an_event_that_two_dives_saw_lies_on_the_route_where_it_begins():
-    first = straight("a", (0.0, 0.0), (100.0, 0.0))
-    second = straight("b", (0.0, 0.0), (100.0, 0.0))
-    long = Event(EventKind.BURIED, 0.0, 60.0, (0.0, 0.0), 1, 7, "seen", "a")
-    short = Event(EventKind.BURIED, 30.0, 70.0, (30.0, 0.0), 1, 7, "seen", "b")
-    (merged,) = merge([replace(first, events=(long,)), replace(second, events=(short,))])
-    (event,) = merged.events
-    assert (event.along, event.end) == pytest.approx((15.0, 65.0), abs=0.1)
-    assert event.detail == "not to be seen over 50.0 m"
-    assert event.place == pytest.approx((event.along, 0.0), abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("other", "count"),
-    [((10.0, 14.5), 2), ((6.0, 20.0), 1), ((26.0, 44.0), 2), ((8.5, 32.0), 1), ((5.0, 17.9), 2)],
-)
-def test_stretches_of_which_dives_share_less_than_half_are_not_one(other, count):
-    stretches = {"a": (6.0, 30.0), "b": other}
-    dives = [
-        replace(
-            straight(name, (0.0, 0.0), (100.0, 0.0)),
-            events=(Event(EventKind.BURIED, *ends, (ends[0], 0.0), 1, 7, "seen", name),),
-        )
-        for name, ends in stretches.items()
-    ]
-    (merged,) = merge(dives)
-    assert len(merged.events) == count
-    if count == 2:
-        found = {each.recording: (each.along, each.end) for each in merged.events}
-        assert found == {name: pytest.approx(ends) for name, ends in stretches.items()}
-
-
-@pytest.mark.parametrize(("place", "count"), [(22.0, 1), (25.0, 2)])
-def test_points_that_are_near_are_one_event(place, count):
-    dives = [
-        replace(
-            straight(name, (0.0, 0.0), (100.0, 0.0)),
-            events=(Event(EventKind.CROSSING, at, at, (at, 0.0), 1, 7, "seen", name),),
-        )
-        for name, at in (("a", 20.0), ("b", place))
-    ]
-    (merged,) = merge(dives)
-    assert len(merged.events) == count
-    assert {each.detail for each in merged.events} == {"seen"}
-
-
 @pytest.mark.parametrize(
     "corners",
     [
@@ -254,22 +151,3 @@ def test_a_dive_alone_is_not_bent_where_its_cable_comes_near_to_itself(corners):
     assert merged.places == pytest.approx(only.route.places, abs=1e-9)
     (event,) = merged.events
     assert (event.along, event.end) == pytest.approx((5.0, 6.0))
-
-
-def test_what_a_dive_the_other_way_saw_is_told_with_the_picture_of_its_beginning_on_the_route():
-    seen = Event(EventKind.BURIED, 10.0, 50.0, (80.0, 0.0), 1, 20, "seen", "b", (), 9, 60)
-    back = straight("b", (90.0, 0.0), (10.0, 0.0))
-    (merged,) = merge([straight("a", (0.0, 0.0), (100.0, 0.0)), replace(back, events=(seen,))])
-    (event,) = merged.events
-    assert (event.along, event.end) == pytest.approx((40.0, 80.0))
-    assert (event.stamp, event.frame, event.end_stamp, event.end_frame) == (9, 60, 1, 20)
-
-
-def test_what_a_dive_saw_on_the_way_there_and_back_is_one_event():
-    there, back = straight("a", (0.0, 0.0), (100.0, 0.0)), straight("a", (90.0, 0.0), (10.0, 0.0))
-    first = Event(EventKind.BURIED, 40.0, 46.0, (40.0, 0.0), 1, 7, "seen", "a", (), 2, 8)
-    again = Event(EventKind.BURIED, 44.0, 50.0, (46.0, 0.0), 3, 9, "seen", "a", (), 4, 10)
-    (merged,) = merge([replace(there, events=(first,)), replace(back, events=(again,))])
-    (event,) = merged.events
-    assert (event.along, event.end) == pytest.approx((40.0, 46.0))
-    assert event.recordings == "a"

@@ -1,0 +1,67 @@
+"""Routes of dives in a common frame, and what becomes of those over one cable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.survey.routes.dive_route import DiveRoute
+from cable_tracker.survey.routes.events import Event
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedRoute:
+    """A dive's route with its events, in a frame that it shares with others.
+
+    Attributes
+    ----------
+    recording : str
+        Which dive.
+    route : DiveRoute
+        In the common frame.
+    events : tuple of Event
+        Along it.
+    """
+
+    recording: str
+    route: DiveRoute
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MergedRoute:
+    """The cable as all dives together have it; columns with one value for each point.
+
+    Attributes
+    ----------
+    along : FloatArray
+        Way from the beginning [m].
+    places : FloatArray
+        x, y, shape (N, 2) [m].
+    headings : FloatArray
+        From +x [rad].
+    sigmas : FloatArray
+        Standard deviation across the cable [m].
+    visible : FloatArray
+        Share of the dives' routes that see it, 0 to 1; NaN where none can say.
+    diameters, asides : FloatArray
+        Means over the dives' routes of the cable's diameter, and of how far beside it the vehicle
+        was, on whichever side [m]; NaN where none can say.
+    dives : FloatArray
+        Number of dives that observed each point, shape (N,).
+    events : tuple of Event
+        Along it.
+    recordings : tuple of str
+        The dives.
+    """
+
+    along: FloatArray
+    places: FloatArray
+    headings: FloatArray
+    sigmas: FloatArray
+    visible: FloatArray
+    diameters: FloatArray
+    asides: FloatArray
+    dives: FloatArray
+    events: tuple[Event, ...]
+    recordings: tuple[str, ...]
