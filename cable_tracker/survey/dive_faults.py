@@ -85,26 +85,38 @@ def find_faults(
     dive: ForwardDive, poses: Poses, counted: CountedRows, maximum_gap: float
 ) -> list[str]:
     """Say why there is no route, or why it has gaps; `maximum_gap` [s] as for `count_rows`."""
+    of_odometry = [*_reason_for_gaps(dive, poses, counted), *_faults_of_odometry(dive, poses)]
+    of_pictures = _faults_of_pictures(len(dive.table.rows), counted, maximum_gap)
+    return of_odometry + of_pictures + _missing_metres(counted, dive.table.reasons)
+
+
+def _reason_for_gaps(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[str]:
+    """Say why the vehicle's place is not known in all frames: one reason, or none."""
     rows = dive.table.rows
-    notes = []
     if len(poses.stamps) < 2:
         what = "a single reading of odometry" if len(poses.stamps) else "no odometry"
-        notes.append(f"there is {what}: the cable is known in pixels only, and has no route")
-    elif not counted.placed_partly and not _overlap_in_time(poses, counted):
+        return [f"there is {what}: the cable is known in pixels only, and has no route"]
+    if not counted.placed_partly and not _overlap_in_time(poses, counted):
         apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
-        notes.append(
+        return [
             f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
             " clocks alike"
-        )
-    elif not counted.placed_partly and (pause := _usual_pause(poses, dive.disk)) > LONGEST_GAP:
-        notes.append(
+        ]
+    if not counted.placed_partly and (pause := _usual_pause(poses, dive.disk)) > LONGEST_GAP:
+        return [
             f"odometry is too slow: {pause:.1f} s from one reading to the next; give one that"
             f" speaks every {LONGEST_GAP:g} s or more often"
-        )
-    elif counted.placed < len(rows):
+        ]
+    if counted.placed < len(rows):
         share = (len(rows) - counted.placed) / len(rows)
         said = f"{share:.0%}" if share >= 0.01 else "less than 1%"
-        notes.append(f"odometry was silent, or on another clock, in {said} of the frames")
+        return [f"odometry was silent, or on another clock, in {said} of the frames"]
+    return []
+
+
+def _faults_of_odometry(dive: ForwardDive, poses: Poses) -> list[str]:
+    """Say which readings of odometry do not count, or do not go on from those before."""
+    notes = []
     if poses.jumps:
         notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
     if poses.strays:
@@ -116,9 +128,15 @@ def find_faults(
             f"{dive.unusable_poses} readings of odometry have no orientation, a quaternion of"
             " length 1, or no place, and do not count; let the vehicle's navigation fill them in"
         )
+    return notes
+
+
+def _faults_of_pictures(count: int, counted: CountedRows, maximum_gap: float) -> list[str]:
+    """Say which of a dive's pictures, `count` in all, could not be used, and where they pause."""
+    notes = []
     if counted.refused:
         notes.append(
-            f"{counted.refused} of {len(rows)} pictures could not be used: they are damaged, of a"
+            f"{counted.refused} of {count} pictures could not be used: they are damaged, of a"
             " video stream that lacks packets, have the stamp of one before, or came out of order"
         )
     if counted.back < -succession.LATE:
@@ -128,7 +146,7 @@ def find_faults(
             f"there are no pictures for up to {counted.ahead:.0f} s, or the camera's clock jumps"
             " ahead; the tracker starts anew there"
         )
-    return notes + _missing_metres(counted, dive.table.reasons)
+    return notes
 
 
 def _overlap_in_time(poses: Poses, counted: CountedRows) -> bool:
