@@ -21,7 +21,7 @@ from cable_tracker.cable.model.geometry import (
     wrap_angles,
 )
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.altitude import Altitude
@@ -139,7 +139,7 @@ class _Sights:
 class _SeaBedLines:
     """N cables on the sea bed: `values` (N, 4) offset, offset_ahead, heading, diameter.
 
-    `below_horizon` (N,): enough of the line's points are.
+    Headings are within pi/2 of the first. `below_horizon` (N,): enough of the line's points are.
     """
 
     values: FloatArray
@@ -237,32 +237,13 @@ class CrossTrackMeter:
         if segment is None:
             return Withheld(Reason.OUT_OF_VIEW, "the estimate runs past the image")
         along = _places_along(state.angle, segment)
-        mean = np.array(
-            [*state.to_array()[:POSE_SIZE], altitude.metres, attitude.roll, attitude.pitch]
-        )
-        covariance = np.zeros((len(mean), len(mean)))
-        covariance[:POSE_SIZE, :POSE_SIZE] = estimate.covariance[:POSE_SIZE, :POSE_SIZE]
-        covariance[POSE_SIZE:, POSE_SIZE:] = np.diag(
-            np.array([altitude.sigma, attitude.sigma, attitude.sigma]) ** 2
-        )
+        mean, covariance = _joint_moments(estimate, altitude, attitude)
         points = np.concatenate((mean[None, :], sigma_points(mean, covariance)))
         lines = self._sea_bed_lines(points, along, camera)
-        if not lines.below_horizon.all():
-            return Withheld(
-                Reason.HORIZON,
-                "too little of the centreline is surely below the horizon; tilt the camera down",
-            )
-        values = lines.values
-        # About the middle, headings are averaged like numbers, also across the wrap.
-        heading = values[0, 2]
-        values[:, 2] = heading + wrap_angles(values[:, 2] - heading)
-        if not np.abs(wrap_angles(values[:, 2])).max() <= LARGEST_HEADING:
-            return Withheld(
-                Reason.ACROSS,
-                f"it runs {math.degrees(heading):.0f} deg across, surely or perhaps, so that it has"
-                " no side",
-            )
-        centre, spread = mean_and_covariance(values[1:])
+        fault = _fault_of_lines(lines)
+        if fault is not None:
+            return fault
+        centre, spread = mean_and_covariance(lines.values[1:])
         if not (np.isfinite(centre).all() and np.isfinite(spread).all()):
             raise MetricError(
                 "the cable's place is beyond all numbers; see the parameters camera_x, camera_y,"
@@ -274,7 +255,7 @@ class CrossTrackMeter:
             heading=float(wrap_angles(centre[2])),
             # A size is never negative: of a thin cable, sigma points whose borders have changed
             # places, or cross, would make the mean too large.
-            diameter=float(values[0, 3]),
+            diameter=float(lines.values[0, 3]),
             covariance=spread,
             look_ahead=self._settings.look_ahead,
             depth=self._settings.cable_height - altitude.metres,
@@ -301,7 +282,11 @@ class CrossTrackMeter:
         # Rays of a straight cable lie in a plane, whose normal is that of their least moment; the
         # distortion of the lens bends only the line that the filter has fitted.
         normals = np.linalg.eigh(moments)[1][..., 0]
-        return _SeaBedLines(self._cut(sights, normals), usable.min(axis=1) >= 2)
+        values = self._cut(sights, normals)
+        # About the middle, headings are averaged like numbers, also across the wrap.
+        heading = values[0, 2]
+        values[:, 2] = heading + wrap_angles(values[:, 2] - heading)
+        return _SeaBedLines(values, usable.min(axis=1) >= 2)
 
     def _cut(self, sights: _Sights, normals: FloatArray) -> FloatArray:
         """Cut planes through the camera, (N, 3, 3): centreline, left, right, with the sea bed."""
@@ -324,6 +309,37 @@ class CrossTrackMeter:
         along = np.cos(heading) * between[:, 0] + np.sin(heading) * between[:, 1]
         across = np.sqrt(np.maximum(np.sum(between**2, axis=1) - along**2, 0.0))
         return np.column_stack((*offsets, heading, reach * across))
+
+
+def _joint_moments(
+    estimate: CableEstimate, altitude: Altitude, attitude: Attitude
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean (7,) and covariance (7, 7) of the cable's pose, altitude, roll and pitch."""
+    pose = estimate.state.to_array()[:POSE_SIZE]
+    mean = np.array([*pose, altitude.metres, attitude.roll, attitude.pitch])
+    covariance = np.zeros((len(mean), len(mean)))
+    covariance[:POSE_SIZE, :POSE_SIZE] = estimate.covariance[:POSE_SIZE, :POSE_SIZE]
+    covariance[POSE_SIZE:, POSE_SIZE:] = np.diag(
+        np.array([altitude.sigma, attitude.sigma, attitude.sigma]) ** 2
+    )
+    return mean, covariance
+
+
+def _fault_of_lines(lines: _SeaBedLines) -> Withheld | None:
+    """Say why lines, the first of which is the likeliest, are no cable beside the vehicle."""
+    if not lines.below_horizon.all():
+        return Withheld(
+            Reason.HORIZON,
+            "too little of the centreline is surely below the horizon; tilt the camera down",
+        )
+    headings = lines.values[:, 2]
+    if not np.abs(wrap_angles(headings)).max() <= LARGEST_HEADING:
+        return Withheld(
+            Reason.ACROSS,
+            f"it runs {math.degrees(headings[0]):.0f} deg across, surely or perhaps, so that it has"
+            " no side",
+        )
+    return None
 
 
 def _places_along(angle: float, segment: tuple[tuple[float, float], ...]) -> FloatArray:
@@ -369,16 +385,35 @@ def _moments(
     level = np.empty(3)
     for n in range(cameras):
         for line in range(lines):
-            for k in range(rays.shape[2]):
-                for i in range(3):
-                    level[i] = (
-                        rotations[n, i, 0] * rays[n, line, k, 0]
-                        + rotations[n, i, 1] * rays[n, line, k, 1]
-                        + rotations[n, i, 2] * rays[n, line, k, 2]
-                    )
-                if level[2] < -least_drop:
-                    usable[n, line] += 1
-                    for i in range(3):
-                        for j in range(3):
-                            moments[n, line, i, j] += level[i] * level[j]
+            usable[n, line] = _add_moments(
+                rays[n, line], rotations[n], least_drop, level, moments[n, line]
+            )
     return moments, usable
+
+
+@compiled_loop
+def _add_moments(
+    rays: FloatArray,
+    rotation: FloatArray,
+    least_drop: float,
+    level: FloatArray,
+    moments: FloatArray,
+) -> int:
+    """Add up second moments (3, 3) of a line's rays (K, 3); return how many of them go down.
+
+    `level` (3,) is room for a ray in the level frame; see `_moments`.
+    """
+    usable = 0
+    for k in range(len(rays)):
+        for i in range(3):
+            level[i] = (
+                rotation[i, 0] * rays[k, 0]
+                + rotation[i, 1] * rays[k, 1]
+                + rotation[i, 2] * rays[k, 2]
+            )
+        if level[2] < -least_drop:
+            usable += 1
+            for i in range(3):
+                for j in range(3):
+                    moments[i, j] += level[i] * level[j]
+    return usable
