@@ -186,6 +186,39 @@ def _in_order(
     return iter(merge(*both, key=lambda each: each.bag_time))
 
 
+def _write_in_format(
+    bag: BagWriter,
+    frame: Frame,
+    image_format: ImageFormat,
+    gain: float,
+    *,
+    boxes: BoxTruth | None,
+    skip_bad_frames: bool,
+) -> bool:
+    """Write a frame in another format, with its true box if it has one; see `write_bag`.
+
+    Returns
+    -------
+    bool
+        Whether it is in the bag: False for one that cannot be decoded and is to be skipped.
+
+    Raises
+    ------
+    FrameError
+        It cannot be decoded, and is not to be skipped.
+    """
+    try:
+        converted = in_format(frame, image_format, gain)
+    except FrameError as error:
+        if not skip_bad_frames:
+            raise FrameError(f"frame {frame.index}: {error}") from error
+        return False
+    write_frame(bag, converted)
+    if boxes is not None and boxes.knows(frame):
+        write_box(bag, frame, boxes.box(frame))
+    return True
+
+
 def write_bag(
     path: Path,
     frames: Iterable[Frame],
@@ -233,18 +266,12 @@ def write_bag(
             for item in _in_order(frames, carried):
                 if isinstance(item, CarriedMessage):
                     bag.write(item.topic, item.type_name, item.message, item.bag_time)
-                    continue
-                try:
-                    converted = in_format(item, image_format, gain)
-                except FrameError as error:
-                    if not skip_bad_frames:
-                        raise FrameError(f"frame {item.index}: {error}") from error
+                elif _write_in_format(
+                    bag, item, image_format, gain, boxes=boxes, skip_bad_frames=skip_bad_frames
+                ):
+                    count += 1
+                else:
                     skipped += 1
-                    continue
-                write_frame(bag, converted)
-                if boxes is not None and boxes.knows(item):
-                    write_box(bag, item, boxes.box(item))
-                count += 1
         except RecordingError as error:
             if not keeps_beginning:
                 raise
