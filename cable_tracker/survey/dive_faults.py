@@ -72,7 +72,7 @@ def count_rows(dive: ForwardDive, places: FloatArray, maximum_gap: float) -> Cou
         found.placed_partly += int(known.any(axis=1).sum())
         found.earliest = min(found.earliest, int(some["stamp"].min()))
         found.latest = max(found.latest, int(some["stamp"].max()))
-        steps = np.diff(some["stamp"], prepend=before) / 1e9
+        steps = np.diff(some["stamp"], prepend=before) / NANOSECONDS
         found.back = min(found.back, float(steps.min()))
         found.ahead = max(found.ahead, float(steps.max()))
         found.seconds += float(steps[(steps >= 0.0) & (steps <= maximum_gap)].sum())
@@ -97,7 +97,7 @@ def _reason_for_gaps(dive: ForwardDive, poses: Poses, counted: CountedRows) -> l
         what = "a single reading of odometry" if len(poses.stamps) else "no odometry"
         return [f"there is {what}: the cable is known in pixels only, and has no route"]
     if not counted.placed_partly and not _overlap_in_time(poses, counted):
-        apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
+        apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / NANOSECONDS
         return [
             f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
             " clocks alike"

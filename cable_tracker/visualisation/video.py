@@ -18,6 +18,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import AtomicFile
 from cable_tracker.errors import OutputError, write_failure
 from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
+from cable_tracker.stamps import NANOSECONDS
 
 TICKS = 1000
 """Time stamps of the file per second: WebM counts milliseconds."""
@@ -181,7 +182,7 @@ class VideoWriter:
             self._elapsed += step
             self._usual_step = step
         self._last_stamp = stamp
-        tick = max(round(self._elapsed * TICKS / 1_000_000_000), self._last_tick + 1)
+        tick = max(round(self._elapsed * TICKS / NANOSECONDS), self._last_tick + 1)
         self._last_tick = tick
         return tick
 

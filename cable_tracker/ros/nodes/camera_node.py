@@ -34,6 +34,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
 
@@ -286,7 +287,7 @@ class CameraNode(ProcessNode):
         self._watch.apply(values)
         self._diagnostics.apply(values)
         if self._watchdog is not None:
-            self._watchdog.timer_period_ns = round(self._watchdog_period() * 1e9)
+            self._watchdog.timer_period_ns = round(self._watchdog_period() * NANOSECONDS)
 
     def _watchdog_period(self) -> float:
         shortest = min(self._watch.timeout, self._diagnostics.period)
@@ -371,7 +372,7 @@ class CameraNode(ProcessNode):
         now = int(clock.now().nanoseconds)
         if clock.ros_time_is_active:
             return now
-        return now - round((time.perf_counter() - arrival) * 1e9)
+        return now - round((time.perf_counter() - arrival) * NANOSECONDS)
 
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header

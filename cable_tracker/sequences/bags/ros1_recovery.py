@@ -13,6 +13,7 @@ from rosbags.typesys.msg import normalize_msgtype
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import ROS1_UNPACKERS
 from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.stamps import NANOSECONDS
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _CHUNK, _CONNECTION = 2, 5, 7
@@ -73,7 +74,7 @@ def _messages(file: IO[bytes]) -> Iterator[StoredMessage]:
         elif kind == _MESSAGE:
             seconds, nanoseconds = struct.unpack("<II", header[b"time"])
             yield StoredMessage(
-                *connections[header[b"conn"]], seconds * 1_000_000_000 + nanoseconds, data
+                *connections[header[b"conn"]], seconds * NANOSECONDS + nanoseconds, data
             )
 
 

@@ -32,6 +32,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.source_base import Source
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.crossing_search import CrossingSearch
 from cable_tracker.survey.frames.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
@@ -71,7 +72,7 @@ POSE_PAUSE = 90_000_000
 """Shortest interval between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of
 a second."""
 
-CALIBRATION_PAUSE = 1_000_000_000
+CALIBRATION_PAUSE = NANOSECONDS
 """Shortest interval between two calibrations that are read [ns]."""
 
 
@@ -234,7 +235,7 @@ class _Run:
         metres = vehicle.metres(pauses)
         self._metres = metres if metres is not None else RecordedMetres(vehicle.vehicle, None)
         aided = self._metres.is_aided and settings.most_rate > 0.0
-        self._pause = round(1e9 / settings.most_rate) if aided else 0
+        self._pause = round(NANOSECONDS / settings.most_rate) if aided else 0
         self._due: int | None = None
         self.passed_over = 0
         self._crossings = CrossingSearch(dive.table)

@@ -46,6 +46,7 @@ from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.motion.live_world import LiveSettings, cable_course
 from cable_tracker.simulation.rendering.tube import SETTLED
 from cable_tracker.simulation.seen_cable import MOUNTING
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
@@ -268,7 +269,7 @@ class _Run:
         picture = draw_overlay(
             frame.image, state=frame.state, status=frame.status, minimum_width=CAMERA_WIDTH
         )
-        seconds = (frame.stamp - self._first_stamp) / 1e9
+        seconds = (frame.stamp - self._first_stamp) / NANOSECONDS
         words = (
             f"{seconds:6.1f} s  {frame.place[0]:6.1f} m",
             f"cable {abs(frame.error):.2f} m to the {'left' if frame.error > 0 else 'right'}",
