@@ -799,15 +799,25 @@ def _dumped(levels: Image, beside: Image, rng: np.random.Generator) -> Image:
         radius = largest * rng.uniform(0.4, 1.0)
         axes, turn = np.array([1.0, rng.uniform(0.5, 1.0)]) * radius, 360.0 * rng.random()
         level = tone + spread * rng.normal()
-        for shift, size, lit in ((-0.4, 1.05, level * (1.0 - depth)), (0.0, 0.95, level)):
-            centre = tuple(int(each) for each in np.round(8.0 * (middle + shift * radius * light)))
-            lengths = tuple(round(8.0 * size * each) for each in axes)
-            cv2.ellipse(
-                dumped, centre, lengths, turn, 0.0, 360.0, float(lit), cv2.FILLED, cv2.LINE_8, 3
-            )
-        top = tuple(int(each) for each in np.round(8.0 * (middle + 0.3 * radius * light)))
-        cv2.circle(dumped, top, round(4.0 * radius), float(level + 8.0), cv2.FILLED, cv2.LINE_8, 3)
+        _draw_stone(
+            dumped, middle + -0.4 * radius * light, 1.05 * axes, turn, level * (1.0 - depth)
+        )
+        _draw_stone(dumped, middle, 0.95 * axes, turn, level)
+        _draw_stone(
+            dumped, middle + 0.3 * radius * light, np.full(2, 0.5 * radius), 0.0, level + 8.0
+        )
     return cv2.GaussianBlur(dumped, (3, 3), rng.uniform(0.3, 0.8))
+
+
+def _draw_stone(
+    picture: Image, middle: FloatArray, axes: FloatArray, turn: float, level: float
+) -> None:
+    """Draw a filled ellipse to an eighth of a pixel: half-axes [px] and turn [deg]."""
+    centre, lengths = (
+        tuple(int(each) for each in np.round(8.0 * values)) for values in (middle, axes)
+    )
+    ends = (turn, 0.0, 360.0)
+    cv2.ellipse(picture, centre, lengths, *ends, float(level), cv2.FILLED, cv2.LINE_8, 3)
 
 
 def _other_ground(
