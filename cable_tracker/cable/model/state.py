@@ -23,6 +23,14 @@ class StateColumn(IntEnum):
     SKEW_RATE = 7
 
 
+LENGTHS = [
+    StateColumn.DISTANCE,
+    StateColumn.WIDTH,
+    StateColumn.DISTANCE_RATE,
+    StateColumn.WIDTH_RATE,
+]
+"""Columns of a state that are in pixels."""
+
 STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta")
 """The symbols of the thesis (sections 4.3 and 6.1), in the order of `StateColumn`."""
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import LENGTHS, POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.worlds.world_dive import LENGTHS
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import LENGTHS, CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.setting_checks import check_seed, check_size
@@ -39,14 +39,6 @@ from cable_tracker.simulation.worlds.strip import (
 from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH, pixel_scale
-
-LENGTHS = [
-    StateColumn.DISTANCE,
-    StateColumn.WIDTH,
-    StateColumn.DISTANCE_RATE,
-    StateColumn.WIDTH_RATE,
-]
-"""Columns of a state that are in pixels."""
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
