@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,12 +29,15 @@ from cable_tracker.simulation.rendering.photographs import make_photographed_bed
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
 from cable_tracker.simulation.rendering.texture import TiledTexture
-from cable_tracker.simulation.rendering.tube import Tube
+from cable_tracker.simulation.rendering.tube import Tube, random_bends
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""
+
+MOUNTING = math.radians(20.0)
+"""Angle by which a camera looks forward on the vehicle, unless a scenario says otherwise [rad]."""
 
 CABLE_RADIUS = 0.08
 """Radius of the cable [m]."""
@@ -158,6 +162,20 @@ class Seeds:
     def of(cls, seed: int) -> Seeds:
         """Derive all from one number."""
         return cls(*np.random.SeedSequence(seed).spawn(4))
+
+
+def dive_camera(
+    image_size: tuple[int, int],
+    mounting: float = MOUNTING,
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+) -> Camera:
+    """Return the camera of a dive; see `Camera`. A wider picture shows the same view."""
+    return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting, distortion)
+
+
+def random_cable(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:
+    """Draw the course of a cable along x, which wanders about it; see `random_bends`."""
+    return Tube(CABLE_RADIUS, random_bends(curvature, lengths, 2, rng))
 
 
 def frame_times(start: int, rate: float) -> FloatArray:

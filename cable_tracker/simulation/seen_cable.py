@@ -5,33 +5,22 @@ The world frame is that of `vehicle`: x along the general course of the cable, y
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.dive import (
-    CABLE_RADIUS,
-    FOCAL,
-    Seeds,
-    Surroundings,
-    lay_out,
-)
+from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_cable
 from cable_tracker.simulation.motion.vehicle import VehicleState
-from cable_tracker.simulation.rendering.camera import Camera, CameraPoses, VehiclePoses
+from cable_tracker.simulation.rendering.camera import CameraPoses, VehiclePoses
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
-from cable_tracker.simulation.rendering.tube import Tube, random_bends
+from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.rendering.world_frame import (
     angles_to_renderer,
     from_renderer,
     to_renderer,
 )
-
-MOUNTING = math.radians(20.0)
-"""Angle by which the camera looks forward [rad]."""
 
 CURVATURE = 0.04
 """The cable never bends more than this [1/m]."""
@@ -47,8 +36,8 @@ RATE_STEP = 1e-3
 
 
 def bent_cable(rng: np.random.Generator) -> Tube:
-    """Draw the course of a cable along x, which wanders about it."""
-    return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
+    """Draw the course of a cable; see `random_cable`."""
+    return random_cable(CURVATURE, BEND_LENGTHS, rng)
 
 
 def cable_of_seed(seed: int) -> Tube:
@@ -104,7 +93,7 @@ class CableScene:
         rngs: tuple[np.random.Generator, np.random.Generator],
     ) -> None:
         self._tube = tube
-        self.camera = Camera(image_size, FOCAL * image_size[0] / 320, MOUNTING)
+        self.camera = dive_camera(image_size)
         scene, cable = lay_out(self.camera, tube, surroundings, length, rngs)
         assert cable is not None
         self._cable = cable

@@ -12,19 +12,18 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import (
-    CABLE_RADIUS,
-    FOCAL,
     Dive,
     Seeds,
     SimulatedFrame,
     Surroundings,
+    dive_camera,
+    random_cable,
     render_dive,
 )
 from cable_tracker.simulation.motion.routes import random_trajectory, scenario_trajectory
-from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
 from cable_tracker.simulation.rendering.look import Look
-from cable_tracker.simulation.rendering.tube import Tube, random_bends
+from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.setting_checks import (
@@ -42,9 +41,6 @@ CURVATURE = 0.012
 
 BEND_LENGTHS = (12.0, 24.0)
 """Shortest and longest bend of a cable [m]."""
-
-MOUNTING = float(np.deg2rad(20.0))
-"""Angle by which the camera of `simulate` looks forward on the vehicle [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +100,8 @@ def simulated_dive(settings: SimulationSettings) -> Dive:
     """Return camera, cable and motion of `simulate`."""
     seeds = Seeds.of(settings.seed)
     return Dive(
-        camera=_camera(settings.image_size, MOUNTING),
-        tube=_random_tube(CURVATURE, seeds),
+        camera=dive_camera(settings.image_size),
+        tube=random_cable(CURVATURE, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=random_trajectory(np.random.default_rng(seeds.route)),
     )
 
@@ -176,19 +172,6 @@ def _checked(scenario: str | Scenario, seed: int, image_size: tuple[int, int]) -
     return chosen
 
 
-def _camera(
-    image_size: tuple[int, int],
-    mounting: float,
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
-) -> Camera:
-    return Camera(image_size, FOCAL * image_size[0] / 320, mounting, distortion)
-
-
-def _random_tube(curvature: float, seeds: Seeds) -> Tube:
-    rng = np.random.default_rng(seeds.course)
-    return Tube(CABLE_RADIUS, random_bends(curvature, BEND_LENGTHS, 2, rng))
-
-
 def _scenario_dive(
     scenario: Scenario,
     seeds: Seeds,
@@ -196,8 +179,8 @@ def _scenario_dive(
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
 ) -> Dive:
     return Dive(
-        camera=_camera(image_size, float(np.deg2rad(scenario.mounting)), distortion),
-        tube=_random_tube(scenario.curvature, seeds),
+        camera=dive_camera(image_size, float(np.deg2rad(scenario.mounting)), distortion),
+        tube=random_cable(scenario.curvature, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=scenario_trajectory(scenario, np.random.default_rng(seeds.route)),
     )
 
