@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +10,7 @@ import typer
 
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import format_initial_state
+from cable_tracker.cable.model.state import POSE_COMPONENTS
 from cable_tracker.commands.console.results import (
     folder_beside,
     metres_told,
@@ -182,13 +182,11 @@ def _print_errors(summary: ErrorSummary) -> None:
     )
     if not summary.claimed:
         return
-    degree = math.degrees(1.0)
-    axes = (("d [px]", 1.0), ("alpha [deg]", degree), ("w [px]", 1.0), ("beta [deg]", degree))
     errors = summary.errors
     columns = (errors.bias, errors.rmse, errors.median, errors.percentile_95)
     rows = [
-        (name, *(f"{column[index] * scale:.2f}" for column in columns))
-        for index, (name, scale) in enumerate(axes)
+        (shown.heading, *(f"{column[index] * shown.factor:.2f}" for column in columns))
+        for index, shown in enumerate(POSE_COMPONENTS)
     ]
     headings = ("", "bias", "RMSE", "median", "95th percentile")
     print_table("errors against ground truth", headings, rows)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.cable.model.geometry import wraps_between
+from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.tables import chosen, methods_of
@@ -49,22 +49,8 @@ _STYLE: Any = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class _Panel:
-    label: str
-    factor: float
-    """Factor from px or rad to the unit of the axis."""
-
-    smallest: float
-    """Smallest span of an axis, so that calm does not look like turmoil."""
-
-
-PANELS = (
-    _Panel("d [px]", 1.0, 20.0),
-    _Panel("α [deg]", 180 / np.pi, 10.0),
-    _Panel("w [px]", 1.0, 20.0),
-    _Panel("β [deg]", 180 / np.pi, 5.0),
-)
+SMALLEST_SPANS = (20.0, 10.0, 20.0, 5.0)
+"""Of the axes of d, alpha, w, beta [px, deg], so that calm does not look like turmoil."""
 
 LOSS_COLOURS = LinearSegmentedColormap.from_list(
     "loss", ["#f4f6f7", "#f3c19d", "#d55e00", "#7a2d00"]
@@ -113,7 +99,7 @@ def trace_figure(named: Sequence[tuple[str, Trace]]) -> Figure:
     width = 6.2 if count == 1 else 4.4 * count
     with _calm_style():
         figure = Figure(figsize=(width, 4.7))
-        grid = figure.subplots(len(PANELS), count, sharex="col", squeeze=False)
+        grid = figure.subplots(POSE_SIZE, count, sharex="col", squeeze=False)
         for axes, (title, trace) in zip(grid.T, named, strict=True):
             _draw_trace(list(axes), trace)
             axes[0].set_title(title, fontsize=8.5)
@@ -133,15 +119,16 @@ def _legend_entries(axes: Iterable[Axes]) -> Iterable[tuple[str, Artist]]:
 
 
 def _draw_trace(axes: Sequence[Axes], trace: Trace) -> None:
-    for column, (axis, panel) in enumerate(zip(axes, PANELS, strict=True)):
+    for column, axis in enumerate(axes):
         _shade(axis, trace, trace.hidden, (*to_unit(GREY), 0.35), "no cable to be seen")
         _shade(axis, trace, carried(trace, trace.lost), (*to_unit(RED), 0.22), "lost")
-        _draw_parameter(axis, trace, column, panel)
+        _draw_component(axis, trace, column)
     axes[-1].set_xlabel("frame")
     axes[-1].set_xlim(trace.frames[0], max(trace.frames[-1], trace.frames[0] + 1))
 
 
-def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> None:
+def _draw_component(axis: Axes, trace: Trace, column: int) -> None:
+    _, symbol, unit, factor = POSE_COMPONENTS[column]
     frames = trace.frames.astype(np.float64)
     truth, estimate = trace.truths[:, column].copy(), trace.estimates[:, column].copy()
     known = np.isfinite(trace.truths[:, 1])
@@ -152,15 +139,15 @@ def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> Non
     truth[wrapped] = estimate[wrapped] = np.nan
     claims = trace.claimed
     green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))
-    axis.plot(frames[joined], truth[joined] * panel.factor, color="0.1", lw=1.1, label="truth")
-    pale = np.where(claims, np.nan, estimate) * panel.factor
-    firm = np.where(claims, estimate, np.nan) * panel.factor
+    axis.plot(frames[joined], truth[joined] * factor, color="0.1", lw=1.1, label="truth")
+    pale = np.where(claims, np.nan, estimate) * factor
+    firm = np.where(claims, estimate, np.nan) * factor
     dashes = (0, (3.5, 1.8))
     axis.plot(frames, pale, color="0.55", lw=0.9, linestyle=dashes, label="estimate, not claimed")
     axis.plot(frames, firm, color=green, lw=1.3, linestyle=dashes, label="estimate, claimed")
-    axis.set_ylabel(panel.label)
-    held = np.where(trace.lost | ~claims, np.nan, estimate) * panel.factor
-    axis.set_ylim(_limits(truth * panel.factor, held, panel.smallest))
+    axis.set_ylabel(f"{symbol} [{unit}]")
+    held = np.where(trace.lost | ~claims, np.nan, estimate) * factor
+    axis.set_ylim(_limits(truth * factor, held, SMALLEST_SPANS[column]))
     with_faint_grid(axis)
 
 
@@ -263,14 +250,14 @@ def calibration_figure(results: Sequence[RunResult]) -> Figure:
             method: 100.0 * coverage((run.trace for run in chosen(results, method=method)), NOMINAL)
             for method in methods_of(results)
         }
-        for column, (axis, panel) in enumerate(zip(axes, PANELS, strict=True)):
+        for column, (axis, shown) in enumerate(zip(axes, POSE_COMPONENTS, strict=True)):
             axis.plot((0, 100), (0, 100), color="0.6", linewidth=0.8, linestyle=(0, (2, 2)))
             for place, (method, curve) in enumerate(curves.items()):
                 colour, stroke = style_of(place)
                 axis.plot(
                     100 * NOMINAL, curve[:, column], color=colour, linestyle=stroke, label=method
                 )
-            axis.set_title(panel.label.split(" ")[0], fontsize=9)
+            axis.set_title(shown.greek, fontsize=9)
             axis.set_xlabel("nominal [%]")
             axis.set_xlim(0, 100)
             axis.set_ylim(0, 100)

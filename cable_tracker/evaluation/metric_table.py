@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import POSE_COMPONENTS
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics
 from cable_tracker.evaluation.metrics.initialisation import StartOutcome
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics
@@ -40,15 +41,6 @@ class MetricSpec:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-_DEGREE = math.degrees(1.0)
-_AXES = (
-    ("d", "d", "px", 1.0),
-    ("alpha", "α", "deg", _DEGREE),
-    ("w", "w", "px", 1.0),
-    ("beta", "β", "deg", _DEGREE),
-)
-
-
 def _error_specs(
     prefix: str, words: str, statistics: Callable[[RunMetrics], ErrorStatistics]
 ) -> Iterable[MetricSpec]:
@@ -59,7 +51,7 @@ def _error_specs(
         ("p95", "95th percentile", lambda s: s.percentile_95),
     )
     for name, label, values in measures:
-        for column, (axis, symbol, unit, factor) in enumerate(_AXES):
+        for column, (axis, symbol, unit, factor) in enumerate(POSE_COMPONENTS):
             yield MetricSpec(
                 f"{prefix}{name}_{axis}",
                 f"{label} of {symbol}{words}",
@@ -69,7 +61,7 @@ def _error_specs(
 
 
 def _inside_specs() -> Iterable[MetricSpec]:
-    for column, (axis, symbol, _, _) in enumerate(_AXES):
+    for column, (axis, symbol, _, _) in enumerate(POSE_COMPONENTS):
         yield MetricSpec(
             f"inside_2_sigma_{axis}",
             f"truth of {symbol} inside 2σ",

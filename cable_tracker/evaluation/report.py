@@ -11,6 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cable_tracker.atomic_output import write_bytes
+from cable_tracker.cable.model.state import POSE_SYMBOLS
 from cable_tracker.evaluation.failure_criteria import LOST_DISTANCE
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
@@ -54,7 +55,6 @@ SEQUENCE_METRICS = (
     "frames_to_right", "inside_region", "nees_median", "ms",
 )  # fmt: skip
 
-AXES = ("d", "alpha", "w", "beta")
 ERROR_MEASURES = ("bias", "rmse", "median", "p95")
 
 
@@ -305,7 +305,7 @@ def _matrix(results: Sequence[RunResult], spec: MetricSpec) -> TableView:
 
 
 def _error_table(results: Sequence[RunResult]) -> TableView:
-    names = [f"{measure}_{axis}" for axis in AXES for measure in ERROR_MEASURES]
+    names = [f"{measure}_{axis}" for axis in POSE_SYMBOLS for measure in ERROR_MEASURES]
     return _metrics_table("Errors over all frames with a visible cable", results, names)
 
 

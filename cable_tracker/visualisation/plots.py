@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
@@ -43,22 +43,6 @@ LONGEST_STEP = 5.0
 
 PANEL_HEIGHT = 2.1
 """[inch]."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Panel:
-    column: StateColumn
-    label: str
-    factor: float
-    """Factor from px or rad to the unit of the axis."""
-
-
-PANELS = (
-    _Panel(StateColumn.DISTANCE, "d [px]", 1.0),
-    _Panel(StateColumn.ANGLE, "alpha [deg]", 180 / np.pi),
-    _Panel(StateColumn.WIDTH, "w [px]", 1.0),
-    _Panel(StateColumn.SKEW, "beta [deg]", 180 / np.pi),
-)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +155,7 @@ def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
 
 def _draw(series: _Series) -> Figure:
     knows_presence = bool(np.isfinite(series.presence).any())
-    count = len(PANELS) + knows_presence
+    count = POSE_SIZE + knows_presence
     figure = Figure(figsize=(11.0, 0.1 + PANEL_HEIGHT * count), dpi=DOTS_PER_INCH)
     axes: list[Axes] = list(figure.subplots(count, 1, sharex=True))
     low, high = float(series.times.min()), float(series.times.max())
@@ -179,8 +163,8 @@ def _draw(series: _Series) -> Figure:
     for axis in axes:
         for status in shaded:
             _shade(axis, series, status)
-    for axis, panel in zip(axes, PANELS, strict=False):
-        _draw_panel(axis, series, panel)
+    for column, axis in enumerate(axes[:POSE_SIZE]):
+        _draw_component(axis, series, column)
     if knows_presence:
         _draw_presence(axes[-1], series)
     axes[-1].set_xlim(low, high if high > low else low + 1.0)
@@ -191,11 +175,11 @@ def _draw(series: _Series) -> Figure:
     return figure
 
 
-def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
-    column = int(panel.column)
+def _draw_component(axis: Axes, series: _Series, column: int) -> None:
+    shown = POSE_COMPONENTS[column]
     times, estimate = _broken(series.times, series.estimates, column)
     _, sigma = _broken(series.times, series.estimates, column, series.sigmas)
-    estimate, sigma = estimate * panel.factor, sigma * panel.factor
+    estimate, sigma = estimate * shown.factor, sigma * shown.factor
     colour = dark(ESTIMATE)
     axis.fill_between(
         times, estimate - 2 * sigma, estimate + 2 * sigma, color=colour, alpha=0.25, linewidth=0
@@ -203,11 +187,11 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     axis.plot(times, estimate, color=colour, linewidth=1.4)
     _mark_single_points(axis, times, estimate, colour)
     true_times, truth = _broken(series.true_times, series.truths, column)
-    truth = truth * panel.factor
+    truth = truth * shown.factor
     axis.plot(true_times, truth, color=dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
     _mark_single_points(axis, true_times, truth, dark(TRUTH))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
-    axis.set_ylabel(panel.label)
+    axis.set_ylabel(shown.heading)
     with_faint_grid(axis)
 
 

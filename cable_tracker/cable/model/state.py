@@ -1,9 +1,11 @@
-"""The state of a cable in the image, and the names and units of its columns."""
+"""The state of a cable in the image, and how its columns are named and shown."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,13 +33,55 @@ LENGTHS = [
 ]
 """Columns of a state that are in pixels."""
 
-STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta")
-"""The symbols of the thesis (sections 4.3 and 6.1), in the order of `StateColumn`."""
-
 STATE_SIZE = len(StateColumn)
 
 POSE_SIZE = 4
 """Pose components: the first columns, d, alpha, w, beta; as many rates follow."""
+
+DEGREE = math.degrees(1.0)
+"""Factor from rad to degrees."""
+
+
+class Component(NamedTuple):
+    """A component of the state as it is shown to people, in degrees instead of rad.
+
+    Attributes
+    ----------
+    symbol, greek : str
+        Symbol of the thesis (sections 4.3 and 6.1), spelt out and as it is written there.
+    unit : str
+        Unit in which it is shown.
+    factor : float
+        Factor from px or rad, or their rates, to that unit.
+    """
+
+    symbol: str
+    greek: str
+    unit: str
+    factor: float
+
+    @property
+    def heading(self) -> str:
+        """Symbol and unit, for a table's column or an axis."""
+        return f"{self.symbol} [{self.unit}]"
+
+
+COMPONENTS = (
+    Component("d", "d", "px", 1.0),
+    Component("alpha", "α", "deg", DEGREE),
+    Component("w", "w", "px", 1.0),
+    Component("beta", "β", "deg", DEGREE),
+    Component("v_d", "v_d", "px/s", 1.0),
+    Component("v_alpha", "v_α", "deg/s", DEGREE),
+    Component("v_w", "v_w", "px/s", 1.0),
+    Component("v_beta", "v_β", "deg/s", DEGREE),
+)
+"""In the order of `StateColumn`."""
+
+POSE_COMPONENTS = COMPONENTS[:POSE_SIZE]
+
+STATE_SYMBOLS = tuple(each.symbol for each in COMPONENTS)
+POSE_SYMBOLS = STATE_SYMBOLS[:POSE_SIZE]
 
 DISTANCE, ANGLE, WIDTH, SKEW = range(POSE_SIZE)
 """Their columns for kernels: Numba 0.59 takes no enumeration for an index beside a slice."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, POSE_SYMBOLS, StateColumn
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -41,7 +41,7 @@ HEADINGS = (
     "sequence", "frames", "d [%]", "alpha [%]", "w [%]", "beta [%]", "region [%]", "NEES",
     "bias of d [px]", "bias of w [px]", "dives below 95 %",
 )  # fmt: skip
-FACTOR_HEADINGS = ("sequence", "d", "alpha", "w", "beta")
+FACTOR_HEADINGS = ("sequence", *POSE_SYMBOLS)
 BRIEF_COLUMNS = 7
 
 NOTE = (

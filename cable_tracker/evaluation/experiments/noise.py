@@ -11,12 +11,18 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import LENGTHS, POSE_SIZE, STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import (
+    LENGTHS,
+    POSE_COMPONENTS,
+    POSE_SIZE,
+    STATE_SIZE,
+    StateColumn,
+)
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 
-UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))
+UNITS = np.array([each.factor**2 for each in POSE_COMPONENTS])
 """Turns px² and rad² of d, alpha, w, beta into px² and deg²."""
 
 LONGEST_STEP = 1.5

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_text
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.state import POSE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.label_file import NOWHERE
@@ -15,7 +15,7 @@ from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.labels.sequence_file import Label, parse_place
 from cable_tracker.sequences.tables.csv_tables import csv_text
 
-HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta", "file")
+HEADER = ("frame", "stamp", "flag", *POSE_SYMBOLS, "file")
 SUFFIX = ".autosave"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cable_tracker.cable.model.state import COMPONENTS, POSE_SIZE
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import ParameterError
@@ -117,10 +118,10 @@ CABLE = Subject(
     noun="cable",
     node="tracker",
     shape="line",
-    names=("d", "α", "w", "β", "v_d", "v_α", "v_w", "v_β"),
-    units=("px", "deg", "px", "deg", "px/s", "deg/s", "px/s", "deg/s"),
+    names=tuple(each.greek for each in COMPONENTS),
+    units=tuple(each.unit for each in COMPONENTS),
     least_spans=(20.0, 4.0, 20.0, 4.0, 40.0, 10.0, 40.0, 10.0),
-    truths=4,
+    truths=POSE_SIZE,
     lanes=(("d px", 20.0), ("α deg", 4.0)),
     layers=(
         ("particles", "particles", palette.PARTICLES, 1.0),

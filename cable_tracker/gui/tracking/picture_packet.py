@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.state import COMPONENTS, DEGREE, CableState
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.gui.tracking.picture_layers import (
     Layer,
@@ -34,8 +34,7 @@ LARGEST_WIDTH = 1280
 LARGEST_HEIGHT = 4 * LARGEST_WIDTH
 """Taller pictures are reduced to this; a JPEG has at most 65500 rows [px]."""
 
-DEGREE = math.degrees(1.0)
-TO_DISPLAY = np.array([1.0, DEGREE] * (STATE_SIZE // 2))
+TO_DISPLAY = np.array([each.factor for each in COMPONENTS])
 """Factors from px, rad to px, deg, columns of `StateColumn`."""
 
 TARGET_TO_DISPLAY = np.array([1.0, 1.0, 1.0, DEGREE, 1.0, 1.0])

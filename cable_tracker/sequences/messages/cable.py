@@ -14,7 +14,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import foot_point
 from cable_tracker.cable.model.initial_state import GivenPoint, GivenState
-from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SYMBOLS, STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.joint_state import make_joint_state
@@ -28,8 +28,6 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
     yaw_of,
 )
-
-STATE_NAMES = STATE_SYMBOLS[:4]
 
 NOT_KNOWN = UNKNOWN_VARIANCE * (1.0 - 1e-9)
 """Least variance that counts as not known: a turned covariance loses the last digits."""
@@ -55,7 +53,7 @@ def make_state(
     return make_joint_state(
         factory,
         header,
-        names=STATE_NAMES,
+        names=POSE_SYMBOLS,
         values=values[:4],
         rates=values[4:],
         sigma=sigma if state is not None else (),
@@ -73,10 +71,10 @@ def read_state(message: Message) -> CableState | None:
     if len(message.position) == 0:
         return None
     names = [str(name) for name in message.name]
-    missing = [name for name in STATE_NAMES if name not in names]
+    missing = [name for name in POSE_SYMBOLS if name not in names]
     if missing or len(message.position) != len(names):
         raise FrameError(f"a state message names {names}, with {len(message.position)} positions")
-    columns = [names.index(name) for name in STATE_NAMES]
+    columns = [names.index(name) for name in POSE_SYMBOLS]
     values = [float(message.position[column]) for column in columns]
     rates: list[float] = []
     if len(message.velocity) == len(names):
@@ -86,7 +84,7 @@ def read_state(message: Message) -> CableState | None:
 
 def read_sigma(message: Message) -> tuple[float, float, float, float] | None:
     """Read the standard deviations of a state packed by `make_state`; None if it has none."""
-    if len(message.effort) != len(STATE_NAMES):
+    if len(message.effort) != len(POSE_SYMBOLS):
         return None
     d, alpha, w, beta = (float(value) for value in message.effort)
     return d, alpha, w, beta

@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import POSE_SYMBOLS
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import AGAIN, STATUSES
 from cable_tracker.survey.navigation.poses import poses_of_rows
@@ -19,7 +20,7 @@ FRAMES = "frames.parquet"
 """Name of the file."""
 
 PLAIN = (
-    "frame", "stamp", "presence", "d", "alpha", "w", "beta", "offset", "heading",
+    "frame", "stamp", "presence", *POSE_SYMBOLS, "offset", "heading",
     "sigma_offset", "sigma_heading", "diameter", "altitude",
 )  # fmt: skip
 """Columns that are written as they are [px, rad, m, ns]."""

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from cable_tracker.cable.model.state import DEGREE, POSE_COMPONENTS
 from cable_tracker.simulation.worlds.motion import MotionKind, random_motion
 from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
-DEGREE = np.rad2deg(1.0)
-UNITS = np.array((1.0, DEGREE, 1.0, DEGREE))
+UNITS = np.array([each.factor for each in POSE_COMPONENTS])
 
 
 def inspections(count: int = 120) -> list[np.ndarray]:
