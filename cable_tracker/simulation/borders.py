@@ -11,6 +11,7 @@ from cable_tracker.cable.model.geometry import Borders, states_from_borders, wra
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.simulation.rendering.camera import Camera, CameraPoses
 from cable_tracker.simulation.rendering.tube import Tube
+from cable_tracker.tracking.parameter_table import pixel_scale
 
 POINT_COUNT = 261
 """Points along each border, at equal angles as seen from above the cable."""
@@ -92,7 +93,7 @@ def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> Floa
     nearest = outside.min(axis=-1, keepdims=True)
     lost = ~np.isfinite(nearest).all(axis=(1, 2))
     nearest = np.where(np.isfinite(nearest), nearest, 0.0)
-    fade = FADE * width / 320
+    fade = FADE * pixel_scale(width)
     weights = np.where(usable, projected.lengths, 0.0) * np.exp(-(outside - nearest) / fade)
     states = np.zeros((points.shape[0], STATE_SIZE))
     states[:, :4] = states_from_borders(_fit_lines(points, weights))

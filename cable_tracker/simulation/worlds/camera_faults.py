@@ -101,7 +101,7 @@ class Overlaid:
     def put_on(self, picture: Image, frame: int) -> None:
         """Cover a picture, (H, W), uint8, in place."""
         picture[self.where] = self.pixels[self.where]
-        size = 0.35 * picture.shape[1] / 320
+        size = 0.35 * pixel_scale(picture.shape[1])
         for number, corner in enumerate(self.captions):
             text = f"{12 + number}:{frame // 25:02d}:{frame % 25:02d} D{101 + frame % 7}.{number}"
             for grey, thickness in ((0, 3), (235, 1)):
