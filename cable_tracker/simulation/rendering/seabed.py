@@ -15,10 +15,11 @@ from cable_tracker.simulation.rendering.look import Bottom, Skin
 from cable_tracker.simulation.rendering.texture import (
     TiledTexture,
     cloud_response,
-    frequencies,
     nearest_places,
+    ripple_response,
     smooth_step,
     spectral_noise,
+    turned,
 )
 
 BED_UNIT = 0.08
@@ -192,12 +193,8 @@ def _ripples(
     drawn = rng.uniform(0.0, np.pi)
     direction = drawn if angle is None else float(np.deg2rad(angle))
     wavelength = rng.uniform(1.3, 2.0)
-    across, along = frequencies(shape, resolution)
-    u = across * np.cos(direction) + along * np.sin(direction)
-    v = along * np.cos(direction) - across * np.sin(direction)
-    spread = 0.16 / wavelength
-    band = np.exp(-((np.abs(u) - 1 / wavelength) ** 2 + (v / 0.8) ** 2) / (2 * spread**2))
-    waves = spectral_noise(band, shape, rng)
+    response = ripple_response(shape, resolution, direction, wavelength, (0.16, 0.8))
+    waves = spectral_noise(response, shape, rng)
     patches = spectral_noise(cloud_response(shape, resolution, (20.0, 20.0), 3.0), shape, rng)
     return 0.045 * waves * smooth_step(patches, -0.5, 1.2)
 
@@ -250,8 +247,8 @@ def _lay_stone(height: Image, albedo: Image, stone: Stone, resolution: int) -> N
     patch = np.ix_((row + offsets) % side, (column + offsets) % side)
     y = (offsets - (stone.row - row))[:, None] / radius
     x = (offsets - (stone.column - column))[None, :] / radius
-    u = x * np.cos(turn) + y * np.sin(turn)
-    v = (y * np.cos(turn) - x * np.sin(turn)) / stone.stretch
+    u, v = turned(x, y, turn)
+    v /= stone.stretch
     bearing = np.arctan2(v, u)
     outline = 1 + 0.12 * np.sin(3 * bearing + 7 * turn) + 0.06 * np.sin(5 * bearing + 3 * turn)
     distance = np.hypot(u, v) / outline

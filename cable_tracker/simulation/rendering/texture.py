@@ -87,6 +87,31 @@ def cloud_response(
     return response
 
 
+def ripple_response(
+    shape: tuple[int, int],
+    resolution: float,
+    direction: float,
+    wavelength: float,
+    spread: tuple[float, float],
+) -> FloatArray:
+    """Return the response of noise in waves that travel in a direction [rad]; see `cloud_response`.
+
+    `spread` is that of their frequency, over the frequency itself, and how many times as far the
+    frequencies along the crests spread.
+    """
+    u, v = turned(*frequencies(shape, resolution), direction)
+    width = spread[0] / wavelength
+    deviation = (np.abs(u) - 1 / wavelength) ** 2 + (v / spread[1]) ** 2
+    response: FloatArray = np.exp(-deviation / (2 * width**2))
+    return response
+
+
+def turned(x: Image, y: Image, angle: float) -> tuple[Image, Image]:
+    """Return coordinates in axes that are turned by an angle [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return x * cos + y * sin, y * cos - x * sin
+
+
 def nearest_places(places: Image, side: int, margin: int, tones: Image) -> tuple[Image, Image]:
     """Return how far the nearest of some places is, and its tone, in a tile that repeats.
 

@@ -19,8 +19,10 @@ from cable_tracker.simulation.rendering.texture import (
     cloud_response,
     frequencies,
     nearest_places,
+    ripple_response,
     smooth_step,
     spectral_noise,
+    turned,
 )
 from cable_tracker.simulation.worlds.split import Split
 
@@ -203,13 +205,10 @@ def _clouds(rng: np.random.Generator) -> Image:
 
 
 def _ripples(rng: np.random.Generator) -> Image:
-    across, along = frequencies((SIDE, SIDE), 1.0)
+    shape = (SIDE, SIDE)
     direction, wavelength = rng.uniform(0.0, np.pi), rng.uniform(12.0, 22.0)
-    u = across * np.cos(direction) + along * np.sin(direction)
-    v = along * np.cos(direction) - across * np.sin(direction)
-    spread = 0.2 / wavelength
-    band = np.exp(-((np.abs(u) - 1 / wavelength) ** 2 + (v / 0.7) ** 2) / (2 * spread**2))
-    return spectral_noise(band, (SIDE, SIDE), rng) + 0.7 * _noise(40.0, 1.0, 1.2, rng)
+    response = ripple_response(shape, 1.0, direction, wavelength, (0.2, 0.7))
+    return spectral_noise(response, shape, rng) + 0.7 * _noise(40.0, 1.0, 1.2, rng)
 
 
 def _stones(rng: np.random.Generator) -> Image:
@@ -231,11 +230,8 @@ def _cobbles(rng: np.random.Generator) -> Image:
 
 def _grass(rng: np.random.Generator) -> Image:
     total = np.zeros((SIDE, SIDE), np.float32)
-    across, along = frequencies((SIDE, SIDE), 1.0)
     for _ in range(4):
-        turn = rng.uniform(0.0, np.pi)
-        u = across * np.cos(turn) + along * np.sin(turn)
-        v = along * np.cos(turn) - across * np.sin(turn)
+        u, v = turned(*frequencies((SIDE, SIDE), 1.0), rng.uniform(0.0, np.pi))
         blades = np.exp(-((u * 2.2) ** 2) - (v * 22.0) ** 2) * (1 - np.exp(-((u * 14.0) ** 2)))
         where = smooth_step(_noise(70.0, 8.0, 2.0, rng), -0.5, 1.5)
         total += spectral_noise(blades, (SIDE, SIDE), rng) * where
