@@ -11,7 +11,7 @@ from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
-from cable_tracker.ros.nodes.vehicle_node import VehicleNode
+from cable_tracker.ros.nodes.vehicle_node import VehicleNode, world_of_parameters
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
@@ -46,24 +46,13 @@ class SimulatorNode(VehicleNode):
         super().__init__("simulator", **node_arguments)
 
     def _make_world(self) -> LiveWorld:
-        self._world = LiveWorld(self._settings())
+        self._world = LiveWorld(world_of_parameters(LiveSettings, self._values))
         return self._world
 
     @property
     def world(self) -> LiveWorld:
         """The world inside."""
         return self._world
-
-    def _settings(self) -> LiveSettings:
-        return LiveSettings(
-            seed=self._whole("seed"),
-            length=self._number("length"),
-            buried=self._number("buried"),
-            altitude=self._number("altitude"),
-            current=self._number("current"),
-            image_size=(self._whole("image_width"), self._whole("image_height")),
-            rate=self._number("rate"),
-        )
 
     def _create_topics(self) -> None:
         super()._create_topics()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any, ClassVar, Protocol, cast
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
@@ -34,10 +36,28 @@ from cable_tracker.simulation.instruments.instruments import InstrumentSet
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
-from cable_tracker.tracking.parameter_table import ParameterSpec
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""
+
+
+Settings = TypeVar("Settings")
+
+
+def parameters_of_world(settings: Any) -> dict[str, ParameterValue]:  # noqa: ANN401
+    """Return a node's parameters from the settings of its world, a dataclass: they share names."""
+    values = asdict(settings)
+    width, height = values.pop("image_size")
+    return {**values, "image_width": width, "image_height": height}
+
+
+def world_of_parameters(kind: type[Settings], values: Mapping[str, ParameterValue]) -> Settings:
+    """Return the settings of a world, of that kind, from a node's parameters."""
+    names = {each.name for each in fields(cast(Any, kind))} - {"image_size"}
+    size = values["image_width"], values["image_height"]
+    settings: Settings = cast(Any, kind)(image_size=size, **{name: values[name] for name in names})
+    return settings
 
 
 class WorldSettings(Protocol):

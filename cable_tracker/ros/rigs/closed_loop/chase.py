@@ -18,6 +18,7 @@ from cable_tracker.evaluation.targets.chase_table import (
 )
 from cable_tracker.ros.clients.lockstep import DRIVEN, PATIENT, READY_SOON
 from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.nodes.vehicle_node import parameters_of_world
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
 from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
 from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
@@ -111,8 +112,7 @@ def run_chase(
 
 
 def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
-    world = request.world
-    seen = ChaseWorld(world)
+    seen = ChaseWorld(request.world)
     box = seen.view(seen.state()).box
     assert box is not None, "the target begins before the camera"
     return {
@@ -129,16 +129,7 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "settle_time": SETTLE_TIME,
         },
         "target_simulator": {
-            "seed": world.seed,
-            "duration": world.duration,
-            "speed": world.speed,
-            "hidden_every": world.hidden_every,
-            "hidden_for": world.hidden_for,
-            "altitude": world.altitude,
-            "current": world.current,
-            "image_width": world.image_size[0],
-            "image_height": world.image_size[1],
-            "rate": world.rate,
+            **parameters_of_world(request.world),
             "lockstep": True,
             "publish_clock": True,
             "truth_readers": 1,

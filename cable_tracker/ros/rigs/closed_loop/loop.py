@@ -30,6 +30,7 @@ from cable_tracker.ros.clients.lockstep import (
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.nodes.vehicle_node import parameters_of_world
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder, SeenFrame
@@ -187,16 +188,8 @@ def _controller_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
 
 
 def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
-    world = request.world
     return {
-        "seed": world.seed,
-        "length": world.length,
-        "buried": world.buried,
-        "altitude": world.altitude,
-        "current": world.current,
-        "image_width": world.image_size[0],
-        "image_height": world.image_size[1],
-        "rate": world.rate,
+        **parameters_of_world(request.world),
         "lockstep": not request.realtime,
         "publish_clock": True,
         "image_readers": 2 if request.with_video else 1,
