@@ -23,6 +23,7 @@ from cable_tracker.commands.console.terminal import (
 )
 from cable_tracker.commands.options.parameters import chosen_target, target_values
 from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN
 from cable_tracker.evaluation.targets.comparison import (
     TargetTask,
     markdown_table,
@@ -35,7 +36,6 @@ from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 FIGURES_CSV = "figures.csv"
-TABLE_MARKDOWN = "table.md"
 OWN_NAMES = frozenset({FIGURES_CSV, TABLE_MARKDOWN, STORE})
 """All that is ever written into the folder of an evaluation."""
 

@@ -14,6 +14,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
+from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.targets.metrics import (
@@ -242,21 +243,24 @@ def write_figures(path: Path, results: Sequence[RunFigures]) -> None:
 
 def markdown_table(results: Sequence[RunFigures], methods: Sequence[str], note: str) -> str:
     """Return the means over all runs, and the success by scenario, as Markdown."""
-    lines = ["# How well targets are followed", "", note, ""]
-    lines += [f"| method | {' | '.join(name.replace('_', ' ') for name in FIGURES)} |"]
-    lines += ["|---" * (len(FIGURES) + 1) + "|"]
-    for method in methods:
-        means = mean_figures(results, method, None)
-        cells = [_percent(value) for value in means[:-1]] + [f"{means[-1]:.1f}"]
-        lines.append(f"| {method} | {' | '.join(cells)} |")
-    scenarios = list(dict.fromkeys(each.scenario for each in results))
-    lines += ["", "Success by scenario [%]:", "", f"| method | {' | '.join(scenarios)} |"]
-    lines += ["|---" * (len(scenarios) + 1) + "|"]
-    for method in methods:
-        shares = [_percent(mean_figures(results, method, name)[0]) for name in scenarios]
-        lines.append(f"| {method} | {' | '.join(shares)} |")
+    scenarios = tuple(dict.fromkeys(each.scenario for each in results))
+    means = {method: mean_figures(results, method, None) for method in methods}
+    figures = (
+        (method, *map(_percent, shares), f"{ms:.1f}") for method, (*shares, ms) in means.items()
+    )
+    successes = (
+        (method, *(_percent(mean_figures(results, method, name)[0]) for name in scenarios))
+        for method in methods
+    )
+    headings = (name.replace("_", " ") for name in FIGURES)
+    overall = ResultTable(("method", *headings), tuple(figures))
+    by_scenario = ResultTable(("method", *scenarios), tuple(successes))
+    text = (
+        f"# How well targets are followed\n\n{note}\n\n{table_markdown(overall)}\n\n"
+        f"Success by scenario [%]:\n\n{table_markdown(by_scenario)}\n"
+    )
     refusals = _words_on_refusals(results)
-    return "\n".join(lines + (["", *refusals] if refusals else [])) + "\n"
+    return "\n".join([text, *refusals, ""]) if refusals else text
 
 
 def _words_on_refusals(results: Sequence[RunFigures]) -> list[str]:
