@@ -11,7 +11,6 @@ import typer
 
 from cable_tracker.commands.campaigns.cables import evaluate_cables, tuned_filters
 from cable_tracker.commands.campaigns.targets import (
-    TargetCampaign,
     chosen_methods,
     evaluate_targets,
     simulated_targets,
@@ -51,6 +50,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
+from cable_tracker.evaluation.targets.comparison import TargetCampaign
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
 from cable_tracker.sequences.source import ChosenRecording
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import date
 from fnmatch import filter as matching
 from pathlib import Path
@@ -25,13 +24,13 @@ from cable_tracker.commands.options.parameters import chosen_target, target_valu
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN
 from cable_tracker.evaluation.targets.comparison import (
-    TargetTask,
+    TargetCampaign,
     markdown_table,
     method_names,
     write_figures,
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
-from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
+from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
 
@@ -43,28 +42,6 @@ FRAMES = 150
 
 NOTHING = "nothing"
 """The scenario without any target, in which there is nothing to follow from a first box."""
-
-
-@dataclass(frozen=True, slots=True)
-class TargetCampaign:
-    """Campaign of target trackers.
-
-    Attributes
-    ----------
-    sequences : tuple of TargetSequence
-        Scenarios or recordings.
-    seeds : tuple of int
-        Seeds of the runs.
-    methods : tuple of str
-        Names.
-    tuned : tuple of (str, TargetParameters)
-        Parameters of the user's, by name.
-    """
-
-    sequences: tuple[TargetSequence, ...]
-    seeds: tuple[int, ...]
-    methods: tuple[str, ...]
-    tuned: tuple[tuple[str, TargetParameters], ...] = ()
 
 
 def simulated_targets(names: Sequence[str], frames: int | None) -> tuple[SimulatedTarget, ...]:
@@ -128,19 +105,19 @@ def evaluate_targets(
     missing = _words_on_missing()
     if missing:
         messages.print(missing, style="bold yellow", soft_wrap=True)
-    counts = [each.frame_count() for each in campaign.sequences]
-    total = sum(count or 0 for count in counts) * len(campaign.seeds)
-    tasks = [
-        TargetTask(sequence, seed, campaign.methods, campaign.tuned)
-        for seed in campaign.seeds
-        for sequence in campaign.sequences
-    ]
-    is_own_name = OWN_NAMES.__contains__
+    total = campaign.frame_count()
     with campaign_folder(
-        output, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=is_own_name
+        output,
+        TABLE_MARKDOWN,
+        cluster,
+        force=force,
+        resume=resume,
+        is_own_name=OWN_NAMES.__contains__,
     ) as (folder, settings):
-        with progress_bar("following", None if None in counts else total) as progress:
-            parts = run_all(tasks, workers=settings, advance=lambda count: advance(progress, count))
+        with progress_bar("following", total) as progress:
+            parts = run_all(
+                campaign.tasks(), workers=settings, advance=lambda count: advance(progress, count)
+            )
         results = [each for part in parts for each in part]
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         # Names of recordings need not be UTF-8; the table is, in its file and where it is printed.

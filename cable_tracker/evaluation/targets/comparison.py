@@ -205,6 +205,41 @@ class TargetTask:
         ]
 
 
+@dataclass(frozen=True, slots=True)
+class TargetCampaign:
+    """Campaign of target trackers.
+
+    Attributes
+    ----------
+    sequences : tuple of TargetSequence
+        Scenarios or recordings.
+    seeds : tuple of int
+        Seeds of the runs.
+    methods : tuple of str
+        Names.
+    tuned : tuple of (str, TargetParameters)
+        Parameters of the user's, by name.
+    """
+
+    sequences: tuple[TargetSequence, ...]
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...]
+    tuned: tuple[tuple[str, TargetParameters], ...] = ()
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through; None if a recording does not say."""
+        counts = [sequence.frame_count() for sequence in self.sequences]
+        return None if None in counts else sum(count or 0 for count in counts) * len(self.seeds)
+
+    def tasks(self) -> list[TargetTask]:
+        """Return the runs, those of one seed after those of another."""
+        return [
+            TargetTask(sequence, seed, self.methods, self.tuned)
+            for seed in self.seeds
+            for sequence in self.sequences
+        ]
+
+
 def figures_of(claims: Sequence[EvaluatedClaim]) -> tuple[float, ...]:
     """Return the figures of a run, in the order of `FIGURES`."""
     has_twin = any(claim.twin for claim in claims)
