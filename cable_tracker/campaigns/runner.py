@@ -138,14 +138,7 @@ def run_folder_tasks(
     OutputError
         The folder cannot be made.
     """
-    names = [task.name for task in tasks]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ParameterError(f"two recordings are called {', '.join(twice)}; rename one of them")
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise write_failure(root, error) from error
+    _make_root(root, tasks)
     outcomes: dict[str, Outcome] = {}
 
     def end(outcome: Outcome) -> None:
@@ -164,7 +157,19 @@ def run_folder_tasks(
     elif left:
         with connected(settings) as client:
             _run_on(client, settings.tell, left, root, (advance, end))
-    return [outcomes[name] for name in names]
+    return [outcomes[task.name] for task in tasks]
+
+
+def _make_root(root: Path, tasks: Sequence[FolderTask]) -> None:
+    """Make the folder of the tasks' folders, unless two of these would have one name."""
+    names = [task.name for task in tasks]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ParameterError(f"two recordings are called {', '.join(twice)}; rename one of them")
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise write_failure(root, error) from error
 
 
 def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Outcome:

@@ -129,19 +129,16 @@ def evaluate(  # noqa: PLR0917
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
     gives the same numbers, except for the times. With --targets it holds table.md and figures.csv.
     """
-    if source is not None and (scenario or frames):
-        raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
-    if source is None and truth is not None:
-        raise ParameterError("--truth labels a recording; give it with --source")
     if source is None:
+        if truth is not None:
+            raise ParameterError("--truth labels a recording; give it with --source")
         of_recordings = {
-            "--unlabelled-is-empty": unlabelled_is_empty,
-            "--topic": topic,
-            "--rate": rate,
-            "--skip-bad-frames": skip_bad_frames,
-            "--allow-outside": allow_outside,
-        }
+            "--unlabelled-is-empty": unlabelled_is_empty, "--topic": topic, "--rate": rate,
+            "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
+        }  # fmt: skip
         refuse_without_effect(of_recordings, "can only do something for a recording, --source")
+    elif scenario or frames:
+        raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     if targets and (param or table or init is not Start.TRUTH):
         raise ParameterError("--targets goes without --param, --table and --init; leave those out")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)

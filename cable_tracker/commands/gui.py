@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -101,18 +101,14 @@ def gui(  # noqa: PLR0917
     server = need_gui("web.server")
     requests = need_gui("session.recording_request")
     subjects = need_gui("subject.subject")
-    if ros is not None and source is not None:
-        raise GuiError("give a recording or --ros NAMESPACE, not both")
     if ros is not None:
         of_recordings = {
             "--init": init, "--preset": preset_name, "--params": params, "--seed": seed,
             "--topic": topic, "--rate": rate, "--truth": truth,
             "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
         }  # fmt: skip
-        refuse_without_effect(of_recordings, "would not reach the node of --ros")
-    named = (camera_info_topic, altitude_topic, imu_topic, odometry_topic)
-    if ros is not None and any(each is not None for each in (vehicle, *named)):
-        raise GuiError("--vehicle and topics of instruments are for a recording; leave them out")
+        instruments = (vehicle, camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+        _check_live(source, of_recordings, instruments)
     if target and altitude_topic is not None:
         raise GuiError("--altitude-topic is for a cable; leave it out")
     altitude = NO_TOPIC if target else altitude_topic
@@ -148,3 +144,14 @@ def gui(  # noqa: PLR0917
         listening,
         started=lambda: announce(listening.url, listening.ssh_line(), listening.token is None),
     )
+
+
+def _check_live(
+    source: Path | None, of_recordings: Mapping[str, object], instruments: Sequence[object]
+) -> None:
+    """Refuse with --ros what is for a recording: options by name, and vehicle and instruments."""
+    if source is not None:
+        raise GuiError("give a recording or --ros NAMESPACE, not both")
+    refuse_without_effect(of_recordings, "would not reach the node of --ros")
+    if any(each is not None for each in instruments):
+        raise GuiError("--vehicle and topics of instruments are for a recording; leave them out")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
@@ -143,12 +143,7 @@ def simulate_command(  # noqa: PLR0917
         "--frames": frames, "--rate": rate, "--clutter": clutter, "--cable-seed": cable_seed,
         "--format": output_format, "--storage": storage, "--force": force,
     }  # fmt: skip
-    unused = {name: value for name, value in options.items() if name not in OPTIONS_OF[kind]}
-    refuse_without_effect(
-        unused, f"can do nothing with {kind}" if kind else "can do nothing without --survey"
-    )
-    if output_format is SimulationFormat.SEQUENCE:
-        refuse_without_effect({"--storage": storage}, "can do nothing with --format sequence")
+    _check_effects(kind, options)
     output_format, storage = output_format or SimulationFormat.BAG, storage or Storage.MCAP
     frames = FRAMES if frames is None else frames
     rate = RATE if rate is None else rate
@@ -194,6 +189,18 @@ def _only_kind(live: bool, target: str | None, survey: float | None, scenario: s
     if len(chosen) > 1:
         raise ParameterError(f"{' and '.join(chosen)}: give one of these")
     return chosen[0] if chosen else ""
+
+
+def _check_effects(kind: str, options: Mapping[str, object]) -> None:
+    """Refuse options, by name, that have no effect on a kind of simulation or its format."""
+    unused = {name: value for name, value in options.items() if name not in OPTIONS_OF[kind]}
+    refuse_without_effect(
+        unused, f"can do nothing with {kind}" if kind else "can do nothing without --survey"
+    )
+    if options["--format"] is SimulationFormat.SEQUENCE:
+        refuse_without_effect(
+            {"--storage": options["--storage"]}, "can do nothing with --format sequence"
+        )
 
 
 def _check_photographs(kind: str, photographs: Path | None) -> None:

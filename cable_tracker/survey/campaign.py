@@ -317,12 +317,17 @@ def _write_all(
             names = (*_names(merged), *(f"{WITHOUT_PLACE}: {name}" for name in _names(apart)))
     else:
         _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
+    _write_all_frames(output, dives)
+    return (*merged, *apart), names
+
+
+def _write_all_frames(output: Path, dives: Sequence[SurveyedDive]) -> None:
+    """Write the frames of all dives into one table; without dives there is none."""
     parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]
     (output / FRAMES).unlink(missing_ok=True)
     if parts:
         with atomic_file(output / FRAMES) as part:
             join_frames(parts, part)
-    return (*merged, *apart), names
 
 
 def _remove_map(folder: Path) -> None:
