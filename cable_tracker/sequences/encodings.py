@@ -314,17 +314,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
     FrameError
         The image cannot be decoded; the message says why.
     """
-    _need_image(image)
-    if isinstance(image, CompressedImage):
-        mosaic = _mosaic_of(image)
-        if mosaic is None:
-            return _decompressed(image, cv2.IMREAD_GRAYSCALE)
-        image = mosaic
-    pixel_format = _checked_format(image)
-    pixels = _pixels(image, pixel_format)
-    if pixel_format.luma is not None:
-        return pixels[:, :, pixel_format.luma]
-    return _converted(pixels, pixel_format.to_grey)
+    return _decoded(image, in_grey=True)
 
 
 def decode_bgr(image: RawImage | CompressedImage) -> Image:
@@ -357,15 +347,21 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
     FrameError
         The image cannot be decoded; the message says why.
     """
+    return _decoded(image, in_grey=False)
+
+
+def _decoded(image: RawImage | CompressedImage, *, in_grey: bool) -> Image:
     _need_image(image)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:
-            return _decompressed(image, cv2.IMREAD_COLOR)
+            return _decompressed(image, cv2.IMREAD_GRAYSCALE if in_grey else cv2.IMREAD_COLOR)
         image = mosaic
     pixel_format = _checked_format(image)
     pixels = _pixels(image, pixel_format)
-    return _converted(pixels, pixel_format.to_bgr)
+    if in_grey and pixel_format.luma is not None:
+        return pixels[:, :, pixel_format.luma]
+    return _converted(pixels, pixel_format.to_grey if in_grey else pixel_format.to_bgr)
 
 
 def raw_from_array(picture: Image, encoding: str) -> RawImage:
