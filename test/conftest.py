@@ -1,6 +1,7 @@
 """Settings for all tests, and what stands in which tier."""
 
 import copy
+import errno
 import faulthandler
 import gc
 import os
@@ -143,6 +144,16 @@ def kept_surfaces() -> Iterator[None]:
         patch.setattr(dive, "make_bed", keep(dive.make_bed))
         patch.setattr(dive, "make_cable", keep(dive.make_cable))
         yield
+
+
+@pytest.fixture(scope="session")
+def full_disk() -> Callable[..., None]:
+    """Stand in for what writes, on a disk that is full."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    return refuse
 
 
 class Outcome(NamedTuple):

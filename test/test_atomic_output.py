@@ -42,11 +42,8 @@ def test_what_lay_there_comes_back_when_the_move_fails(tmp_path):
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
 
 
-def test_what_lay_there_comes_back_when_a_signal_comes_between(tmp_path, monkeypatch):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "old").touch()
-    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
-    folder.content.mkdir()
+def interrupt_the_move(folder, monkeypatch):
+    """Commit a folder, with a signal when what lay there is aside and it is to take its place."""
     rename = Path.rename
 
     def stop_at_the_new_one(self, target):
@@ -57,6 +54,14 @@ def test_what_lay_there_comes_back_when_a_signal_comes_between(tmp_path, monkeyp
     monkeypatch.setattr(Path, "rename", stop_at_the_new_one)
     with pytest.raises(KeyboardInterrupt):
         folder.commit()
+
+
+def test_what_lay_there_comes_back_when_a_signal_comes_between(tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "old").touch()
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
+    folder.content.mkdir()
+    interrupt_the_move(folder, monkeypatch)
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
 
 
@@ -160,16 +165,7 @@ def test_so_it_is_where_the_new_folder_has_a_file_of_that_name(tmp_path):
 def test_what_was_put_there_stays_when_the_move_fails(tmp_path, monkeypatch):
     folder = replacing(tmp_path / "out")
     (tmp_path / "out/notes.txt").write_text("an hour of thoughts")
-    rename = Path.rename
-
-    def stop_at_the_new_one(self, target):
-        if self == folder.content:
-            raise KeyboardInterrupt
-        return rename(self, target)
-
-    monkeypatch.setattr(Path, "rename", stop_at_the_new_one)
-    with pytest.raises(KeyboardInterrupt):
-        folder.commit()
+    interrupt_the_move(folder, monkeypatch)
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["notes.txt", "old", "out"]
 
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import csv
-import errno
 
 import pytest
 from typer.testing import CliRunner
@@ -120,28 +119,22 @@ def test_each_run_of_several_finds_the_parameter_file_from_any_folder(monkeypatc
         assert f"--params={tmp_path / 'mine.yaml'}" in task.arguments
 
 
-def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
-    def run_loops(_tasks, store, *_, **__):
-        (store / "default_0").mkdir(parents=True)
-        return []
+def leave_a_run(_tasks, store, *_, **__):
+    (store / "default_0").mkdir(parents=True)
+    return []
 
-    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", run_loops)
+
+def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
+    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", leave_a_run)
     for force in (False, True):
         _run_several([], tmp_path / "out", ClusterSettings(), force=force, resume=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {RUNS, METHODS_TABLE, "default_0"}
 
 
-def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
-    def failing(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    def run_loops(_tasks, store, *_, **__):
-        (store / "default_0").mkdir(parents=True)
-        return []
-
-    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", run_loops)
-    monkeypatch.setattr("cable_tracker.commands.loop.write_runs", failing)
+def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path, full_disk):
+    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", leave_a_run)
+    monkeypatch.setattr("cable_tracker.commands.loop.write_runs", full_disk)
     with pytest.raises(OutputError):
         _run_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
     assert (tmp_path / "out.tasks" / "default_0").is_dir()

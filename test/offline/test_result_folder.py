@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import errno
 from dataclasses import replace
 
 import av
@@ -150,12 +149,10 @@ def test_an_empty_folder_may_be_filled(tmp_path, dive):
     assert names_in(tmp_path / "out") == NAMES
 
 
-def full_disk(*_, **__):
-    raise OSError(errno.ENOSPC, "No space left on device")
-
-
 @pytest.mark.parametrize("name", ["write_estimates", "plot_estimates"])
-def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(tmp_path, dive, monkeypatch, name):
+def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(
+    tmp_path, dive, monkeypatch, full_disk, name
+):
     monkeypatch.setattr(result_folder, name, full_disk)
     with (
         pytest.raises(OutputError, match="No space left on device") as caught,
@@ -167,7 +164,9 @@ def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(tmp_path, dive, monk
 
 
 @pytest.mark.parametrize(("module", "name"), [(results, "BagWriter"), (results, "VideoWriter")])
-def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypatch, module, name):
+def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(
+    tmp_path, monkeypatch, full_disk, module, name
+):
     monkeypatch.setattr(module, name, full_disk)
     with (
         pytest.raises(OutputError, match="No space left on device"),

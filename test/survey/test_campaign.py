@@ -87,12 +87,16 @@ def test_routes_are_numbered_from_the_longest(bag, tmp_path):
     assert lengths[0] > lengths[1]
 
 
-def test_routes_have_the_names_of_their_files(bag, tmp_path):
+def without_fix(bag, folder):
     def change(topic, message, time):
         if topic != "/fix":
             yield topic, message, time
 
-    other = rewritten(bag, tmp_path / "without_fix", change)
+    return rewritten(bag, folder / "without_fix", change)
+
+
+def test_routes_have_the_names_of_their_files(bag, tmp_path):
+    other = without_fix(bag, tmp_path)
     output = tmp_path / "map"
     result = run_survey([other, bag], output, SurveySettings(pictures=False), ALONE)
     assert result.names == ("route 1", "without_place: route 1")
@@ -113,11 +117,7 @@ def test_a_folder_that_another_survey_is_writing_is_refused_and_as_it_was(bag, u
 
 
 def test_what_the_user_puts_beside_the_map_of_dives_without_a_fix_stays(bag, tmp_path):
-    def change(topic, message, time):
-        if topic != "/fix":
-            yield topic, message, time
-
-    other = rewritten(bag, tmp_path / "without_fix", change)
+    other = without_fix(bag, tmp_path)
     beside, settings = tmp_path / "map" / "without_place", SurveySettings(pictures=False)
     run_survey([bag, other], tmp_path / "map", settings, ALONE)
     (beside / "notes.txt").write_text("mine")

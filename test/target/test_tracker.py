@@ -12,6 +12,7 @@ from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker, corners_of
+from cable_tracker.tracking.image_frame import bounding_box
 from cable_tracker.tracking.status import TrackingStatus
 
 STEP = 40_000_000
@@ -27,22 +28,17 @@ def overlap(one, two):
     return both / (sum(areas) - both)
 
 
-def box_of(mask):
-    rows, columns = np.nonzero(mask)
-    return columns.min(), rows.min(), columns.max() + 1, rows.max() + 1
-
-
 def started(draw, seed=1, **options):
     tracker = TargetTracker(TargetParameters(seed=seed))
     image, mask = draw(**options)
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     return tracker, tracker.process(image, STEP)
 
 
 def test_a_marked_target_is_claimed_at_once(draw):
     _, estimate = started(draw)
     assert estimate.status.value == "TRACKING"
-    assert overlap(estimate.box, box_of(draw()[1])) > 0.85
+    assert overlap(estimate.box, bounding_box(draw()[1])) > 0.85
     assert estimate.scale == 1.0
     assert estimate.is_whole
 
@@ -53,7 +49,7 @@ def test_the_estimate_follows_position_size_and_rates(draw):
         centre, axes = (80 + 4 * number, 60 + 2 * number), (22 + number // 2, 14 + number // 3)
         image, mask = draw(centre=centre, axes=axes, seed=number)
         estimate = tracker.process(image, number * STEP)
-        assert overlap(estimate.box, box_of(mask)) > 0.7
+        assert overlap(estimate.box, bounding_box(mask)) > 0.7
     assert estimate.state[:2] == pytest.approx([centre[0] - 159.5, 119.5 - centre[1]], abs=3.0)
     assert estimate.scale == pytest.approx(np.sqrt(36 * 23 / (22 * 14)), rel=0.15)
     assert estimate.state[4] > 40.0
@@ -93,20 +89,20 @@ def test_what_is_gone_is_not_claimed_and_found_again(draw):
     for number in range(24, 40):
         estimate = tracker.process(draw(centre=(180, 110), seed=number)[0], number * STEP)
     assert estimate.status.value == "TRACKING"
-    assert overlap(estimate.box, box_of(draw(centre=(180, 110))[1])) > 0.7
+    assert overlap(estimate.box, bounding_box(draw(centre=(180, 110))[1])) > 0.7
 
 
 def test_grey_pictures_do_as_well(draw):
     tracker = TargetTracker(TargetParameters(seed=1))
     _, mask = draw()
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     for number in range(1, 15):
         image, mask = draw(centre=(160 + 3 * number, 120), seed=number, colour=(20, 20, 25))
         if number == 1:
-            tracker.initialise(TargetStart.from_box(*box_of(mask)))
+            tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         estimate = tracker.process(grey, number * STEP)
-    assert overlap(estimate.box, box_of(mask)) > 0.6
+    assert overlap(estimate.box, bounding_box(mask)) > 0.6
 
 
 def share_on_its_own(seed, frames=50):
@@ -137,7 +133,7 @@ def test_colour_that_becomes_grey_is_no_loss(draw):
             image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         estimate = tracker.process(image, number * STEP)
     assert estimate.status.value == "TRACKING"
-    assert overlap(estimate.box, box_of(mask)) > 0.5
+    assert overlap(estimate.box, bounding_box(mask)) > 0.5
 
 
 def even(centre=None, noise=0.0):
@@ -222,7 +218,7 @@ def test_no_size_is_told_of_a_target_that_is_like_a_line():
 def test_large_frames_are_reduced_and_told_in_their_own_pixels(draw):
     tracker, estimate = started(draw, centre=(320, 240), axes=(44, 28), size=(640, 480))
     mask = draw(centre=(320, 240), axes=(44, 28), size=(640, 480))[1]
-    assert overlap(estimate.box, box_of(mask)) > 0.85
+    assert overlap(estimate.box, bounding_box(mask)) > 0.85
     assert np.abs(tracker.particles.states[:, :2]).max() < 20.0
 
 
@@ -293,7 +289,7 @@ def test_a_mark_waits_for_a_frame_that_can_be_used(draw):
     image, _ = draw(seed=2)
     other, mask = draw(centre=(230, 120))
     image[mask] = other[mask]
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     with pytest.raises(FrameError, match="stamp"):
         tracker.process(image, STEP)
     assert tracker.process(image, 2 * STEP).state[0] == pytest.approx(70.5, abs=3.0)
@@ -389,7 +385,7 @@ def test_what_takes_the_place_of_a_forgotten_target_need_not_be_marked_again(dra
     tracker, _ = started(draw)
     tracker.configure(tracker.parameters.replaced(change))
     image, mask = draw(size=(320, 240) if change else (400, 300), seed=2)
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     estimate = tracker.process(image, 2 * STEP)
     assert tracker.has_begun and estimate.status.value == "TRACKING"
     assert "mark it again" not in estimate.event
@@ -402,7 +398,7 @@ def test_reset_forgets_and_repeats(draw):
     tracker.reset()
     assert tracker.particles is None
     image, mask = draw()
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     np.testing.assert_array_equal(tracker.process(image, STEP).covariance, first.covariance)
 
 
@@ -427,7 +423,7 @@ def test_what_was_set_at_the_start_may_be_changed_on_the_way(draw, change):
 def test_a_target_that_none_of_the_particles_can_have_kept_is_no_error(draw):
     rates = {"disappearance_rate": 100.0, "leaving_rate": 100.0, "maximum_gap": 20.0}
     tracker = TargetTracker(TargetParameters(**rates))
-    tracker.initialise(TargetStart.from_box(*box_of(draw()[1])))
+    tracker.initialise(TargetStart.from_box(*bounding_box(draw()[1])))
     tracker.process(draw()[0], STEP)
     for number in range(3):
         estimate = tracker.process(draw(seed=number)[0], 10_000_000_000 + number * STEP)
@@ -465,7 +461,7 @@ def test_frames_of_which_no_row_would_be_left_are_refused(name):
 def test_a_handful_of_particles_is_no_error(draw, count):
     tracker = TargetTracker(TargetParameters(particle_count=count))
     _, mask = draw()
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     for number in range(1, 4):
         estimate = tracker.process(draw(seed=number)[0], number * STEP)
     assert np.isfinite(estimate.state).all()
@@ -512,13 +508,13 @@ def dim(image, light=1.0):
 def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(draw, light):
     tracker = TargetTracker(TargetParameters(seed=1))
     image, mask = draw()
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     tracker.process(dim(image), STEP)
     for number in range(2, 12):
         image, mask = draw(centre=(160 + 4 * number, 120), seed=number)
         estimate = tracker.process(dim(image, light ** (number / 11)), number * STEP)
     assert estimate.status is TrackingStatus.TRACKING
-    assert overlap(estimate.box, box_of(mask)) > 0.7
+    assert overlap(estimate.box, bounding_box(mask)) > 0.7
 
 
 def test_a_deep_camera_that_uses_its_levels_is_measured_as_8_bits(draw):

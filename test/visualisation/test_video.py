@@ -1,4 +1,3 @@
-import errno
 from pathlib import Path
 
 import numpy as np
@@ -155,14 +154,10 @@ def test_a_folder_in_its_place_is_reported_and_nothing_left(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["v.webm"]
 
 
-def test_a_full_disk_is_reported_and_nothing_left(tmp_path):
+def test_a_full_disk_is_reported_and_nothing_left(tmp_path, full_disk):
     writer = VideoWriter(tmp_path / "v.webm")
-
-    def refuse(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
     with pytest.raises(OutputError, match="No space left on device"), writer:
-        writer._tick = refuse
+        writer._tick = full_disk
         writer.add(_picture(0), 0)
     assert list(tmp_path.iterdir()) == []
 

@@ -1,7 +1,6 @@
 """`cable-tracker evaluate --targets`."""
 
 import csv
-import errno
 
 import pytest
 from typer.testing import CliRunner
@@ -32,11 +31,8 @@ def test_scenarios_are_judged_with_two_seeds(tmp_path):
     assert "| default | " in (tmp_path / "out" / "table.md").read_text()
 
 
-def test_results_stay_where_the_table_cannot_be_written(monkeypatch, tmp_path):
-    def failing(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr("cable_tracker.commands.campaigns.targets.write_figures", failing)
+def test_results_stay_where_the_table_cannot_be_written(monkeypatch, tmp_path, full_disk):
+    monkeypatch.setattr("cable_tracker.commands.campaigns.targets.write_figures", full_disk)
     words = ("--scenario", "near_*", "--frames", 2, "--seeds", 1, "--method", "CamShift")
     result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
     assert isinstance(result.exception, OutputError)

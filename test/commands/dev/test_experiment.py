@@ -1,5 +1,4 @@
 import dataclasses
-import errno
 from functools import partial
 
 import pytest
@@ -68,13 +67,10 @@ def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
     assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
 
 
-def test_results_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path):
-    def failing(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
+def test_results_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path, full_disk):
     short = partial(AblationExperiment, sequences=simulated_sequences(("S3",), 2))
     monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
-    monkeypatch.setattr("cable_tracker.commands.dev.experiment.write_experiment", failing)
+    monkeypatch.setattr("cable_tracker.commands.dev.experiment.write_experiment", full_disk)
     result = run(
         "ablation", "--row", "thesis", "--seeds", 1, "--workers", 1, "--output", tmp_path / "out"
     )

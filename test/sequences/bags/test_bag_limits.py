@@ -11,6 +11,7 @@ import tracemalloc
 from collections import namedtuple
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -72,6 +73,11 @@ def mcap_bomb(path: Path, compression: CompressionType) -> Path:
     return path
 
 
+def refuse(path) -> None:
+    with pytest.raises(RecordingError, match="unpacks to more than 1 MB"):
+        read(path)
+
+
 @pytest.mark.usefixtures("small_limits")
 @pytest.mark.parametrize("compression", [CompressionType.ZSTD, CompressionType.LZ4])
 @pytest.mark.parametrize("crashed", [False, True])
@@ -80,11 +86,7 @@ def test_a_chunk_that_unpacks_to_very_much_takes_no_memory(tmp_path, compression
     if crashed:
         path.write_bytes(path.read_bytes()[:-20])
 
-    def refused() -> None:
-        with pytest.raises(RecordingError, match="unpacks to more than 1 MB"):
-            read(path)
-
-    assert peak_memory(refused) < 8 * MEGABYTE
+    assert peak_memory(partial(refuse, path)) < 8 * MEGABYTE
 
 
 @pytest.mark.usefixtures("small_limits")
@@ -94,11 +96,7 @@ def test_a_ros1_chunk_that_unpacks_to_very_much_takes_no_memory(
 ):
     path = make_ros1_bag(compression=compression, size=(1200, 1000), frames=1, truth=False)
 
-    def refused() -> None:
-        with pytest.raises(RecordingError, match="unpacks to more than 1 MB"):
-            read(path)
-
-    assert peak_memory(refused) < path.stat().st_size * 4 + 8 * MEGABYTE
+    assert peak_memory(partial(refuse, path)) < path.stat().st_size * 4 + 8 * MEGABYTE
 
 
 @pytest.mark.usefixtures("small_limits")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from message_parts import FACTORY, HEADER
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable import (
     centreline_covariance,
     make_centreline,
@@ -22,12 +22,10 @@ from cable_tracker.sequences.messages.cable import (
     report_values,
 )
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, make_stamped_pose
 from cable_tracker.tracking.status import TrackingStatus
 
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
 STATE = CableState(12.5, 0.3, 40.0, 0.02, -7.0, 0.05, 3.0, -0.01)
 SIZE = (320, 240)
 COVARIANCE = np.diag([4.0, 0.01, 9.0, 0.001, 25.0, 0.1, 4.0, 0.02])

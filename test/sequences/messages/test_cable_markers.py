@@ -1,14 +1,11 @@
 from __future__ import annotations
 
 import pytest
+from message_parts import FACTORY, HEADER
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable_markers import make_markers
-from cable_tracker.sequences.messages.headers import make_header
 
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
 SIZE = (320, 240)
 
 

@@ -3,20 +3,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from message_parts import FACTORY, HEADER
 
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_messages import cable_messages, messages_without_cable
 from cable_tracker.sequences.messages.frame_report import report_facts, report_status
-from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.tracking.status import TrackingStatus
 
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
 STATE = CableState(12.5, 0.3, 40.0, 0.02)
 ESTIMATE = CableEstimate(
     stamp=1_700_000_000_123_456_789,

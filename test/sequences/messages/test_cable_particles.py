@@ -1,18 +1,14 @@
 from __future__ import annotations
 
 import numpy as np
+from message_parts import FACTORY, HEADER
 
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.cable_particles import (
     cloud_of,
     make_particles,
     read_particles,
 )
-from cable_tracker.sequences.messages.headers import make_header
-
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
 
 
 def test_particles_are_kept_as_float32(sent):

@@ -1,10 +1,9 @@
 from __future__ import annotations
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from message_parts import FACTORY
+
 from cable_tracker.sequences.messages.frame_report import fact_number, make_report, report_facts
 from cable_tracker.sequences.messages.headers import make_header
-
-FACTORY = RosbagsMessages()
 
 
 def test_facts_are_read_back_by_their_names(sent):

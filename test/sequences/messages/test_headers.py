@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 import pytest
+from message_parts import FACTORY
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header, stamp_of, stamp_or_received
 
-FACTORY = RosbagsMessages()
 LAST = 2**31 * 10**9 - 1
 
 

@@ -1,19 +1,15 @@
 from __future__ import annotations
 
 import pytest
+from message_parts import FACTORY, HEADER
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import (
     make_compressed_image,
     make_image,
     read_compressed_image,
     read_image,
 )
-
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
 
 
 @pytest.mark.parametrize("big", [False, True])

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from message_parts import FACTORY
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.line_markers import (
     AMBER,
@@ -12,8 +12,6 @@ from cable_tracker.sequences.messages.line_markers import (
     make_line_markers,
     sides_of_polygon,
 )
-
-FACTORY = RosbagsMessages()
 
 
 def test_lines_are_numbered_after_those_of_before_are_deleted(sent):

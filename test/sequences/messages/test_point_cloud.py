@@ -1,12 +1,10 @@
 from __future__ import annotations
 
 import numpy as np
+from message_parts import FACTORY
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.point_cloud import make_point_cloud, read_point_cloud
-
-FACTORY = RosbagsMessages()
 
 
 def test_points_are_kept_as_float32(sent):

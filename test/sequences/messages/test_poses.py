@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from message_parts import FACTORY
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
     UNKNOWN_VARIANCE,
@@ -18,8 +18,6 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
     yaw_of,
 )
-
-FACTORY = RosbagsMessages()
 
 
 def quaternion(x, y, z, w):

@@ -5,9 +5,9 @@ import struct
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from message_parts import FACTORY
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.headers import make_header
@@ -18,7 +18,6 @@ from cable_tracker.sequences.messages.serialised_images import (
 )
 
 IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-FACTORY = RosbagsMessages()
 TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracked_target import ESTIMATE, FACTORY, HEADER
+from message_parts import ESTIMATE, FACTORY, HEADER
 
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, yaw_of

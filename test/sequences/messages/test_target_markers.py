@@ -2,15 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from message_parts import FACTORY, HEADER
 
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
-
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 5, "camera")
 
 
 def estimate(status: TrackingStatus, outline: np.ndarray) -> TargetEstimate:

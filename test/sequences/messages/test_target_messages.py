@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracked_target import ESTIMATE, FACTORY, HEADER
+from message_parts import ESTIMATE, FACTORY, HEADER
 
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics

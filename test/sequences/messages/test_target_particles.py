@@ -1,19 +1,15 @@
 from __future__ import annotations
 
 import numpy as np
+from message_parts import FACTORY, HEADER
 
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.point_cloud import make_point_cloud
 from cable_tracker.sequences.messages.target_particles import (
     TARGET_CLOUD_COLUMNS,
     make_target_particles,
     read_target_particles,
 )
-
-FACTORY = RosbagsMessages()
-HEADER = make_header(FACTORY, 5, "camera")
 
 
 def test_particles_are_kept_with_their_scale(sent):

@@ -6,20 +6,16 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.tracking.image_frame import bounding_box
 
 STEP = 40_000_000
-
-
-def box_of(mask):
-    rows, columns = np.nonzero(mask)
-    return columns.min(), rows.min(), columns.max() + 1, rows.max() + 1
 
 
 @pytest.mark.parametrize("weights", ["product", "likelihood_ratio"])
 def test_a_dark_target_that_stands_is_kept(draw, weights):
     tracker = TargetTracker(target_preset("thesis").replaced({"blob_weights": weights}))
     _, mask = draw(colour=(5, 5, 5))
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     for number in range(1, 8):
         estimate = tracker.process(draw(colour=(5, 5, 5), seed=number)[0], number * STEP)
     assert estimate.status.value == "TRACKING"
@@ -33,7 +29,7 @@ def test_the_product_follows_a_slow_target(draw):
     for number in range(1, 15):
         image, mask = draw(centre=(120 + 2 * number, 120), colour=(5, 5, 5), seed=number)
         if number == 1:
-            tracker.initialise(TargetStart.from_box(*box_of(mask)))
+            tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
         estimate = tracker.process(image, number * STEP)
     assert estimate.state[0] == pytest.approx(148 - 159.5, abs=8.0)
 
@@ -42,7 +38,7 @@ def test_the_product_follows_a_slow_target(draw):
 def test_the_other_models_keep_a_target_in_the_middle(draw, model):
     tracker = TargetTracker(target_preset("thesis").replaced({"blob_model": model}))
     _, mask = draw(colour=(5, 5, 5))
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     for number in range(1, 6):
         estimate = tracker.process(draw(colour=(5, 5, 5), seed=number)[0], number * STEP)
     assert np.isfinite(estimate.state).all()
@@ -75,7 +71,7 @@ def test_a_mark_that_leaves_nothing_around_it_is_refused():
 def test_the_number_of_particles_changes_on_the_way(draw):
     tracker = TargetTracker(target_preset("thesis"))
     _, mask = draw(colour=(5, 5, 5))
-    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    tracker.initialise(TargetStart.from_box(*bounding_box(mask)))
     tracker.process(draw(colour=(5, 5, 5))[0], STEP)
     tracker.configure(tracker.parameters.replaced({"particle_count": 33}))
     tracker.process(draw(colour=(5, 5, 5), seed=2)[0], 2 * STEP)

@@ -1,4 +1,4 @@
-"""A tracked target for tests of its messages."""
+"""Factory, header and a tracked target for tests of messages."""
 
 from __future__ import annotations
 
