@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any, TypeVar, cast
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -20,6 +22,8 @@ from cable_tracker.tracking.parameter_table import (
     ParameterValue,
     parameter_table,
 )
+
+Settings = TypeVar("Settings")
 
 QOS_PREFIX = "qos_overrides."
 """Begin of overrides that rclpy reads only where a topic asks for it, which none of ours does."""
@@ -94,6 +98,18 @@ def declare_all(
         What was given at start is not acceptable.
     """
     return {spec.name: declare(node, spec, spec.default, read_only=read_only) for spec in specs}
+
+
+def settings_of(
+    kind: type[Settings], values: Mapping[str, ParameterValue], **others: object
+) -> Settings:
+    """Return settings, a dataclass, from the parameters that its fields are named like.
+
+    `others` are the values of further fields; what is neither has its default.
+    """
+    names = {each.name for each in fields(cast(Any, kind))} & set(values)
+    settings: Settings = cast(Any, kind)(**{name: values[name] for name in names}, **others)
+    return settings
 
 
 def declare_filter(node: Node, preset: Parameters) -> Parameters:

@@ -12,16 +12,27 @@ RELIABILITIES = {
 }
 
 
+def _newest(
+    depth: int,
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE,
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE,
+) -> QoSProfile:
+    """Return the profile that keeps so many messages, the newest."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=reliability,
+        durability=durability,
+    )
+
+
 def image_input(reliability: str) -> QoSProfile:
     """Return the profile of the image subscription.
 
     Best effort takes the newest frame only: a tracker that is late must not work through a queue.
     Reliable keeps a few, for a lockstep replay that must not lose any.
     """
-    depth = 1 if reliability == "best_effort" else 10
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=RELIABILITIES[reliability]
-    )
+    return _newest(1 if reliability == "best_effort" else 10, RELIABILITIES[reliability])
 
 
 def instrument_input(reliability: str) -> QoSProfile:
@@ -31,52 +42,27 @@ def instrument_input(reliability: str) -> QoSProfile:
     replay that sends at once what was said before its first frame.
     """
     depth = 20 if reliability == "best_effort" else INSTRUMENTS_KEPT
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=RELIABILITIES[reliability]
-    )
+    return _newest(depth, RELIABILITIES[reliability])
 
 
 INSTRUMENTS_KEPT = 1000
 
-INSTRUMENTS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=INSTRUMENTS_KEPT,
-    reliability=ReliabilityPolicy.RELIABLE,
-)
+INSTRUMENTS = _newest(INSTRUMENTS_KEPT)
 """Quality of service with which a replay sends the vehicle's instruments."""
 
-LATCHED = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+LATCHED = _newest(100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """`/tf_static`, and a calibration that was sent once: subscribers that come later get it too."""
 
-RESULTS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
-)
+RESULTS = _newest(50)
 """Small results: every frame's."""
 
-LATEST_RESULT = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=50,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+LATEST_RESULT = _newest(50, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """`state`: a subscriber that joins while frames pause gets the last answers at once if it asks."""
 
-PICTURES = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.RELIABLE
-)
+PICTURES = _newest(5)
 """Pictures for people: rviz and recorders read them reliably or not, as they like."""
 
-NEWEST_RESULT = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+NEWEST_RESULT = _newest(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Quality of service with which a lockstep replay reads `state`: also the answer that was given
 before it was discovered."""
 

@@ -20,6 +20,7 @@ from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import cable_topics
+from cable_tracker.ros.node_parameters import settings_of
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -62,16 +63,11 @@ class ControllerNode(GuidanceNode):
         return self._controller.mode
 
     def _settings(self) -> ControllerSettings:
-        number = self._number
         return ControllerSettings(
-            GuidanceSettings(
-                speed=number("speed"),
-                look_ahead=number("look_ahead"),
-                integral_gain=number("integral_gain"),
-                turn_gain=number("turn_gain"),
-                most_turn=number("most_turn"),
+            settings_of(GuidanceSettings, self._values),
+            SearchSettings(
+                speed=self._number("search_speed"), give_up=self._number("search_length")
             ),
-            SearchSettings(speed=number("search_speed"), give_up=number("search_length")),
         )
 
     def on_odometry(self, message: Message) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import fields
 from typing import Any
 
 from cable_tracker.example_controller.command import Command
@@ -17,6 +16,7 @@ from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import target_topics
+from cable_tracker.ros.node_parameters import settings_of
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -43,11 +43,7 @@ class FollowerNode(GuidanceNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FOLLOWER_PARAMETERS, **node_arguments)
-        self._follower = TargetController(
-            FollowSettings(
-                **{each.name: self._number(each.name) for each in fields(FollowSettings)}
-            )
-        )
+        self._follower = TargetController(settings_of(FollowSettings, self._values))
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
         subscription(self, node_topics.RELATIVE_POSE, self.on_relative_pose, qos.RESULTS)
 

@@ -11,7 +11,7 @@ from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
-from cable_tracker.ros.nodes.vehicle_node import VehicleNode, world_of_parameters
+from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
@@ -46,7 +46,7 @@ class SimulatorNode(VehicleNode):
         super().__init__("simulator", **node_arguments)
 
     def _make_world(self) -> LiveWorld:
-        self._world = LiveWorld(world_of_parameters(LiveSettings, self._values))
+        self._world = LiveWorld(self._settings(LiveSettings))
         return self._world
 
     @property

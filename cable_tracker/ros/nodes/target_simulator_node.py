@@ -10,7 +10,7 @@ from rclpy.publisher import Publisher
 from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
-from cable_tracker.ros.nodes.vehicle_node import VehicleNode, world_of_parameters
+from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
@@ -46,7 +46,7 @@ class TargetSimulatorNode(VehicleNode):
         super().__init__("target_simulator", **node_arguments)
 
     def _make_world(self) -> ChaseWorld:
-        self._world = ChaseWorld(world_of_parameters(ChaseSettings, self._values))
+        self._world = ChaseWorld(self._settings(ChaseSettings))
         return self._world
 
     def _create_topics(self) -> None:

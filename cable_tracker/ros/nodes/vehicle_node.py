@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
-from dataclasses import asdict, fields
-from typing import Any, ClassVar, Protocol, TypeVar, cast
+from dataclasses import asdict
+from typing import Any, ClassVar, Protocol, cast
 
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
@@ -16,6 +15,7 @@ from cable_tracker.metric.settings import number
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.node_parameters import Settings, settings_of
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
@@ -42,22 +42,11 @@ TICKS = 2
 """Readings of odometry and imu for each frame."""
 
 
-Settings = TypeVar("Settings")
-
-
 def parameters_of_world(settings: Any) -> dict[str, ParameterValue]:  # noqa: ANN401
     """Return a node's parameters from the settings of its world, a dataclass: they share names."""
     values = asdict(settings)
     width, height = values.pop("image_size")
     return {**values, "image_width": width, "image_height": height}
-
-
-def world_of_parameters(kind: type[Settings], values: Mapping[str, ParameterValue]) -> Settings:
-    """Return the settings of a world, of that kind, from a node's parameters."""
-    names = {each.name for each in fields(cast(Any, kind))} - {"image_size"}
-    size = values["image_width"], values["image_height"]
-    settings: Settings = cast(Any, kind)(image_size=size, **{name: values[name] for name in names})
-    return settings
 
 
 class WorldSettings(Protocol):
@@ -153,6 +142,11 @@ class VehicleNode(ProcessNode):
 
     def _whole(self, name: str) -> int:
         return int(cast(int, self._values[name]))
+
+    def _settings(self, kind: type[Settings]) -> Settings:
+        """Return the settings of a world, see `parameters_of_world`."""
+        size = self._whole("image_width"), self._whole("image_height")
+        return settings_of(kind, self._values, image_size=size)
 
     def _make_world(self) -> SimulatedWorld:
         raise NotImplementedError
