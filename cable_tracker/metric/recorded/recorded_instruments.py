@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from copy import copy
-from types import TracebackType
 from typing import Generic, Protocol, Self, TypeVar
 
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
@@ -50,12 +49,7 @@ class RecordedInstruments(ABC, Generic[SightType]):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -6,7 +6,6 @@ import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from cable_tracker.ros.process.child_process import ENTRY, NodeProcess
@@ -37,12 +36,7 @@ class NodeGroup:
         self._folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._stack.close()
 
     def start(
