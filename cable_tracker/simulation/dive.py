@@ -173,7 +173,7 @@ def dive_camera(
     return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting, distortion)
 
 
-def random_cable(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:
+def random_course(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:
     """Draw the course of a cable along x, which wanders about it; see `random_bends`."""
     return Tube(CABLE_RADIUS, random_bends(curvature, lengths, 2, rng))
 

@@ -11,7 +11,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_cable
+from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
 from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.camera import CameraPoses, VehiclePoses
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
@@ -36,8 +36,8 @@ RATE_STEP = 1e-3
 
 
 def bent_cable(rng: np.random.Generator) -> Tube:
-    """Draw the course of a cable; see `random_cable`."""
-    return random_cable(CURVATURE, BEND_LENGTHS, rng)
+    """Draw the course of a cable; see `random_course`."""
+    return random_course(CURVATURE, BEND_LENGTHS, rng)
 
 
 def cable_of_seed(seed: int) -> Tube:

@@ -17,7 +17,7 @@ from cable_tracker.simulation.dive import (
     SimulatedFrame,
     Surroundings,
     dive_camera,
-    random_cable,
+    random_course,
     render_dive,
 )
 from cable_tracker.simulation.motion.routes import random_trajectory, scenario_trajectory
@@ -101,7 +101,7 @@ def simulated_dive(settings: SimulationSettings) -> Dive:
     seeds = Seeds.of(settings.seed)
     return Dive(
         camera=dive_camera(settings.image_size),
-        tube=random_cable(CURVATURE, BEND_LENGTHS, np.random.default_rng(seeds.course)),
+        tube=random_course(CURVATURE, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=random_trajectory(np.random.default_rng(seeds.route)),
     )
 
@@ -180,7 +180,7 @@ def _scenario_dive(
 ) -> Dive:
     return Dive(
         camera=dive_camera(image_size, float(np.deg2rad(scenario.mounting)), distortion),
-        tube=random_cable(scenario.curvature, BEND_LENGTHS, np.random.default_rng(seeds.course)),
+        tube=random_course(scenario.curvature, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=scenario_trajectory(scenario, np.random.default_rng(seeds.route)),
     )
 
