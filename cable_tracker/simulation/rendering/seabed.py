@@ -15,6 +15,7 @@ from cable_tracker.simulation.rendering.look import Bottom, Skin
 from cable_tracker.simulation.rendering.texture import (
     TiledTexture,
     cloud_response,
+    frequencies,
     nearest_places,
     ripple_response,
     smooth_step,
@@ -193,8 +194,8 @@ def _ripples(
     drawn = rng.uniform(0.0, np.pi)
     direction = drawn if angle is None else float(np.deg2rad(angle))
     wavelength = rng.uniform(1.3, 2.0)
-    response = ripple_response(shape, resolution, direction, wavelength, (0.16, 0.8))
-    waves = spectral_noise(response, shape, rng)
+    u, v = turned(*frequencies(shape, resolution), direction)
+    waves = spectral_noise(ripple_response(u, v, wavelength, (0.16, 0.8)), shape, rng)
     patches = spectral_noise(cloud_response(shape, resolution, (20.0, 20.0), 3.0), shape, rng)
     return 0.045 * waves * smooth_step(patches, -0.5, 1.2)
 

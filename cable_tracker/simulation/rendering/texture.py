@@ -88,18 +88,12 @@ def cloud_response(
 
 
 def ripple_response(
-    shape: tuple[int, int],
-    resolution: float,
-    direction: float,
-    wavelength: float,
-    spread: tuple[float, float],
+    u: FloatArray, v: FloatArray, wavelength: float, spread: tuple[float, float]
 ) -> FloatArray:
-    """Return the response of noise in waves that travel in a direction [rad]; see `cloud_response`.
+    """Return the response of noise in waves to frequencies across and along their crests.
 
-    `spread` is that of their frequency, over the frequency itself, and how many times as far the
-    frequencies along the crests spread.
+    `spread` is that of u, over the frequency of the waves, and how many times as far v spreads.
     """
-    u, v = turned(*frequencies(shape, resolution), direction)
     width = spread[0] / wavelength
     deviation = (np.abs(u) - 1 / wavelength) ** 2 + (v / spread[1]) ** 2
     response: FloatArray = np.exp(-deviation / (2 * width**2))

@@ -205,10 +205,10 @@ def _clouds(rng: np.random.Generator) -> Image:
 
 
 def _ripples(rng: np.random.Generator) -> Image:
-    shape = (SIDE, SIDE)
     direction, wavelength = rng.uniform(0.0, np.pi), rng.uniform(12.0, 22.0)
-    response = ripple_response(shape, 1.0, direction, wavelength, (0.2, 0.7))
-    return spectral_noise(response, shape, rng) + 0.7 * _noise(40.0, 1.0, 1.2, rng)
+    u, v = turned(*frequencies((SIDE, SIDE), 1.0), direction)
+    waves = spectral_noise(ripple_response(u, v, wavelength, (0.2, 0.7)), (SIDE, SIDE), rng)
+    return waves + 0.7 * _noise(40.0, 1.0, 1.2, rng)
 
 
 def _stones(rng: np.random.Generator) -> Image:
