@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.sequences.bags.bag_storage import open_storage
+from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import (

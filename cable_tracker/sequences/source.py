@@ -9,7 +9,7 @@ from pathlib import Path
 from cable_tracker.errors import ParameterError, RecordingError, UnreachableError, read_failure
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bags.bag_limits import METADATA
-from cable_tracker.sequences.bags.bag_storage import (
+from cable_tracker.sequences.bags.storage_files import (
     BAG_SUFFIXES,
     is_packed,
     is_ros1,

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cable_tracker.sequences.bags.bag_storage import open_bag
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.sequences.bags.bag_storage import open_bag
 from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 

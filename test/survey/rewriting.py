@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from cable_tracker.sequences.bags.bag_storage import open_storage
 from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.bags.unpacking import deserialise
 
 Change = Callable[[str, Any, int], Iterator[tuple[str, Any, int]]]

@@ -18,7 +18,9 @@ import numpy as np
 from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_storage import BagStorage, is_ros1, open_bag
+from cable_tracker.sequences.bags.bag_storage import BagStorage
+from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.storage_files import is_ros1
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import stamp_or_received

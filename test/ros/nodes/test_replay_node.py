@@ -31,10 +31,10 @@ from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node
 from cable_tracker.ros.process import last_messages
-from cable_tracker.sequences.bags.bag_storage import open_storage
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame

@@ -33,7 +33,7 @@ from cable_tracker.sequences.bags.bag_limits import (
     unpack_lz4,
     unpack_zstd,
 )
-from cable_tracker.sequences.bags.bag_storage import storage_files
+from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
 
 MEGABYTE = 1 << 20
@@ -265,7 +265,7 @@ def test_a_database_whose_rows_have_no_end_is_refused(tmp_path):
 
 def test_importing_the_readers_leaves_rosbags_as_it_is():
     script = (
-        "import cable_tracker.sequences.bags.bag_storage, rosbags.rosbag1.reader as one;"
+        "import cable_tracker.sequences.bags.open_bag, rosbags.rosbag1.reader as one;"
         "assert one.decompressors['bz2'].__module__ != 'cable_tracker.sequences.bags.bag_limits'"
     )
     subprocess.run([sys.executable, "-c", script], check=True)

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from cable_tracker.sequences.bags.bag_storage import open_bag
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import (
     Instrument,
 )
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.static_transforms import place_in

@@ -11,8 +11,9 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_storage import open_storage, storage_files
 from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
 
 NAMES = ["my #1", "what?", "p%41", "a?mode=rw#x", "über"]

@@ -5,8 +5,8 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.sequences.bags.bag_storage import open_storage
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.motion.flight import flight_at

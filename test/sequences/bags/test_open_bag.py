@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag_storage import open_storage, storage_files
+from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
 
 damages = st.lists(st.tuples(st.floats(0, 0.9999), st.integers(0, 255)), min_size=1, max_size=8)
