@@ -1,27 +1,13 @@
-import importlib.util
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from map_pictures import lamplit_scenes as scenes
 
-SCRIPT = Path(__file__).resolve().parents[2] / "docs" / "lamplit_scenes.py"
 DOWN = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
 FOCAL_LENGTH = 300.0
-
-
-def load_scenes():
-    spec = importlib.util.spec_from_file_location("lamplit_scenes", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-scenes = load_scenes()
 
 
 def upright_tube(*, radius, height, offset=0.0, reflected=0.3):

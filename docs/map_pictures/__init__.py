@@ -1,0 +1,1 @@
+"""Pictures for `train_cable_map.py`."""
