@@ -23,6 +23,7 @@ What is said of the leading hypothesis, from what the belief holds to what the s
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,8 +38,9 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, le
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, is_worked_out
 from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.measure.map.map_width import map_widening
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -51,6 +53,9 @@ MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
+
+WIDENING_TIME = 0.5
+"""Time over which the widening by maps is smoothed [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,6 +91,9 @@ class Belief:
         it for a cable: it is known from the beginning.
     kept_map : KeptMap or None
         The last map of a picture, while the hypothesis that led in that frame goes on.
+    widening : float or None
+        How much wider than its borders maps show the leading hypothesis, smoothed, see
+        `map_widening` [px]; None before it has been held against one.
     """
 
     particles: Particles
@@ -100,6 +108,7 @@ class Belief:
     known_time: float = 0.0
     is_given: bool = False
     kept_map: KeptMap | None = None
+    widening: float | None = None
 
     def aged(self, dt: float) -> Belief:
         """Return the same belief `dt` seconds later, before the next frame is looked at."""
@@ -155,6 +164,7 @@ def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
 def updated_belief(
     before: Belief,
     conclusion: Conclusion,
+    cable_map: CableMap,
     dt: float,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
@@ -168,6 +178,8 @@ def updated_belief(
         Belief before the frame, aged to its time.
     conclusion : Conclusion
         Particles, clusters and log-odds after the frame, at least one cluster.
+    cable_map : CableMap
+        The map that the frame was held against.
     dt : float
         Time since the frame before [s].
     parameters : TrackerParameters
@@ -209,7 +221,25 @@ def updated_belief(
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,
         is_given=before.is_given and goes_on,
         kept_map=before.kept_map if conclusion.goes_on else None,
+        widening=_updated_widening(before, conclusion, cable_map, dt),
     )
+
+
+def _updated_widening(
+    before: Belief, conclusion: Conclusion, cable_map: CableMap, dt: float
+) -> float | None:
+    """Return the widening of the leading hypothesis after a frame [px].
+
+    It is that of the frame's map, smoothed while the hypothesis goes on; without a map it stays.
+    """
+    widening = before.widening if conclusion.goes_on else None
+    if not is_worked_out(cable_map):
+        return widening
+    found: float = map_widening(conclusion.hypotheses.clusters.means[0], cable_map)
+    if widening is None:
+        return found
+    kept = math.exp(-dt / WIDENING_TIME)
+    return kept * widening + (1.0 - kept) * found
 
 
 def updated_p_bright(

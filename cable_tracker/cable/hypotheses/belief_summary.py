@@ -61,6 +61,10 @@ WIDENING, THIN_WIDTH = 0.58, 3.5
 width as it is seen: smoothed borders push each other outwards [sigmas of what smooths them].
 Fitted to crisp strips of even seeds up to 500."""
 
+WIDENING_SHARE, RESOLVED_WIDENING = 0.67, 0.5
+"""Share of the widening by maps that is believed, beyond what a map resolves [px at the reference
+width]. Chosen on `tune_*` and S1 to S6 of seeds 100 to 105."""
+
 LEAST_WIDTH_SHARE = 0.6
 """Minimum width of a cable as a share of the width that is seen."""
 
@@ -71,7 +75,8 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
     `scale`: pixels of the frame per pixel of an image of the reference width.
     """
     hypotheses = belief.hypotheses
-    mean, covariance = leading_estimate(hypotheses, parameters, scale)
+    widening = belief.widening or 0.0
+    mean, covariance = leading_estimate(hypotheses, widening, parameters, scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, scale)
     is_present = belief.presence >= parameters.presence_to_lose
@@ -94,7 +99,7 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         follows_given=belief.is_given,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters, parameters, scale),
+        hypotheses=_reported(hypotheses.clusters, widening, parameters, scale),
     )
 
 
@@ -116,9 +121,12 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, scale: float) -> 
 
 
 def leading_estimate(
-    hypotheses: Hypotheses, parameters: TrackerParameters, scale: float
+    hypotheses: Hypotheses, widening: float, parameters: TrackerParameters, scale: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
+    """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters.
+
+    `widening`: how much wider than its borders maps show it [px].
+    """
     leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
         hypotheses.covariance,
@@ -127,25 +135,34 @@ def leading_estimate(
         parameters,
         scale,
     )
-    return wrapped_estimate(_unsmoothed(leader, parameters, scale), displaced)
+    return wrapped_estimate(_estimated(leader, widening, parameters, scale), displaced)
 
 
-def _unsmoothed(mean: FloatArray, parameters: TrackerParameters, scale: float) -> FloatArray:
-    """Return a cluster's mean (8,) with the width that the cable has, not its smoothed borders."""
+def width_by_map(widening: float, scale: float) -> float:
+    """Return what is added to the width by borders for how much wider maps show the cable [px]."""
+    beyond = max(abs(widening) - RESOLVED_WIDENING * scale, 0.0)
+    return math.copysign(WIDENING_SHARE * beyond, widening)
+
+
+def _estimated(
+    mean: FloatArray, widening: float, parameters: TrackerParameters, scale: float
+) -> FloatArray:
+    """Return a cluster's mean (8,) with the width that the cable has, not that of its borders."""
     state = mean.copy()
-    width = float(state[WIDTH])
-    state[WIDTH] = width_before_smoothing(width, parameters, scale)
+    width = width_before_smoothing(float(state[WIDTH]), parameters, scale)
+    state[WIDTH] = width + width_by_map(widening, scale)
     return state
 
 
 def _reported(
-    clusters: Clusters, parameters: TrackerParameters, scale: float
+    clusters: Clusters, widening: float, parameters: TrackerParameters, scale: float
 ) -> tuple[Hypothesis, ...]:
-    """Return the clusters that are worth mention, and the first whatever its mass."""
+    """Return the clusters that are worth mention, and the first, which is widened, in any case."""
     reported = []
     for index, mass in enumerate(clusters.masses.tolist()):
         if index == 0 or mass >= SMALLEST_HYPOTHESIS:
-            state = _unsmoothed(clusters.means[index], parameters, scale)
+            of_maps = widening if index == 0 else 0.0
+            state = _estimated(clusters.means[index], of_maps, parameters, scale)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)
 

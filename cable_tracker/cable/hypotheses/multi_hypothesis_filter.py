@@ -183,7 +183,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         updated = updated_belief(
-            belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale
+            belief,
+            conclusion,
+            cable_map,
+            dt,
+            self._parameters,
+            self._image_size,
+            image.frame_scale,
         )
         if looks:
             leader = conclusion.hypotheses.clusters.means[0]

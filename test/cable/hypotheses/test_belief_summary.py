@@ -16,6 +16,7 @@ from cable_tracker.cable.hypotheses.belief_summary import (
     displaced_covariance,
     displacement_factors,
     width_before_smoothing,
+    width_by_map,
 )
 from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
@@ -174,3 +175,11 @@ def test_what_is_seen_wider_is_wider(narrow, more):
 def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
     left = width_before_smoothing(width, preset("default"), 1.0)
     assert LEAST_WIDTH_SHARE * width <= left <= width
+
+
+@pytest.mark.parametrize(
+    ("widening", "added"), [(0.4, 0.0), (-0.5, 0.0), (3.5, 2.01), (-3.5, -2.01)]
+)
+def test_of_the_widening_by_maps_what_they_resolve_is_believed_by_two_thirds(widening, added):
+    assert width_by_map(widening, 1.0) == pytest.approx(added)
+    assert width_by_map(2.0 * widening, 2.0) == pytest.approx(2.0 * added)

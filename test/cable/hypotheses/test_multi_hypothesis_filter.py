@@ -377,7 +377,8 @@ def test_a_cable_that_was_told_and_is_there_is_claimed_with_the_first_frame(stri
     assert summary.supports_keeping
     assert summary.presence > 0.9
     assert summary.hypotheses[0].state == CableState.from_array(summary.mean)
-    np.testing.assert_allclose(summary.mean[[0, 2]], [12.0, 24.0], atol=1.5)
+    # The cells of a map are coarse beside a picture of 160 px.
+    np.testing.assert_allclose(summary.mean[[0, 2]], [12.0, 24.0], atol=3.0)
 
 
 def test_a_flat_picture_neither_rises_nor_holds():

@@ -155,7 +155,7 @@ def beside_expected(cable_map: CableMap, state: FloatArray) -> CableMap:
 def strip_shares(state: FloatArray, cable_map: CableMap) -> Image:
     """Return which share of each cell of a map a strip (8,) covers, float32, of the map's shape."""
     shares: Image = np.empty(cable_map.probabilities.shape, np.float32)
-    borders = _borders(state, state[WIDTH], cable_map)
+    borders = strip_borders(state, state[WIDTH], cable_map)
     for row in range(shares.shape[0]):
         for column in range(shares.shape[1]):
             shares[row, column] = _share(row, column, borders)
@@ -168,7 +168,7 @@ def _covered(state: FloatArray, width: float, cable_map: CableMap) -> tuple[floa
 
     The width [px] takes the place of its own.
     """
-    borders = _borders(state, width, cable_map)
+    borders = strip_borders(state, width, cable_map)
     if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
         return _covered_along(
             cable_map.sums_along_rows,
@@ -188,7 +188,7 @@ def _covered_along(
 ) -> tuple[float, float]:
     """Return the cells between two borders on all lines, and the sum of their probabilities.
 
-    The borders, see `_Borders`: how far inwards the first cell lies, and what one line, and one
+    The borders, see `StripBorders`: how far inwards the first cell lies, and what one line, and one
     cell along a line, change.
     """
     lines, last = sums.shape[0], sums.shape[1] - 1.0
@@ -213,7 +213,7 @@ def _sum_before(sums: FloatArray, edge: float) -> float:
     return sum_before
 
 
-class _Borders(NamedTuple):
+class StripBorders(NamedTuple):
     """How far inwards of each border the centre of a cell lies [cells]: linear in row and column.
 
     The distance from the left border is left + left_row * row + left_column * column.
@@ -228,14 +228,14 @@ class _Borders(NamedTuple):
 
 
 @compiled_fast_loop
-def _borders(state: FloatArray, width: float, cable_map: CableMap) -> _Borders:
+def strip_borders(state: FloatArray, width: float, cable_map: CableMap) -> StripBorders:
     """Return the borders of a strip of some width [px] as they cross the cells of a map."""
     angle, skew = state[ANGLE], state[SKEW]
     left_x, left_y = math.cos(angle - skew), math.sin(angle - skew)
     right_x, right_y = math.cos(angle + skew), math.sin(angle + skew)
     left_offset = border_offset(state[DISTANCE], width, skew, -1.0)
     right_offset = border_offset(state[DISTANCE], width, skew, 1.0)
-    return _Borders(
+    return StripBorders(
         (cable_map.left * left_x + cable_map.top * left_y - left_offset) / cable_map.cell,
         -left_y,
         left_x,
@@ -246,11 +246,21 @@ def _borders(state: FloatArray, width: float, cable_map: CableMap) -> _Borders:
 
 
 @compiled_inside
-def _share(row: int, column: int, borders: _Borders) -> float:
-    """Return which share of a cell lies between the borders, as of one across its middle."""
-    after = borders.left + borders.left_row * row + borders.left_column * column + 0.5
-    before = borders.right + borders.right_row * row + borders.right_column * column + 0.5
-    return min(max(after, 0.0), 1.0) * min(max(before, 0.0), 1.0)
+def _share(row: int, column: int, borders: StripBorders) -> float:
+    """Return which share of a cell lies between the borders."""
+    left = borders.left + borders.left_row * row + borders.left_column * column
+    right = borders.right + borders.right_row * row + borders.right_column * column
+    share: float = share_inside(left) * share_inside(right)
+    return share
+
+
+@compiled_inside
+def share_inside(inwards: float) -> float:
+    """Return which share of a cell lies inwards of a border, as of one across its middle.
+
+    `inwards`: how far its centre lies inwards [cells].
+    """
+    return min(max(inwards + 0.5, 0.0), 1.0)
 
 
 @compiled_inside

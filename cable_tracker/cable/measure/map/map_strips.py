@@ -49,7 +49,7 @@ def strips_of_map(cable_map: CableMap, most: int) -> FloatArray:
             return strips[:count]
         strip = strips[count]
         _fill_straight_strip(rest, strip)
-        _refine(rest, strip)
+        refine_strip(rest, strip)
         left = rest.probabilities * (np.float32(1.0) - strip_shares(strip, cable_map))
         rest = cable_map_of(left, cable_map.left, cable_map.top, cable_map.cell)
     return strips
@@ -100,7 +100,7 @@ def _add_up_across(
 
 
 @compiled_part
-def _refine(cable_map: CableMap, strip: FloatArray) -> None:
+def refine_strip(cable_map: CableMap, strip: FloatArray) -> None:
     """Change a strip (8,), one number at a time, while its overlap with the map grows."""
     steps = FIRST_STEPS.copy()
     steps[DISTANCE] *= cable_map.cell
