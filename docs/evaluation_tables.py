@@ -1,10 +1,12 @@
 """Evaluate the methods, and write what comes out into docs/evaluation.md.
 
     python docs/evaluation_tables.py --seeds 10                    # run, then write
-    python docs/evaluation_tables.py --seeds 10 --keep build/eval  # take results that lie there
+    python docs/evaluation_tables.py --seeds 10 --keep              # take results that lie there
+    python docs/evaluation_tables.py --method default --rows        # the rows of one method alone
 
 Each block of the page between `<!-- NAME -->` and `<!-- end of NAME -->` is written anew: the
-command, when and where it was run, and the tables.
+command, when and where it was run, and the tables. With `--rows` the rows of the chosen methods
+take the place of those in the block, and the rest stays.
 """
 
 from __future__ import annotations
@@ -88,6 +90,7 @@ def main() -> None:
     parser.add_argument("--footage", type=Path, help="strip.mp4, with strip.txt beside it")
     parser.add_argument("--results", type=Path, default=Path("build/evaluation"))
     parser.add_argument("--keep", action="store_true", help="take results that lie there")
+    parser.add_argument("--rows", action="store_true", help="leave the other methods' rows")
     chosen = parser.parse_args()
     page = PAGE.read_text(encoding="utf-8")
     for block in BLOCKS:
@@ -110,7 +113,9 @@ def main() -> None:
             evaluate([*source, *arguments], folder)
         shown = ["--source strip.mp4 --truth strip.txt"] if source else []
         command = " ".join(["cable-tracker evaluate", *shown, *arguments])
-        page = replaced(page, block, text_of(block, command, folder / "summary.csv"))
+        text = text_of(block, command, folder / "summary.csv")
+        before, old, after = parts_about(page, block)
+        page = before + (with_rows(old, text) if chosen.rows else text) + after
     PAGE.write_text(page, encoding="utf-8")
 
 
@@ -120,12 +125,27 @@ def evaluate(arguments: Sequence[str], folder: Path) -> None:
     subprocess.run([*command, *arguments, "--output", str(folder), "--force"], check=True)
 
 
-def replaced(page: str, block: Block, text: str) -> str:
-    """Return the page with another text in a block."""
-    begin, end = f"<!-- {block.name} -->", f"<!-- end of {block.name} -->"
-    before, rest = page.split(begin)
-    _, after = rest.split(end)
-    return f"{before}{begin}\n{text}{end}{after}"
+def parts_about(page: str, block: Block) -> tuple[str, str, str]:
+    """Return the page up to a block, the block's text, and the page from its end on."""
+    begin, end = f"<!-- {block.name} -->\n", f"<!-- end of {block.name} -->"
+    before, _, rest = page.partition(begin)
+    text, _, after = rest.partition(end)
+    return before + begin, text, end + after
+
+
+def with_rows(old: str, new: str) -> str:
+    """Return a block's text with the rows of the methods that another text of it has."""
+    title, rows = "", {}
+    for line in new.splitlines():
+        title = line if line.endswith(":") else title
+        if line.startswith("| `"):
+            rows[title, line.split("|")[1]] = line
+    lines = []
+    for line in old.splitlines():
+        title = line if line.endswith(":") else title
+        key = (title, line.split("|")[1]) if line.startswith("| `") else None
+        lines.append(rows.get(key, line) if key is not None else line)
+    return "\n".join(lines) + "\n"
 
 
 def text_of(block: Block, command: str, summary: Path) -> str:
