@@ -15,7 +15,7 @@ from map_pictures.grounds import GROUNDS, seen_aslant, waves
 from map_pictures.light import about_any_place
 from map_pictures.surface import Surface, logistic, surface
 
-TRENCHED = 0.12
+TRENCHED = 0.2
 """Share of the cables that lie in a trench."""
 
 SEAMED = 0.2

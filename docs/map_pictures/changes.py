@@ -65,7 +65,7 @@ OF_FRAMES = Changes(
     snowed=0.3,
     bent=0.5,
     lit=0.3,
-    dappled=0.12,
+    dappled=0.2,
     pooled=0.3,
     veiled=0.3,
 )
@@ -79,7 +79,7 @@ OF_SCENES = Changes(
     snowed=0.3,
     bent=0.5,
     lit=0.15,
-    dappled=0.06,
+    dappled=0.1,
     pooled=0.15,
     veiled=0.2,
 )

@@ -25,7 +25,7 @@ SHADED, CRISP, SPANNING = 0.5, 0.6, 0.4
 """Share of the cables that cast a shadow to one side, of those shadows that have an end, and of
 these that lie apart from the cable, as below a free span."""
 
-OVERGROWN, FINNED = 0.1, 0.2
+OVERGROWN, FINNED = 0.06, 0.2
 """Shares of the painted cables that are grown over with what lies beside them, and, of the others,
 of those with fins wound around them."""
 

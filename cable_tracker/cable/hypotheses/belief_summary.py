@@ -61,9 +61,8 @@ WIDENING, THIN_WIDTH = 0.58, 3.5
 width as it is seen: smoothed borders push each other outwards [sigmas of what smooths them].
 Fitted to crisp strips of even seeds up to 500."""
 
-WIDENING_SHARE, RESOLVED_WIDENING = 0.67, 0.5
-"""Share of the widening by maps that is believed, beyond what a map resolves [px at the reference
-width]. Chosen on `tune_*` and S1 to S6 of seeds 100 to 105."""
+RESOLVED_WIDENING = 0.5
+"""Widening by maps that is less than they resolve [px at the reference width]."""
 
 LEAST_WIDTH_SHARE = 0.6
 """Minimum width of a cable as a share of the width that is seen."""
@@ -138,10 +137,10 @@ def leading_estimate(
     return wrapped_estimate(_estimated(leader, widening, parameters, scale), displaced)
 
 
-def width_by_map(widening: float, scale: float) -> float:
+def width_by_map(widening: float, parameters: TrackerParameters, scale: float) -> float:
     """Return what is added to the width by borders for how much wider maps show the cable [px]."""
     beyond = max(abs(widening) - RESOLVED_WIDENING * scale, 0.0)
-    return math.copysign(WIDENING_SHARE * beyond, widening)
+    return math.copysign(parameters.map_width_share * beyond, widening)
 
 
 def _estimated(
@@ -150,7 +149,7 @@ def _estimated(
     """Return a cluster's mean (8,) with the width that the cable has, not that of its borders."""
     state = mean.copy()
     width = width_before_smoothing(float(state[WIDTH]), parameters, scale)
-    state[WIDTH] = width + width_by_map(widening, scale)
+    state[WIDTH] = width + width_by_map(widening, parameters, scale)
     return state
 
 

@@ -274,6 +274,15 @@ class TrackerParameters(ParameterSet):
         " stripe along a pipe may be taken for all of it. While no cable is known, or a border of"
         " it is faint, it looks at each frame.",
     )
+    map_width_share: float = number(
+        0.67,
+        "share",
+        0.0,
+        1.0,
+        "How much of what the network's maps show beyond the borders of the cable, or inside, is"
+        " added to its width: round and overgrown cables are wider than their clearest borders. 0:"
+        " the width is that of the borders.",
+    )
     detector_share: float = number(
         0.2,
         "share of N",

@@ -120,6 +120,7 @@ TAKEN_AWAY = AblationTable(
             "the network looks at a known cable only where a border of it is faint",
             {"map_interval": 3600.0},
         ),
+        _without("borders_width", "the width is that of the borders", {"map_width_share": 0.0}),
         _without("no_refinement", "no particles drawn anew in the same frame", NO_REFINEMENT),
         _without("gaussian", "Gaussian diffusion", {"diffusion_degrees_of_freedom": 0.0}),
         _without(

@@ -46,8 +46,8 @@ CABLE_GROUPS: Groups = (
     (
         "Search and refinement",
         (
-            "detector", "looks", "map_interval", "detector_share", "search_share",
-            "refinement_rounds", "refinement_share",
+            "detector", "looks", "map_interval", "map_width_share", "detector_share",
+            "search_share", "refinement_rounds", "refinement_share",
         ),
     ),
     (
