@@ -138,9 +138,11 @@ def leading_estimate(
 
 
 def width_by_map(widening: float, parameters: TrackerParameters, scale: float) -> float:
-    """Return what is added to the width by borders for how much wider maps show the cable [px]."""
-    beyond = max(abs(widening) - RESOLVED_WIDENING * scale, 0.0)
-    return math.copysign(parameters.map_width_share * beyond, widening)
+    """Return what is added to the width by borders for how much wider maps show the cable [px].
+
+    Nothing where they show it narrower: of a cable that sand covers in part they show the rest.
+    """
+    return parameters.map_width_share * max(widening - RESOLVED_WIDENING * scale, 0.0)
 
 
 def _estimated(

@@ -279,9 +279,9 @@ class TrackerParameters(ParameterSet):
         "share",
         0.0,
         1.0,
-        "How much of what the network's maps show beyond the borders of the cable, or inside, is"
-        " added to its width: round and overgrown cables are wider than their clearest borders. 0:"
-        " the width is that of the borders.",
+        "How much of what the network's maps show beyond the borders of the cable is added to its"
+        " width: round and overgrown cables are wider than their clearest borders. 0: the width is"
+        " that of the borders.",
     )
     detector_share: float = number(
         0.2,
