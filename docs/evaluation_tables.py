@@ -1,7 +1,7 @@
 """Evaluate the methods, and write what comes out into docs/evaluation.md.
 
     python docs/evaluation_tables.py --seeds 10                    # run, then write
-    python docs/evaluation_tables.py --seeds 10 --keep              # take results that lie there
+    python docs/evaluation_tables.py --seeds 10 --keep             # take results that lie there
     python docs/evaluation_tables.py --method default --rows        # the rows of one method alone
 
 Each block of the page between `<!-- NAME -->` and `<!-- end of NAME -->` is written anew: the
@@ -17,7 +17,7 @@ import datetime
 import platform
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -128,24 +128,23 @@ def evaluate(arguments: Sequence[str], folder: Path) -> None:
 def parts_about(page: str, block: Block) -> tuple[str, str, str]:
     """Return the page up to a block, the block's text, and the page from its end on."""
     begin, end = f"<!-- {block.name} -->\n", f"<!-- end of {block.name} -->"
-    before, _, rest = page.partition(begin)
-    text, _, after = rest.partition(end)
+    before, rest = page.split(begin)
+    text, after = rest.split(end)
     return before + begin, text, end + after
 
 
 def with_rows(old: str, new: str) -> str:
     """Return a block's text with the rows of the methods that another text of it has."""
-    title, rows = "", {}
-    for line in new.splitlines():
+    rows = {row: line for row, line in rows_and_lines(new) if row is not None}
+    return "".join(f"{rows.get(row, line)}\n" for row, line in rows_and_lines(old))
+
+
+def rows_and_lines(text: str) -> Iterator[tuple[tuple[str, str] | None, str]]:
+    """Yield lines, each with its table's title and its method, None for what is no such row."""
+    title = ""
+    for line in text.splitlines():
         title = line if line.endswith(":") else title
-        if line.startswith("| `"):
-            rows[title, line.split("|")[1]] = line
-    lines = []
-    for line in old.splitlines():
-        title = line if line.endswith(":") else title
-        key = (title, line.split("|")[1]) if line.startswith("| `") else None
-        lines.append(rows.get(key, line) if key is not None else line)
-    return "\n".join(lines) + "\n"
+        yield ((title, line.split("|")[1]) if line.startswith("| `") else None), line
 
 
 def text_of(block: Block, command: str, summary: Path) -> str:

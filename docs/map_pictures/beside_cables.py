@@ -8,9 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.map.map_network import (
-    CELL,
-)
+from cable_tracker.cable.measure.map.map_network import CELL
 from map_pictures.grounds import GROUNDS, seen_aslant, waves
 from map_pictures.light import about_any_place
 from map_pictures.surface import Surface, logistic, surface

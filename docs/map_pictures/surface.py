@@ -10,9 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
-from cable_tracker.cable.measure.map.map_network import (
-    CELL,
-)
+from cable_tracker.cable.measure.map.map_network import CELL
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE
 

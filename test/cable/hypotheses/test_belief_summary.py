@@ -178,7 +178,7 @@ def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
 
 
 @pytest.mark.parametrize(("widening", "added"), [(0.4, 0.0), (-0.5, 0.0), (3.5, 2.01), (-3.5, 0.0)])
-def test_of_the_widening_by_maps_what_they_resolve_is_believed_by_two_thirds(widening, added):
+def test_two_thirds_of_a_widening_beyond_what_maps_resolve_are_believed(widening, added):
     assert width_by_map(widening, PARAMETERS, 1.0) == pytest.approx(added)
     assert width_by_map(2.0 * widening, PARAMETERS, 2.0) == pytest.approx(2.0 * added)
     assert width_by_map(widening, replace(PARAMETERS, map_width_share=0.0), 1.0) == 0.0
