@@ -11,7 +11,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.map_network import CELL
 from map_pictures.grounds import GROUNDS, seen_aslant, waves
 from map_pictures.light import about_any_place
-from map_pictures.surface import Surface, logistic, surface
+from map_pictures.surface import Surface, coarse_noise, logistic, surface
 
 TRENCHED = 0.2
 """Share of the cables that lie in a trench."""
@@ -215,7 +215,7 @@ def seamed(levels: Image, at: Surface, both: float, rng: np.random.Generator) ->
     for side in (-1.0, 1.0) if rng.random() < both else (rng.choice((-1.0, 1.0)),):
         half = np.float32(0.5 * min(2.0 + 7.0 * rng.random(), 0.35 * at.width))
         off = np.abs(at.outside - half * rng.uniform(-1.0, 1.0))
-        ragged = cv2.resize(rng.standard_normal((30, 40), np.float32), levels.shape[::-1])
+        ragged = coarse_noise(levels.shape, (30, 40), rng)
         ragged *= np.float32(0.4 * rng.random())
         soft = np.float32(0.3 * 6.0 ** rng.random())
         seam = logistic((half * (1.0 + ragged) - off) / soft) * (side * at.across > 0.0)
@@ -225,7 +225,7 @@ def seamed(levels: Image, at: Surface, both: float, rng: np.random.Generator) ->
 
 def trenched(levels: Image, at: Surface, rng: np.random.Generator) -> Image:
     """Return a picture whose cable lies in a trench: walls, lit from one side, and its floor."""
-    rough = cv2.resize(rng.standard_normal((30, 40), np.float32), levels.shape[::-1])
+    rough = coarse_noise(levels.shape, (30, 40), rng)
     slope, floor = rng.normal(0.0, 0.8), rng.normal(-0.2, 0.3)
     light = np.zeros_like(levels)
     for side in (-1.0, 1.0):

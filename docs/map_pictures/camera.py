@@ -79,13 +79,22 @@ def bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, 
     cos, sin = math.cos(angle) / zoom, math.sin(angle) / zoom
     x = np.arange(width, dtype=np.float32) - 0.5 * (width - 1)
     y = np.arange(height, dtype=np.float32)[:, None] - 0.5 * (height - 1)
-    bends = 8.0 * rng.random() * rng.standard_normal((2, 3, 4), np.float32)
-    across, down = (
-        cv2.resize(each, (width, height), interpolation=cv2.INTER_CUBIC) for each in bends
-    )
+    across, down = bends(levels.shape, 8.0, (3, 4), rng)
     across = across + np.float32(cos) * x - np.float32(sin) * y + np.float32(0.5 * (width - 1))
     down = down + np.float32(sin) * x + np.float32(cos) * y + np.float32(0.5 * (height - 1))
     moved = cv2.remap(levels, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
     shares = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
     shares = cv2.remap(shares, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
     return moved, cv2.resize(shares, cells.shape[::-1], interpolation=cv2.INTER_AREA)
+
+
+def bends(
+    shape: tuple[int, ...], most: float, coarse: tuple[int, int], rng: np.random.Generator
+) -> tuple[Image, Image]:
+    """Return by how much pixels (H, W) are shifted across and down where a picture is bent [px].
+
+    `most`: largest standard deviation [px]; `coarse`: number of shifts that are drawn.
+    """
+    shifts = most * rng.random() * rng.standard_normal((2, *coarse), np.float32)
+    across, down = (cv2.resize(each, shape[::-1], interpolation=cv2.INTER_CUBIC) for each in shifts)
+    return across, down

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from map_pictures.surface import coarse_noise, nearest_of_any
 
 
 def seen_aslant(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
@@ -43,12 +44,7 @@ def waves(rng: np.random.Generator) -> Image:
 def _cobbles(rng: np.random.Generator) -> Image:
     """Return stones side by side, each of one grey level and lit from one side, dark between."""
     count = round(40.0 * 100.0 ** rng.random())
-    apart = np.ones((GROUND_SIDE, GROUND_SIDE), np.uint8)
-    middles = rng.integers(0, GROUND_SIDE, (count, 2))
-    apart[middles[:, 1], middles[:, 0]] = 0
-    off, stone = cv2.distanceTransformWithLabels(
-        apart, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
+    off, stone = nearest_of_any(count, GROUND_SIDE, rng)
     levels = rng.standard_normal(int(stone.max()) + 1, np.float32)
     size = np.float32(GROUND_SIDE / math.sqrt(count))
     lit = np.gradient(off)[int(rng.integers(2))] * off / size
@@ -121,7 +117,7 @@ def _step(rng: np.random.Generator) -> Image:
 def _ledges(rng: np.random.Generator) -> Image:
     """Return layers of rock, each of one grey level, with ragged edges that run side by side."""
     coarse, fine = (
-        cv2.resize(rng.standard_normal((side, side), np.float32), (GROUND_SIDE, GROUND_SIDE))
+        coarse_noise((GROUND_SIDE, GROUND_SIDE), (side, side), rng)
         for side in (int(rng.integers(4, 10)), int(rng.integers(30, 80)))
     )
     place = np.arange(GROUND_SIDE, dtype=np.float32) + 12.0 * rng.random() * coarse

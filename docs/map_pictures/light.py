@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from map_pictures.camera import STREAKED, streaked
-from map_pictures.surface import logistic
+from map_pictures.camera import STREAKED, bends, streaked
+from map_pictures.surface import logistic, nearest_of_any
 
 
 def lit(levels: Image, rng: np.random.Generator) -> Image:
@@ -41,19 +41,10 @@ def pooled(levels: Image, rng: np.random.Generator) -> Image:
 def dappled(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture under a net of light, as waves make it, on ground and cable alike."""
     height, width = levels.shape
-    side = max(height, width)
-    apart = np.ones((side, side), np.uint8)
-    middles = rng.integers(0, side, (round(20.0 * 20.0 ** rng.random()), 2))
-    apart[middles[:, 1], middles[:, 0]] = 0
-    _, mesh = cv2.distanceTransformWithLabels(
-        apart, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
+    _, mesh = nearest_of_any(round(20.0 * 20.0 ** rng.random()), max(height, width), rng)
     lines = ((mesh != np.roll(mesh, 1, 0)) | (mesh != np.roll(mesh, 1, 1))).astype(np.float32)
     lines = cv2.GaussianBlur(lines, (0, 0), rng.uniform(0.7, 4.0))
-    bends = 10.0 * rng.random() * rng.standard_normal((2, 8, 10), np.float32)
-    across, down = (
-        cv2.resize(each, (width, height), interpolation=cv2.INTER_CUBIC) for each in bends
-    )
+    across, down = bends(levels.shape, 10.0, (8, 10), rng)
     across += np.arange(width, dtype=np.float32)
     down += np.arange(height, dtype=np.float32)[:, None]
     net = cv2.remap(lines, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
 from cable_tracker.cable.measure.map.map_network import CELL
 from cable_tracker.cable.model.geometry import border_offset
@@ -81,8 +81,25 @@ def surface(pose: FloatArray, shape: tuple[int, ...]) -> Surface:
 
 def roughened(at: Surface, rng: np.random.Generator) -> Image:
     """Return the distance outwards [px] of the nearer border where borders are rough, or not."""
-    rough = cv2.resize(rng.standard_normal((40, 53), np.float32), at.outside.shape[::-1])
+    rough = coarse_noise(at.outside.shape, (40, 53), rng)
     return np.asarray(at.outside + np.float32(0.15 * at.width * rng.random() ** 2) * rough)
+
+
+def coarse_noise(
+    shape: tuple[int, ...], coarse: tuple[int, int], rng: np.random.Generator
+) -> Image:
+    """Return Gaussian noise of as many values as `coarse` says, interpolated to a shape (H, W)."""
+    return cv2.resize(rng.standard_normal(coarse, np.float32), shape[::-1])
+
+
+def nearest_of_any(count: int, side: int, rng: np.random.Generator) -> tuple[Image, IndexArray]:
+    """Return how far pixels (side, side) lie from the nearest of some points, and its number."""
+    apart = np.ones((side, side), np.uint8)
+    points = rng.integers(0, side, (count, 2))
+    apart[points[:, 1], points[:, 0]] = 0
+    return cv2.distanceTransformWithLabels(
+        apart, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    )
 
 
 def logistic(values: Image) -> Image:
