@@ -233,7 +233,9 @@ def _apply_shadow_losses(
     if config.is_known and is_dark:
         return  # The known cable is no shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
-    count = find_shadows(states, possible, sample.measured, config.shadows, sample.shadows)
+    count = find_shadows(
+        states, possible, sample.measured, sample.map_log_ratios, config.shadows, sample.shadows
+    )
     changed = fill_shadow_losses(
         states,
         sample.measured,

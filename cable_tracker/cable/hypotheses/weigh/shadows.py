@@ -7,7 +7,8 @@ is the cable, the outer border of the bright one is there by chance. So the dark
 likely of the two, by what the frame says for that outer border alone.
 
 Only what is brighter than the bottom beyond the dark strip casts it: the gap between two dark
-strips is as bright as the bottom.
+strips is as bright as the bottom. And where a map shows the dark strip and not the bright one, that
+much less speaks for a shadow: sand beside a wide pipe may have two borders of its own.
 
 The constants were chosen on the simulated worlds to tune on (`tune_*`).
 """
@@ -102,6 +103,7 @@ def find_shadows(
     states: FloatArray,
     possible: BoolArray,
     measured: CableMeasures,
+    map_log_ratios: FloatArray,
     rules: ShadowRules,
     shadows: Shadows,
 ) -> int:
@@ -115,6 +117,8 @@ def find_shadows(
         Whether each of them is a possible cable, shape (N,).
     measured : CableMeasures
         Their log-likelihood ratios; it may have more rows.
+    map_log_ratios : FloatArray
+        What the map says of them [nats]; it may have more rows.
     rules : ShadowRules
         Limits of what counts as a shadow.
     shadows : Shadows
@@ -130,9 +134,13 @@ def find_shadows(
             step = measured.outsides[strip, border] - measured.outsides[strip, 1 - border]
             if step < LEAST_STEP:
                 continue
-            ceiling = _ceiling_beside(states, possible, measured, rules, strip, border)
+            ceiling, map_ratio = _ceiling_beside(
+                states, possible, measured, map_log_ratios, rules, strip, border
+            )
             if ceiling == math.inf:
                 continue
+            # Where the map shows the dark strip and not the bright one, the bright one is no cable.
+            ceiling += max(map_log_ratios[strip] - map_ratio, 0.0)
             for column in range(POSE_SIZE):
                 shadows.poses[found, column] = states[strip, column]
             shadows.ceilings[found] = ceiling
@@ -174,19 +182,21 @@ def _ceiling_beside(
     states: FloatArray,
     possible: BoolArray,
     measured: CableMeasures,
+    map_log_ratios: FloatArray,
     rules: ShadowRules,
     strip: int,
     border: int,
-) -> float:
+) -> tuple[float, float]:
     """Return the highest ratio of a dark strip beside the likeliest bright one on its border.
 
-    Infinite if there is none, or if the outer border of that one says too little.
+    And what the map says of that one [nats]. The ratio is infinite if there is none, or if its
+    outer border says too little.
     """
     side = border_side(border)
     state = states[strip]
     angle = state[ANGLE] + side * state[SKEW]
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
-    most, outer = LEAST_RATIO, 0.0
+    most, outer, map_ratio = LEAST_RATIO, 0.0, 0.0
     for row in range(len(states)):
         ratio = measured.log_ratios[row, BRIGHT]
         if ratio <= most or not possible[row]:
@@ -195,8 +205,10 @@ def _ceiling_beside(
         shared, score = shared_border_score(states[row], angle, offset, -side, rules.unit)
         if score > LEAST_SHARED_SCORE:
             most, outer = ratio, measured.bright_border_log_ratios[row, 1 - shared]
+            map_ratio = map_log_ratios[row]
     speaks = outer - rules.evidence
-    return min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
+    ceiling = min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
+    return ceiling, map_ratio
 
 
 @compiled_loop

@@ -50,13 +50,17 @@ def rows(*states):
     return np.array([state.to_array() for state in states])
 
 
-def judged(image, states, rules=RULES, possible=None):
-    """Return the number of shadows, what each strip loses, and its ratios."""
+def judged(image, states, rules=RULES, possible=None, mapped=None):
+    """Return the number of shadows, what each strip loses, and its ratios.
+
+    `mapped`: what a map says of each strip [nats]; None: nothing.
+    """
     found = RATIO.measure(states, make_working_image(image, SIZE[0]))
     shadows, losses = empty_shadows(), np.full(len(states), np.nan)
     if possible is None:
         possible = np.ones(len(states), bool)
-    count = find_shadows(states, possible, found, rules, shadows)
+    mapped = np.zeros(len(states)) if mapped is None else np.array(mapped)
+    count = find_shadows(states, possible, found, mapped, rules, shadows)
     fill_shadow_losses(states, found, shadows, count, rules.unit, losses)
     return count, losses, found.log_ratios
 
@@ -112,6 +116,20 @@ def test_a_dark_cable_that_the_picture_cuts_off_is_no_shadow(picture):
     assert count == 0
 
 
+def test_what_the_map_shows_instead_of_the_bright_strip_loses_nothing(picture):
+    image, states = picture((CABLE, BRIGHTER), (SHADOW, DARKER)), rows(CABLE, SHADOW)
+    _, losses, _ = judged(image, states, mapped=[-40.0, 30.0])
+    assert (losses == 0.0).all()
+
+
+def test_a_map_that_shows_the_bright_strip_or_both_spares_no_shadow(picture):
+    image, states = picture((CABLE, BRIGHTER), (SHADOW, DARKER)), rows(CABLE, SHADOW)
+    _, unmapped, _ = judged(image, states)
+    for mapped in ([30.0, -40.0], [8.0, 8.0]):
+        _, losses, _ = judged(image, states, mapped=mapped)
+        np.testing.assert_array_equal(losses, unmapped)
+
+
 def test_nothing_is_a_shadow_where_no_evidence_is_enough(picture):
     image = picture((CABLE, BRIGHTER), (SHADOW, DARKER))
     count, _, _ = judged(image, rows(CABLE, SHADOW), RULES._replace(evidence=np.inf))
@@ -146,7 +164,7 @@ def test_half_turns_change_nothing(turned):
     both = []
     for each, said in ((states, found), (other, swapped)):
         shadows, losses = empty_shadows(), np.zeros(3)
-        count = find_shadows(each, np.ones(3, bool), said, RULES, shadows)
+        count = find_shadows(each, np.ones(3, bool), said, np.zeros(3), RULES, shadows)
         fill_shadow_losses(each, said, shadows, count, 1.0, losses)
         both.append((count, losses))
     assert both[0][0] == both[1][0] == 1
