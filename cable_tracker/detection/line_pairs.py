@@ -98,10 +98,10 @@ def plausible_pairs(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the cables between lines whose normals are nearly opposite, and their scores.
 
-    Borders that cross inside the picture are none of one cable. The score is the geometric mean of
-    the supports: one strong edge does not make a cable. A pair is only the gap between two strips
-    where both its lines have a partner on their outer side, nearer than the pair is wide: its score
-    is multiplied by `GAP_FACTOR`.
+    Borders that cross inside the picture are none of one cable, see `borders_cross_inside`. The
+    score is the geometric mean of the supports: one strong edge does not make a cable. A pair is
+    only the gap between two strips where both its lines have a partner on their outer side, nearer
+    than the pair is wide: its score is multiplied by `GAP_FACTOR`.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.model.geometry import (
     Borders,
+    borders_cross_inside,
     foot_point,
     lengths_inside,
     points_on_lines,
@@ -240,3 +241,44 @@ def test_an_estimate_that_is_turned_round_has_its_covariances_turned_too(turns, 
     np.testing.assert_allclose(wrapped[:4], [sign * 20.0, 0.3, 30.0, sign * 0.1])
     assert covariance[0, 1] == sign
     assert covariance[0, 3] == covariance[1, 2] == 1.0
+
+
+def tapering(length: float, skew: float, angle: float = 0.0, distance: float = 0.0) -> np.ndarray:
+    """A pose whose borders meet so far up the centreline [px], and turn by a skew [deg]."""
+    width = 2.0 * length * math.tan(math.radians(skew))
+    return np.array([distance, angle, width, math.radians(skew)])
+
+
+def test_parallel_borders_and_those_that_meet_outside_the_picture_are_of_a_cable():
+    assert not borders_cross_inside(np.array([0.0, 0.0, 20.0, 0.0]), SIZE)
+    assert not borders_cross_inside(tapering(121.0, 20.0), SIZE)
+
+
+def test_borders_that_meet_well_inside_the_picture_are_of_no_cable():
+    assert borders_cross_inside(tapering(80.0, 3.0), SIZE)
+
+
+def test_a_cable_may_vanish_towards_an_edge_of_the_picture():
+    # The picture is 240 px high: tips up to 36 px from its edge are near enough.
+    assert not borders_cross_inside(tapering(86.0, 3.0), SIZE)
+    assert not borders_cross_inside(tapering(114.0, 3.0, angle=math.pi / 2), SIZE)
+
+
+def test_a_wide_wedge_and_one_in_a_corner_are_no_cables_that_vanish():
+    assert borders_cross_inside(tapering(86.0, 8.0), SIZE)
+    assert borders_cross_inside(tapering(40.0, 3.0, distance=140.0), SIZE)
+
+
+@given(
+    skew=st.floats(1.0, 20.0),
+    length=st.floats(10.0, 250.0),
+    angle=ANGLES,
+    distance=st.floats(-100.0, 100.0),
+)
+def test_a_half_turn_does_not_change_whether_borders_meet_inside(skew, length, angle, distance):
+    pose = tapering(length, skew, angle, distance)
+    turned = pose * [-1.0, 1.0, 1.0, -1.0] + [0.0, np.pi, 0.0, 0.0]
+    found = borders_cross_inside(pose, SIZE)
+    # Where a tip lies on a limit, rounding decides.
+    near = borders_cross_inside(pose, (319.9, 239.9)) != borders_cross_inside(pose, (320.1, 240.1))
+    assert near or borders_cross_inside(turned, SIZE) == found
