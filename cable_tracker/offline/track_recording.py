@@ -24,11 +24,11 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.messages.cable_messages import cable_messages, messages_without_cable
-from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.overlay import draw_estimate
 
 TRUTH = "truth"

@@ -31,7 +31,7 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.target_overlay import draw_target
 
 

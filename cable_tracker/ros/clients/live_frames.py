@@ -17,13 +17,11 @@ from cable_tracker.ros.messages.announced_topics import cable_topics, target_top
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages.cable import read_sigma, read_state
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
-from cable_tracker.sequences.messages.target_particles import read_target_particles
+from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES, read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.topics import Topic, image_topics
+from cable_tracker.sequences.bags.bag_storage import Topic, image_topics
 from cable_tracker.sequences.node_topics import NodeTopic
 
 NO_TOPIC = "none"

@@ -1,13 +1,13 @@
 import pytest
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bags.bag_storage import Topic
 from cable_tracker.sequences.bags.instruments import (
     NO_TOPIC,
     Instrument,
     InstrumentChoice,
     find_instruments,
 )
-from cable_tracker.sequences.bags.topics import Topic
 
 RANGE, INFO, ODOMETRY = (
     "sensor_msgs/msg/Range",
