@@ -5,7 +5,7 @@ Nodes know it too, which read no bags: what unpacks bags and videos takes long t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -55,7 +55,7 @@ class Topic:
     count: int
 
 
-def image_topics(topics: dict[str, Topic]) -> dict[str, Topic]:
+def image_topics(topics: Mapping[str, Topic]) -> dict[str, Topic]:
     """Return the topics that hold images or a stream of video."""
     return {name: t for name, t in topics.items() if t.msgtype in IMAGE_TYPES}
 

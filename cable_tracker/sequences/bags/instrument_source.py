@@ -90,7 +90,7 @@ class InstrumentSource:
         self._is_ros1 = is_ros1(path)
         self._storage = storage
         try:
-            self.found = find_instruments(storage, image_topic, choice or InstrumentChoice())
+            self.found = find_instruments(storage.topics, image_topic, choice or InstrumentChoice())
         except RecordingError as error:
             raise RecordingError(f"{path}: {error}") from error
         self._unreadable: dict[str, _Unreadable] = {}
