@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
-from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.machine import origin_note
 from cable_tracker.commands.console.terminal import advance, print_files, print_table, progress_bar
 from cable_tracker.commands.options.campaigns import (
     MEMORY,
@@ -82,7 +81,7 @@ def experiment(  # noqa: PLR0917
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
     chosen = _with_rows(_make_experiment(name, seeds_from(seeds, first_seed), frames), row)
     path = output if output is not None else Path(f"experiment_{name}")
-    note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+    note = origin_note()
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     with campaign_folder(
         path, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=_is_of_experiment
