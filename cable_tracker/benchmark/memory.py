@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import resource
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -58,18 +57,16 @@ def resident_bytes() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * KIB
 
 
-def measure_memory(
-    name: str, shown: Footage, frames: int, advance: Callable[[int], None] = lambda count: None
-) -> MemoryUse:
+def measure_memory(name: str, shown: Footage, frames: int) -> MemoryUse:
     """Track some frames with a preset, at least a few dozen, and watch the memory."""
     loop = FrameLoop(ConfiguredFilter(name, preset(name)).make(0), shown)
     warm_up = min(int(WARM_UP_SHARE * frames), LONGEST_WARM_UP)
-    _run(loop, warm_up, advance)
+    _run(loop, warm_up)
     left = frames - warm_up
     stops = np.unique(np.linspace(0, left, SAMPLES + 1).astype(int))
     samples = [resident_bytes()]
     for before, after in pairwise(stops):
-        _run(loop, int(after - before), advance)
+        _run(loop, int(after - before))
         samples.append(resident_bytes())
     sizes = np.array(samples, np.float64)
     quarter = max(len(sizes) // 4, 1)
@@ -94,7 +91,6 @@ def _measure_alone(name: str, footage_frames: int, frames: int) -> MemoryUse:
         return measure_memory(name, footage(footage_frames, RENDERED_SIZE), frames)
 
 
-def _run(loop: FrameLoop, frames: int, advance: Callable[[int], None]) -> None:
+def _run(loop: FrameLoop, frames: int) -> None:
     for _ in range(frames):
         loop()
-    advance(frames)

@@ -109,7 +109,6 @@ def evolve_by_ratio(
     log_ratio: NDArray[np.float32],
     start: BoolArray,
     settings: ContourSettings,
-    recorded: int = 0,
 ) -> Contour:
     """Separate what is likelier target from what is likelier background.
 
@@ -118,7 +117,7 @@ def evolve_by_ratio(
     log_ratio : array
         log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior where
         there is one (`shape_prior.log_odds`); shape (H, W), float32.
-    start, settings, recorded
+    start, settings
         As for `evolve_by_means`.
 
     Raises
@@ -126,7 +125,7 @@ def evolve_by_ratio(
     FrameError
         As there.
     """
-    return _evolve(log_ratio, start, settings, by_means=False, recorded=recorded)
+    return _evolve(log_ratio, start, settings, by_means=False)
 
 
 def _evolve(
@@ -135,7 +134,7 @@ def _evolve(
     settings: ContourSettings,
     *,
     by_means: bool,
-    recorded: int,
+    recorded: int = 0,
 ) -> Contour:
     if data.ndim != 2 or data.shape != start.shape:
         raise FrameError(f"a contour of shape {start.shape} cannot evolve on data {data.shape}")

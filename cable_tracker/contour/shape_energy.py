@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.chain_code import chain_code
-from cable_tracker.contour.features import segment_histograms
+from cable_tracker.contour.chain_code import chain_code, segment_histograms
 from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
 
@@ -38,7 +37,7 @@ def histogram_energy(first: FloatArray, second: FloatArray) -> float:
     Parameters
     ----------
     first, second : FloatArray
-        Histograms of `features.segment_histograms`, shape (segments, 8).
+        Histograms of `segment_histograms`, shape (segments, 8).
     """
     count = max(len(first), len(second))
     padded = [np.vstack((rows, np.zeros((count - len(rows), 8)))) for rows in (first, second)]

@@ -11,7 +11,7 @@ from cable_tracker.cable.model.state import POSE_COMPONENTS
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics
 from cable_tracker.evaluation.metrics.initialisation import StartOutcome
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics
-from cable_tracker.evaluation.spread import Spread, spread_of
+from cable_tracker.evaluation.sample_statistics import Spread, spread_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, m
 from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
 from cable_tracker.evaluation.metrics.redetection import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.runs import RunResult
-from cable_tracker.evaluation.spread import Spread
+from cable_tracker.evaluation.sample_statistics import Spread
 from cable_tracker.evaluation.tables import (
     CSV_FILES,
     chosen,

@@ -1,9 +1,10 @@
-"""Figures of samples that may be empty: NaN then, without a warning."""
+"""Figures of samples, and spreads over runs, that may be empty: NaN then, without a warning."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -31,3 +32,42 @@ def root_mean_square(values: FloatArray) -> float:
 def percentile_of_size(values: FloatArray, percent: float) -> float:
     """Return a percentile, 0 to 100, of the absolute values of a sample, shape (N,)."""
     return float(np.percentile(np.abs(values), percent)) if len(values) else math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """A number over several runs.
+
+    Attributes
+    ----------
+    count : int
+        Runs in which it is defined; the others are left out.
+    mean, median, minimum, maximum : float
+        NaN over no runs.
+    standard_error : float
+        Standard error of the mean; NaN below two runs.
+    """
+
+    count: int
+    mean: float
+    median: float
+    minimum: float
+    maximum: float
+    standard_error: float
+
+
+def spread_of(values: Iterable[float]) -> Spread:
+    """Summarise a number over runs; NaN is left out."""
+    known = np.array([value for value in values if not math.isnan(value)])
+    if not len(known):
+        return Spread(0, math.nan, math.nan, math.nan, math.nan, math.nan)
+    finite = len(known) > 1 and bool(np.isfinite(known).all())
+    error = float(known.std(ddof=1) / math.sqrt(len(known))) if finite else math.nan
+    return Spread(
+        count=len(known),
+        mean=float(known.mean()),
+        median=float(np.median(known)),
+        minimum=float(known.min()),
+        maximum=float(known.max()),
+        standard_error=error,
+    )

@@ -11,8 +11,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED, TrackingStatus
 
 TRACKING = TrackingStatus.TRACKING.value
 NEAR_LIMIT = 1.1

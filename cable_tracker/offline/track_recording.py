@@ -18,17 +18,17 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages, report_metres, row_metres
 from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.convert import write_truth
+from cable_tracker.sequences.bags.frame_messages import FrameMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.messages.cable_messages import cable_messages, messages_without_cable
-from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.overlay import draw_estimate
 
 TRUTH = "truth"
@@ -183,7 +183,9 @@ def _track_frame(
         estimate, ms, known = track_picture(frame, grey, tracker, metres)
     except FrameError as error:
         if output is not None:
-            output.write(messages_without_cable(output.factory, output.header, REFUSED, str(error)))
+            output.write_all(
+                messages_without_cable(output.factory, output.header, REFUSED, str(error))
+            )
         results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     assert tracker.particles is not None
@@ -192,11 +194,11 @@ def _track_frame(
         factory, header = output.factory, output.header
         facts = {} if known is None else report_metres(known)
         particles = tracker.particles
-        output.write(
+        output.write_all(
             cable_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
         )
         output.write_overlay(node_topics.OVERLAY, draw_estimate(grey, estimate, cloud))
         if metres is not None and isinstance(known, CrossTrack):
-            output.write(cross_track_messages(factory, header, metres.base_frame, known))
+            output.write_all(cross_track_messages(factory, header, metres.base_frame, known))
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])

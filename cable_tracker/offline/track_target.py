@@ -11,7 +11,6 @@ from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.metric.targets.target_metres import TargetMetres
-from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import (
     TargetRow,
@@ -20,6 +19,7 @@ from cable_tracker.offline.target_table import (
     row_of,
 )
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.frame_messages import FrameMessages
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.target_messages import (
@@ -31,7 +31,7 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.target_overlay import draw_target
 
 
@@ -112,7 +112,7 @@ def _follow(
         estimate, ms, metres = follow_picture(frame, image, tracker, sight)
     except FrameError as error:
         if output is not None:
-            output.write(
+            output.write_all(
                 messages_without_target(output.factory, output.header, REFUSED, str(error))
             )
         if sight is not None:
@@ -128,11 +128,11 @@ def _follow(
         facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))
         if output is not None:
-            output.write(
+            output.write_all(
                 relative_messages(output.factory, output.header, sight.base_frame, metres, place)
             )
     if output is not None:
-        output.write(
+        output.write_all(
             target_messages(
                 output.factory, output.header, estimate, particles, ms=ms, metres=lambda: facts
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Protocol
+from typing import Final, Protocol
 
 LARGEST_STEP = 0.5
 """Share of the loss time that one frame counts for at most: however slow the camera, one frame does
@@ -23,6 +23,18 @@ class TrackingStatus(str, Enum):
 
     LOST = "LOST"
     """There was a target, and the image does not support it any more."""
+
+
+# Statuses of a node that are no belief of its tracker.
+
+REFUSED: Final = "REFUSED"
+"""The frame could not be used."""
+
+WARMING_UP: Final = "WARMING UP"
+"""Its functions are being compiled; frames that come are not used."""
+
+DISABLED: Final = "DISABLED"
+"""The user has switched it off."""
 
 
 class StatusTimes(Protocol):

@@ -24,8 +24,7 @@ from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableSta
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED, TrackingStatus
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
 
 LARGEST_COUNT = 10_000

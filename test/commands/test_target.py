@@ -86,7 +86,7 @@ def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeyp
     def encode_jpeg(picture):
         raise AssertionError("no picture is encoded where no bag is wanted")
 
-    monkeypatch.setattr("cable_tracker.offline.frame_messages.encode_jpeg", encode_jpeg)
+    monkeypatch.setattr("cable_tracker.sequences.bags.frame_messages.encode_jpeg", encode_jpeg)
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--no-bag", "--output", tmp_path / "out")
     assert result.exit_code == 0, result.output

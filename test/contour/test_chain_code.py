@@ -4,7 +4,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.contour.chain_code import chain_code
+from cable_tracker.contour.chain_code import (
+    chain_code,
+    feature_points,
+    segment_histograms,
+    turns,
+)
 from cable_tracker.errors import FrameError
 
 COLUMN_STEPS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
@@ -54,3 +59,19 @@ def test_the_chain_closes_and_visits_what_the_surroundings_touch(seed):
 def test_an_empty_mask_is_refused():
     with pytest.raises(FrameError, match="no outline"):
         chain_code(np.zeros((4, 4), bool))
+
+
+def test_feature_points_are_those_of_table_3():
+    orientations = np.array([0, 1, 2, 3, 3, 3, 3, 4, 4, 5, 7, 7, 6, 7, 0, 7, 0])
+    assert feature_points(orientations) == [0, 8]
+
+
+def test_turns_go_the_short_way():
+    assert turns(np.array([7, 0, 7, 3, 4, 1])).tolist() == [1, -1, 4, 1, -3]
+
+
+def test_segments_share_the_chain_between_them():
+    orientations = np.array([0, 1, 2, 3, 3, 3, 3, 4, 4, 5, 7, 7, 6, 7, 0, 7, 0])
+    histograms = segment_histograms(orientations)
+    assert histograms[0] == pytest.approx(np.array([1, 1, 1, 4, 1, 0, 0, 0]) / 8)
+    assert histograms.sum(axis=1) == pytest.approx([1.0, 1.0])

@@ -16,7 +16,7 @@ from cable_tracker.evaluation.report import (
     summary_table,
     write_report,
 )
-from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.sample_statistics import spread_of
 from cable_tracker.evaluation.tables import CSV_FILES
 
 HEADER = ReportHeader("Title <1>", "cable-tracker evaluate --x '<y>'", "a machine", "2026-01-02")

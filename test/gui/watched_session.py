@@ -3,7 +3,7 @@
 import math
 import threading
 
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 TIMEOUT = 300.0
 """Longest wait for what a session is to say, on a busy machine, compiling included [s]."""

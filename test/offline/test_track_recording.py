@@ -17,8 +17,7 @@ from cable_tracker.offline.track_recording import (
     given_state_for,
     track_recording,
 )
-from cable_tracker.sequences.messages.cable import read_sigma, read_state
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.tables.estimates import read_estimates
 

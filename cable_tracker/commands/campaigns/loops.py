@@ -147,8 +147,8 @@ def run_loops(
     folder: Path,
     cluster: ClusterSettings,
     *,
-    resume: bool = False,
-    advance: Callable[[], None] = lambda: None,
+    resume: bool,
+    advance: Callable[[], None],
 ) -> list[LoopOutcome]:
     """Run everything; a run that fails is an outcome like any other.
 

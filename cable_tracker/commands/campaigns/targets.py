@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import date
 from fnmatch import filter as matching
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import cv2
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.machine import origin_note
 from cable_tracker.commands.console.terminal import (
     advance,
     console,
@@ -119,7 +118,7 @@ def evaluate_targets(
                 campaign.tasks(), workers=settings, advance=lambda count: advance(progress, count)
             )
         results = [each for part in parts for each in part]
-        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
+        note = f"{origin_note()} {missing}".rstrip()
         # Names of recordings need not be UTF-8; the table is, in its file and where it is printed.
         table = markdown_table(results, campaign.methods, note).encode(errors="replace").decode()
         write_figures(folder / FIGURES_CSV, results)

@@ -6,6 +6,7 @@ import os
 import platform
 import shlex
 import sys
+from datetime import date
 from pathlib import Path
 
 import cv2
@@ -28,6 +29,11 @@ def machine() -> str:
         f" cable_tracker {__version__}, Python {platform.python_version()}, NumPy {np.__version__},"
         f" OpenCV {cv2.__version__}"
     )
+
+
+def origin_note() -> str:
+    """Say in Markdown with which command, when and on which machine a report was made."""
+    return f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
 
 
 def _processor() -> str:

@@ -11,7 +11,7 @@ from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 
 MOST_EVENTS = 5
 """Events of frames that are told one by one."""

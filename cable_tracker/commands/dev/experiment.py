@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
-from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.machine import origin_note
 from cable_tracker.commands.console.terminal import advance, print_files, print_table, progress_bar
 from cable_tracker.commands.options.campaigns import (
     MEMORY,
@@ -26,19 +25,18 @@ from cable_tracker.commands.options.campaigns import (
 )
 from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment, ColdAblationExperiment
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
-from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
+from cable_tracker.evaluation.experiments.catalogue import (
+    EXPERIMENTS,
+    FILES,
+    WITH_LIMIT,
+    Experiment,
+)
 from cable_tracker.evaluation.experiments.experiment_result import (
     TABLE_MARKDOWN,
     ExperimentResult,
     write_experiment,
-)
-from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
-from cable_tracker.evaluation.experiments.thesis_experiments import (
-    EXPERIMENTS,
-    FILES,
-    Experiment,
 )
 
 
@@ -81,10 +79,9 @@ def experiment(  # noqa: PLR0917
     """
     if name not in EXPERIMENTS:
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
-    chosen = _with_rows(EXPERIMENTS[name](seeds_from(seeds, first_seed)), row)
-    chosen = _with_frames(chosen, frames)
+    chosen = _with_rows(_make_experiment(name, seeds_from(seeds, first_seed), frames), row)
     path = output if output is not None else Path(f"experiment_{name}")
-    note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+    note = origin_note()
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     with campaign_folder(
         path, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=_is_of_experiment
@@ -101,25 +98,25 @@ def _is_of_experiment(name: str) -> bool:
     return name == STORE or name in FILES
 
 
-def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
-    if not rows:
-        return chosen
-    if not isinstance(chosen, AblationExperiment | ColdAblationExperiment):
-        raise ParameterError(
-            "--row chooses what the experiments ablation and ablation_cold run; leave it out"
-        )
-    return replace(chosen, rows=tuple(rows))
-
-
-def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
+def _make_experiment(name: str, seeds: tuple[int, ...], frames: int | None) -> Experiment:
     if frames is None:
-        return chosen
-    if not isinstance(chosen, ColdAblationExperiment | RocExperiment | CoverageExperiment):
+        return EXPERIMENTS[name](seeds)
+    if name not in WITH_LIMIT:
         raise ParameterError(
             "--frames cuts the dives of the experiments ablation_cold, roc and coverage; leave it"
             " out"
         )
-    return replace(chosen, limit=frames)
+    return WITH_LIMIT[name](seeds, frames)
+
+
+def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
+    if not rows:
+        return chosen
+    if not isinstance(chosen, AblationExperiment):
+        raise ParameterError(
+            "--row chooses what the experiments ablation and ablation_cold run; leave it out"
+        )
+    return replace(chosen, rows=tuple(rows))
 
 
 def _print(result: ExperimentResult) -> None:

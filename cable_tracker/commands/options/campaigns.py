@@ -92,7 +92,7 @@ def _note(text: str) -> None:
     messages.print(f"note: {text}", soft_wrap=True)
 
 
-def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
+def seeds_from(count: int, first: int) -> tuple[int, ...]:
     """Return a count of seeds from a first one upwards.
 
     Raises

@@ -41,6 +41,9 @@ SAND = "0.85"
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 
+PANEL_SIZE = (320, 360)
+"""Width and height of the map [px]."""
+
 MAP_REACH = 4.0
 """Distance that the map shows to each side of the vehicle [m]."""
 
@@ -141,22 +144,19 @@ class MapPanel:
     ----------
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    size : (int, int)
-        Width and height of the panel [px].
+    burial : Burial or None
+        Where sand lies on it.
     """
 
-    def __init__(
-        self, course: FloatArray, burial: Burial | None, size: tuple[int, int] = (320, 360)
-    ) -> None:
+    def __init__(self, course: FloatArray, burial: Burial | None) -> None:
         self._course = course
         self._burial = burial
-        self._size = size
         self._way: list[tuple[float, float]] = []
 
     def draw(self, place: tuple[float, float], yaw: float, words: Sequence[str]) -> Image:
         """Draw the vehicle at x, y [m] with lines of text; (H, W, 3), blue-green-red, uint8."""
         self._way.append(place)
-        width, height = self._size
+        width, height = PANEL_SIZE
         canvas: Image = np.full((height, width, 3), 40, dtype=np.uint8)
         centre = np.array(place)
         under = self._course[:, :2]
@@ -185,7 +185,7 @@ class MapPanel:
 
     def _pixels(self, points: FloatArray, centre: FloatArray) -> Image:
         """Put x up and y to the left, the vehicle in the middle."""
-        width, height = self._size
+        width, height = PANEL_SIZE
         scale = width / (2 * MAP_REACH)
         relative = np.clip(points - centre, -100.0, 100.0)
         columns = width / 2 - relative[:, 1] * scale

@@ -30,7 +30,7 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
-from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.sample_statistics import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of
 from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.split import Split
@@ -113,40 +113,15 @@ class AblationExperiment(CampaignExperiment):
         )
 
 
-@dataclass(frozen=True, slots=True)
-class ColdAblationExperiment(CampaignExperiment):
-    """The ablation on the worlds to report on, from cold starts.
+def cold_ablation(seeds: tuple[int, ...], limit: int | None = None) -> AblationExperiment:
+    """Return the ablation on the worlds to report on, from cold starts, with one part changed.
 
     There the parts earn their keep that find a cable; a start from the truth does not ask for them.
-
-    Attributes
-    ----------
-    seeds : tuple of int
-        Each makes another dive through each world.
-    rows : tuple of str
-        Rows to run, keys of `ROW_NAMES`.
-    limit : int or None
-        Number of frames used of each world; None: all.
+    `limit`: number of frames used of each world; None: all.
     """
-
-    seeds: tuple[int, ...]
-    rows: tuple[str, ...] = tuple(row.name for row in TAKEN_AWAY.rows)
-    limit: int | None = None
-
-    def __post_init__(self) -> None:
-        check_row_names(self.rows)
-
-    def campaign(self) -> Campaign:
-        """Return what is run."""
-        return self._ablation().campaign()
-
-    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
-        """Put the runs into tables."""
-        return self._ablation().result_of(results)
-
-    def _ablation(self) -> AblationExperiment:
-        sequences, notes = available_worlds(worlds_of(Split.REPORT), self.limit)
-        return AblationExperiment(self.seeds, self.rows, sequences, Start.RANDOM, notes)
+    rows = tuple(row.name for row in TAKEN_AWAY.rows)
+    worlds, notes = available_worlds(worlds_of(Split.REPORT), limit)
+    return AblationExperiment(seeds, rows, worlds, Start.RANDOM, notes)
 
 
 def _headings(sequences: Sequence[str]) -> tuple[str, ...]:

@@ -75,19 +75,6 @@ class SequenceGroup:
     notes: tuple[str, ...] = ()
 
 
-def reported_groups(limit: int | None = None) -> tuple[SequenceGroup, ...]:
-    """Return the worlds to report on that have a cable, and S1 to S6.
-
-    `limit`: number of frames used of each.
-    """
-    with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
-    worlds, notes = available_worlds(with_cable, limit)
-    return (
-        SequenceGroup("all `report_*` with a cable", worlds, notes),
-        SequenceGroup("S1 to S6", simulated_sequences(THESIS_SEQUENCES, limit)),
-    )
-
-
 @dataclass(frozen=True, slots=True)
 class CoverageExperiment(CampaignExperiment):
     """Follow cables with the preset `default` from the true beginning.
@@ -96,28 +83,22 @@ class CoverageExperiment(CampaignExperiment):
     ----------
     seeds : tuple of int
         Seeds; each makes another dive of every sequence.
-    groups : tuple of SequenceGroup or None
-        Sequences to follow; None: `reported_groups`.
-    limit : int or None
-        Number of frames used of each of these; None: all.
+    groups : tuple of SequenceGroup
+        Sequences to follow.
     """
 
     seeds: tuple[int, ...]
-    groups: tuple[SequenceGroup, ...] | None = None
-    limit: int | None = None
-
-    def _available(self) -> tuple[SequenceGroup, ...]:
-        return reported_groups(self.limit) if self.groups is None else self.groups
+    groups: tuple[SequenceGroup, ...]
 
     def campaign(self) -> Campaign:
         """Return what is run."""
-        sequences = tuple(each for group in self._available() for each in group.sequences)
+        sequences = tuple(each for group in self.groups for each in group.sequences)
         return Campaign((METHOD,), sequences, self.seeds, Start.TRUTH)
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
-        rows = [row for group in self._available() for row in _rows_of(group, results)]
-        notes = tuple(note for group in self._available() for note in group.notes)
+        rows = [row for group in self.groups for row in _rows_of(group, results)]
+        notes = tuple(note for group in self.groups for note in group.notes)
         shares = tuple((name, *coverage_cells(traces)) for name, traces in rows)
         factors = tuple(
             (name, *(format_number(float(each), "") for each in sigma_factors(traces, PROBABILITY)))
@@ -138,6 +119,20 @@ class CoverageExperiment(CampaignExperiment):
                 ),
             ),
         )
+
+
+def reported_coverage(seeds: tuple[int, ...], limit: int | None = None) -> CoverageExperiment:
+    """Return the experiment on the worlds to report on that have a cable, and on S1 to S6.
+
+    `limit`: number of frames used of each; None: all.
+    """
+    with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
+    worlds, notes = available_worlds(with_cable, limit)
+    groups = (
+        SequenceGroup("all `report_*` with a cable", worlds, notes),
+        SequenceGroup("S1 to S6", simulated_sequences(THESIS_SEQUENCES, limit)),
+    )
+    return CoverageExperiment(seeds, groups)
 
 
 def _rows_of(

@@ -26,8 +26,12 @@ from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
-from cable_tracker.evaluation.sample_statistics import mean, percentile_of_size, root_mean_square
-from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.sample_statistics import (
+    mean,
+    percentile_of_size,
+    root_mean_square,
+    spread_of,
+)
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 

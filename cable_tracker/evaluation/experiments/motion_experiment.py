@@ -15,7 +15,7 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
-from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.sample_statistics import spread_of
 
 MOTION_SEQUENCES = ("S1", "S2", "S6")
 METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")

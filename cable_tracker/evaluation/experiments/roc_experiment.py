@@ -94,25 +94,20 @@ class RocExperiment(CampaignExperiment):
     ----------
     seeds : tuple of int
         Seeds; each makes another dive through each world.
-    sequences : tuple of EvaluationSequence or None
-        Sequences to follow; None: the worlds to report on.
-    limit : int or None
-        Number of frames used of each of these; None: all.
+    sequences : tuple of EvaluationSequence
+        Sequences to follow.
+    notes : tuple of str
+        Remarks on the sequences, below the table.
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[EvaluationSequence, ...] | None = None
-    limit: int | None = None
-
-    def _available(self) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
-        if self.sequences is not None:
-            return self.sequences, ()
-        return available_worlds(worlds_of(Split.REPORT), self.limit)
+    sequences: tuple[EvaluationSequence, ...]
+    notes: tuple[str, ...] = ()
 
     def campaign(self) -> Campaign:
         """Return what is run."""
         filters = tuple(threshold.filter() for threshold in THRESHOLDS)
-        return Campaign((), self._available()[0], self.seeds, Start.RANDOM, filters=filters)
+        return Campaign((), self.sequences, self.seeds, Start.RANDOM, filters=filters)
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
@@ -129,12 +124,17 @@ class RocExperiment(CampaignExperiment):
             gain="useful [%]",
             prices=("wrongly claimed [%]", "claimed without a cable [%]"),
         )
-        notes = (SHARES_NOTE, NOTE, *self._available()[1])
+        notes = (SHARES_NOTE, NOTE, *self.notes)
         return ExperimentResult(
             "Useful frames against wrongly claimed ones over the thresholds, from cold starts",
             (ResultTable(HEADINGS, tuple(rows), notes=notes),),
             (FigureFile("roc.png", as_png(figure)),),
         )
+
+
+def reported_roc(seeds: tuple[int, ...], limit: int | None = None) -> RocExperiment:
+    """Return the experiment on the worlds to report on; `limit`: frames used of each, None: all."""
+    return RocExperiment(seeds, *available_worlds(worlds_of(Split.REPORT), limit))
 
 
 def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:

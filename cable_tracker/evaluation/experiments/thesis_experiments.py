@@ -1,18 +1,16 @@
-"""The experiments of Wirth's thesis, section 5.2, on the simulated sequences, and all by name."""
+"""The experiments of Wirth's thesis, section 5.2, on the simulated sequences."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.gradients.scan_filters import REACH
-from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
@@ -21,25 +19,12 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     simulated_sequences,
 )
-from cable_tracker.evaluation.experiments.ablation import (
-    AblationExperiment,
-    ColdAblationExperiment,
-)
-from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
-    TABLE_CSV,
-    TABLE_MARKDOWN,
     ExperimentResult,
     FigureFile,
     ResultTable,
 )
-from cable_tracker.evaluation.experiments.metres_experiment import TABLES as METRES_TABLES
-from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
-from cable_tracker.evaluation.experiments.motion_experiment import MotionExperiment
-from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
-from cable_tracker.evaluation.experiments.strips_experiment import StripsExperiment
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
@@ -71,18 +56,6 @@ CLEAR_VISIBILITY = 0.6
 """A start is clear if on average so large a share of the borders can be seen."""
 
 Advance = Callable[[int], None]
-
-
-class Experiment(Protocol):
-    """An experiment that is ready to be run."""
-
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through; None if that is not known."""
-        ...
-
-    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
-        """Run it; `advance` is told now and then how many more frames are done."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,38 +297,3 @@ def _speed_row(setting: _SpeedSetting, results: Sequence[RunResult]) -> tuple[st
     metrics = ("ms", "ms_p95", "lost", "rmse_d")
     numbers = (format_number(_mean(m, results), METRICS_BY_NAME[m].unit) for m in metrics)
     return str(setting.particles), str(setting.taps), *numbers
-
-
-EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProxyType(
-    {
-        "sequences": SequenceExperiment,
-        "reinitialisation": ReinitialisationExperiment,
-        "speed": SpeedExperiment,
-        "ablation": AblationExperiment,
-        "ablation_cold": ColdAblationExperiment,
-        "metres": MetresExperiment,
-        "motion": MotionExperiment,
-        "roc": RocExperiment,
-        "strips": StripsExperiment,
-        "coverage": CoverageExperiment,
-    }
-)
-"""Functions that make an experiment from its seeds, by the name on the command line."""
-
-FILES = frozenset(
-    {
-        TABLE_MARKDOWN,
-        TABLE_CSV,
-        *(f"sequence_{name}.png" for name in THESIS_SEQUENCES),
-        "clear_starts.csv",
-        "reinitialisation.png",
-        "speed.png",
-        *(table.file_name for table in ABLATION_TABLES),
-        *(file_name for _, file_name in METRES_TABLES.values()),
-        *(f"{name}.csv" for name in PRESETS),
-        "roc.png",
-        "coverage.csv",
-        "factors.csv",
-    }
-)
-"""Names of all files that experiments write."""

@@ -12,7 +12,7 @@ from cable_tracker.gui.session.snapshot import AnySnapshot
 from cable_tracker.gui.session.tracker_memory import TrackerMemory
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
+from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
 
 LONGEST_RUN = 25
 """Largest number of frames that are tracked on the way to one a little further on."""

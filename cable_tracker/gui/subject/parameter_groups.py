@@ -123,9 +123,7 @@ OTHERS = "Node"
 """Title of the group of those that only a node has."""
 
 
-def grouped(
-    table: Sequence[ParameterSpec], titles: Groups = CABLE_GROUPS
-) -> dict[str, list[ParameterSpec]]:
+def grouped(table: Sequence[ParameterSpec], titles: Groups) -> dict[str, list[ParameterSpec]]:
     """Put the parameters of a table into groups by their titles; each is in one of them."""
     by_name = {spec.name: spec for spec in table}
     groups = {

@@ -10,8 +10,8 @@ import yaml
 
 from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
-from cable_tracker.gui.subject.parameter_groups import CABLE_GROUPS, Groups, grouped
-from cable_tracker.gui.subject.subject import CABLE, Subject
+from cable_tracker.gui.subject.parameter_groups import Groups, grouped
+from cable_tracker.gui.subject.subject import Subject
 from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
@@ -49,9 +49,7 @@ def values_for_page(values: Mapping[str, ParameterValue]) -> dict[str, Parameter
     }
 
 
-def groups_for_page(
-    table: Sequence[ParameterSpec], titles: Groups = CABLE_GROUPS
-) -> list[dict[str, object]]:
+def groups_for_page(table: Sequence[ParameterSpec], titles: Groups) -> list[dict[str, object]]:
     """Return the groups as the browser's half of the panel wants them."""
     return [
         {
@@ -72,17 +70,13 @@ def groups_for_page(
     ]
 
 
-def parameter_text(
-    values: Mapping[str, ParameterValue], source: str, subject: Subject = CABLE
-) -> str:
+def parameter_text(values: Mapping[str, ParameterValue], source: str, subject: Subject) -> str:
     """Return the file that the node reads, with all that it can change while it runs."""
     known = [spec for spec in subject.session_table(is_live=True) if spec.name in values]
     return format_values(known, values, f"Tuned on {printable(source)}.")
 
 
-def values_from_text(
-    text: str | None, name: str, subject: Subject = CABLE
-) -> dict[str, ParameterValue]:
+def values_from_text(text: str | None, name: str, subject: Subject) -> dict[str, ParameterValue]:
     """Read a file as `cable-tracker track --params` and `target --params` do.
 
     Parameters
@@ -125,9 +119,7 @@ class ExistingFileError(GuiError):
     """A file lies there already; it is changed or replaced only if the user says so."""
 
 
-def write_parameter_file(
-    path: Path, text: str, subject: Subject = CABLE, *, overwrite: bool
-) -> None:
+def write_parameter_file(path: Path, text: str, subject: Subject, *, overwrite: bool) -> None:
     """Write the file, as a whole or not at all.
 
     Of a file with parameters of the node that lies there, the values that differ are changed; its

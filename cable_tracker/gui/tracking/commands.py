@@ -96,7 +96,7 @@ POINTER_HELP = {
 """Help on the pointer for each shape that the user draws; a live node is told no width."""
 
 
-def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[KeyBinding, ...]:
+def commands_for(*, is_player: bool, noun: str) -> tuple[KeyBinding, ...]:
     """Return the commands of a recording or of a live node; `noun` is what is followed."""
     return tuple(
         replace(command, words=command.words.replace("cable", noun))

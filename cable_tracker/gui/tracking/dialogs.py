@@ -99,7 +99,7 @@ class OpenDialog(FormDialog):
         self,
         template: Callable[[], RecordingRequest],
         opening: Callable[[RecordingRequest], Awaitable[None]],
-        start_words: str = CABLE_START,
+        start_words: str,
     ) -> None:
         self._start_words = start_words
         self._template = template

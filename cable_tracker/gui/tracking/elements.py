@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui.element import Element
 
-from cable_tracker.gui.subject.subject import CABLE, Subject
+from cable_tracker.gui.subject.subject import Subject
 from cable_tracker.gui.tracking.history import STATUSES
 from cable_tracker.gui.web.frame_channel import BROWSER_MODULES, FrameChannel
 from cable_tracker.visualisation import palette
@@ -90,7 +90,7 @@ class TrackingPicture(
 class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER_MODULES):
     """One small plot for each component of the state."""
 
-    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+    def __init__(self, channel: FrameChannel, subject: Subject) -> None:
         props = _components(subject) | {"spans": subject.least_spans, "colours": COLOURS}
         super().__init__(channel, props)
 
@@ -98,14 +98,14 @@ class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER_
 class NumberPanel(_ChannelElement, _Changing, component="number_panel.js", esm=BROWSER_MODULES):
     """Estimate and filter in numbers."""
 
-    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+    def __init__(self, channel: FrameChannel, subject: Subject) -> None:
         super().__init__(channel, _components(subject) | {"count": 0})
 
 
 class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER_MODULES):
     """The last half minute."""
 
-    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+    def __init__(self, channel: FrameChannel, subject: Subject) -> None:
         statuses = [palette.css(palette.status_colour(status)) for status in STATUSES]
         lanes = [list(lane) for lane in subject.lanes]
         super().__init__(channel, {"colours": COLOURS, "statuses": statuses, "lanes": lanes})

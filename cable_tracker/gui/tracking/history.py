@@ -13,8 +13,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.session.snapshot import AnySnapshot, TargetSnapshot
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import DISABLED, REFUSED
+from cable_tracker.tracking.status import DISABLED, REFUSED, TrackingStatus
 
 HISTORY_TIME = 30.0
 """Length of the history that is kept [s]."""

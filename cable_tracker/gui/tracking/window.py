@@ -74,7 +74,7 @@ def serve_tracking_window(
     desk: TrackingDesk,
     listening: Listening,
     *,
-    started: Callable[[], None] = lambda: None,
+    started: Callable[[], None],
 ) -> None:
     """Serve the page until a signal ends it, and close the desk then.
 

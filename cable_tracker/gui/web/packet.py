@@ -39,9 +39,9 @@ class Section:
     data: bytes | memoryview
 
 
-def jpeg_section(data: bytes | memoryview, name: str = "picture") -> Section:
-    """Return the section of a JPEG file."""
-    return Section(name, "jpeg", (), data)
+def jpeg_section(data: bytes | memoryview) -> Section:
+    """Return the section of a JPEG file, named `picture`."""
+    return Section("picture", "jpeg", (), data)
 
 
 def float_section(name: str, values: FloatArray) -> Section:

@@ -17,13 +17,11 @@ from cable_tracker.ros.messages.announced_topics import cable_topics, target_top
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages.cable import read_sigma, read_state
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
-from cable_tracker.sequences.messages.target_particles import read_target_particles
+from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES, read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus
@@ -47,11 +45,7 @@ class _Parts:
 
     since: float = field(default_factory=time.monotonic)
     image: RawImage | CompressedImage | None = None
-    state: Message | None = None
-    cloud: Message | None = None
-    report: Message | None = None
-    truth: Message | None = None
-    contour: Message | None = None
+    messages: dict[NodeTopic, Message] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -60,11 +54,13 @@ class _Parts:
 
     def facts(self) -> dict[str, str]:
         """Return what the report says by name; nothing without one."""
-        return {} if self.report is None else report_facts(self.report)
+        report = self.messages.get(node_topics.FRAME_REPORT)
+        return {} if report is None else report_facts(report)
 
     def status(self) -> str | None:
         """Return what the report says."""
-        return None if self.report is None else report_status(self.report)
+        report = self.messages.get(node_topics.FRAME_REPORT)
+        return None if report is None else report_status(report)
 
 
 class LiveFrames:
@@ -95,30 +91,13 @@ class LiveFrames:
         self._of(header).image = image
         self.hand_on_what_is_due()
 
-    def take_state(self, message: Message) -> None:
-        """Take a message of the topic `state`."""
-        self._of(message.header).state = message
-        self.hand_on_what_is_due()
-
-    def take_cloud(self, message: Message) -> None:
-        """Take a message of the topic `particles`."""
-        self._of(message.header).cloud = message
-        self.hand_on_what_is_due()
-
-    def take_report(self, message: Message) -> None:
-        """Take a message of the topic `~/frame_report`."""
-        if message.status:
-            self._of(message.header).report = message
+    def take(self, topic: NodeTopic, message: Message) -> None:
+        """Take a message of the tracker, or the ground truth of a simulator or a replay."""
+        if topic is node_topics.FRAME_REPORT and not message.status:
+            return
+        self._of(message.header).messages[topic] = message
+        if topic is not node_topics.GROUND_TRUTH:  # No frame waits for that.
             self.hand_on_what_is_due()
-
-    def take_truth(self, message: Message) -> None:
-        """Take a message of the topic `ground_truth`, of a simulator or a replay."""
-        self._of(message.header).truth = message
-
-    def take_contour(self, message: Message) -> None:
-        """Take a message of the topic `contour`, of a target tracker."""
-        self._of(message.header).contour = message
-        self.hand_on_what_is_due()
 
     def _of(self, header: Message) -> _Parts:
         stamp = stamp_of(header)
@@ -160,7 +139,7 @@ class LiveFrames:
 
     def _will_do(self, parts: _Parts, now: float) -> bool:
         """Tell whether a picture can be shown, and has waited long enough for the rest."""
-        if parts.image is None or parts.state is None:
+        if parts.image is None or node_topics.STATE not in parts.messages:
             return False
         return self._has_all(parts) or now - parts.since > PATIENCE
 
@@ -169,12 +148,11 @@ class LiveFrames:
 
         Ground truth comes with the image, if at all.
         """
-        if parts.report is None:
+        report = parts.messages.get(node_topics.FRAME_REPORT)
+        if report is None:
             return False
-        announced = self._topics_of(parts.report)
-        return (parts.cloud is not None or node_topics.PARTICLES not in announced) and (
-            parts.contour is not None or node_topics.CONTOUR not in announced
-        )
+        shown = {node_topics.PARTICLES, node_topics.CONTOUR}
+        return shown.intersection(self._topics_of(report)) <= parts.messages.keys()
 
     def _topics_of(self, report: Message) -> list[NodeTopic]:
         """Return the topics that speak of a frame, by its report."""
@@ -182,11 +160,12 @@ class LiveFrames:
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
-        assert parts.state is not None
-        facts = parts.facts()
-        state = read_state(parts.state)
-        sigma = read_sigma(parts.state)
-        cloud = read_particles(parts.cloud) if parts.cloud is not None else None
+        facts, messages = parts.facts(), parts.messages
+        state = read_state(messages[node_topics.STATE])
+        sigma = read_sigma(messages[node_topics.STATE])
+        particles = messages.get(node_topics.PARTICLES)
+        cloud = read_particles(particles) if particles is not None else None
+        truth = messages.get(node_topics.GROUND_TRUTH)
         grey = shown_levels(decode_grey(parts.image))
         return CableSnapshot(
             number=number,
@@ -204,7 +183,7 @@ class LiveFrames:
             evidence=fact_number(facts, "evidence"),
             n_eff=fact_number(facts, "n_eff"),
             ms=fact_number(facts, "ms"),
-            truth=read_state(parts.truth) if parts.truth is not None else None,
+            truth=read_state(truth) if truth is not None else None,
         )
 
 
@@ -216,14 +195,14 @@ class LiveTargetFrames(LiveFrames):
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
-        assert parts.state is not None
-        facts = parts.facts()
+        facts, messages = parts.facts(), parts.messages
         scale = fact_number(facts, "scale")
+        told, particles = messages[node_topics.STATE], messages.get(node_topics.PARTICLES)
         state = sigma = None
-        if len(parts.state.position) == len(TARGET_STATE_NAMES) and scale is not None:
-            state, sigma = _pose(parts.state, scale)
+        if len(told.position) == len(TARGET_STATE_NAMES) and scale is not None:
+            state, sigma = _pose(told, scale)
         sides = tuple(float(word) for word in facts.get("box", "").split())
-        is_whole = state is not None and parts.contour is not None
+        contour = messages.get(node_topics.CONTOUR) if state is not None else None
         return TargetSnapshot(
             number=number,
             frame=None,
@@ -235,9 +214,9 @@ class LiveTargetFrames(LiveFrames):
             state=state,
             sigma=sigma,
             box=(sides[0], sides[1], sides[2], sides[3]) if len(sides) == 4 else None,
-            outline=_corners(parts.contour) if is_whole else np.empty((0, 2)),
+            outline=_corners(contour) if contour is not None else np.empty((0, 2)),
             area=fact_number(facts, "area"),
-            cloud=read_target_particles(parts.cloud) if parts.cloud is not None else None,
+            cloud=read_target_particles(particles) if particles is not None else None,
             score=fact_number(facts, "score"),
             presence=fact_number(facts, "presence"),
             n_eff=fact_number(facts, "n_eff"),
@@ -254,6 +233,6 @@ def _pose(message: Message, scale: float) -> tuple[FloatArray, FloatArray]:
     return np.array([x, y, scale, angle, v_x, v_y]), sigma
 
 
-def _corners(message: Message | None) -> FloatArray:
-    points = message.polygon.points if message is not None else []
+def _corners(message: Message) -> FloatArray:
+    points = message.polygon.points
     return np.array([(float(point.x), float(point.y)) for point in points]).reshape(-1, 2)

@@ -44,7 +44,7 @@ from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
-from cable_tracker.tracking.status_words import DISABLED
+from cable_tracker.tracking.status import DISABLED
 
 ANSWER_TIMEOUT = 30.0
 """Longest time for the answer of a service [s]; a node that is gone is seen on the graph."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import dataclass
+from functools import partial
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -173,20 +174,23 @@ class LiveConnection:
             return
         image = IMAGE_TOPICS.get(topics.image_type, node_topics.IMAGE)
         on_image = self._on_image if image is node_topics.IMAGE else self._on_compressed_image
-        for topic, name, callback in (
-            (image, topics.image, on_image),
-            (node_topics.GROUND_TRUTH, topics.truth, self._frames.take_truth),
-            (node_topics.CONTOUR, topics.contour, self._frames.take_contour),
-            (node_topics.PARTICLES, topics.particles, self._frames.take_cloud),
-            (node_topics.FRAME_REPORT, topics.report, self._frames.take_report),
-            (node_topics.STATE, topics.state, self._frames.take_state),
+        self._listen(image, topics.image, on_image)
+        for topic, name in (
+            (node_topics.GROUND_TRUTH, topics.truth),
+            (node_topics.CONTOUR, topics.contour),
+            (node_topics.PARTICLES, topics.particles),
+            (node_topics.FRAME_REPORT, topics.report),
+            (node_topics.STATE, topics.state),
         ):
-            if name:
-                self._subscriptions.append(
-                    subscription(self._node, topic, callback, WATCHED, name=name)
-                )
+            self._listen(topic, name, partial(self._frames.take, topic))
         if topics.start:
             self.start = publisher(self._node, self._start_topic, qos.RESULTS, name=topics.start)
+
+    def _listen(self, topic: NodeTopic, name: str, callback: Callable[[Message], None]) -> None:
+        """Subscribe to a topic that the graph calls by a name, if it has one."""
+        if name:
+            listening = subscription(self._node, topic, callback, WATCHED, name=name)
+            self._subscriptions.append(listening)
 
     def _on_image(self, message: Message) -> None:
         self._frames.take_image(message.header, read_image(message))

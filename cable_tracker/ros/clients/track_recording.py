@@ -21,8 +21,7 @@ from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.cable import read_sigma, read_state
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
 from cable_tracker.sequences.tables.estimates import EstimateRow

@@ -21,7 +21,7 @@ from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED
 
 
 class TargetRecorder(Recorder):

@@ -10,8 +10,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.ros.health.latency import LatencyStatistics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.frame_report import make_status_array
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import DISABLED, WARMING_UP
+from cable_tracker.tracking.status import DISABLED, WARMING_UP, TrackingStatus
 
 STALE_INPUT = "STALE INPUT"
 FROZEN_INPUT = "FROZEN INPUT"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 READERS_OF = "subscribers of "
 """What stands before the full name of a topic; the value is how many subscribe to it."""

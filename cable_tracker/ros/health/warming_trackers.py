@@ -10,7 +10,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 HOLDS = 60.0
 """Time without another message for which a tracker still counts as warming up [s].

@@ -35,8 +35,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
+from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP, TrackingStatus
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
 """Limits of the period of the watchdog [s]; it is half the shortest time-out."""

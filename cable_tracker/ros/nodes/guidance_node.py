@@ -25,7 +25,7 @@ from cable_tracker.sequences.messages.frame_report import make_status_array, rep
 from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.parameter_table import ParameterSpec
-from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
+from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
 from cable_tracker.tracking.succession import is_out_of_order
 
 Kept = TypeVar("Kept")

@@ -17,9 +17,9 @@ from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
-from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message, MessageFactory

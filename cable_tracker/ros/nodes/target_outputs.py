@@ -10,9 +10,9 @@ from rclpy.qos import QoSProfile
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageMakers

@@ -6,13 +6,13 @@ from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.messages.wanted_messages import publish_wanted
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.messages.cable_messages import messages_without_cable
-from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.messages.factory import Message, MessageMakers
 from cable_tracker.visualisation.overlay import draw_estimate
 

@@ -10,17 +10,17 @@ from pathlib import Path
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, one_line
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_storage import BagStorage
-from cable_tracker.sequences.bags.open_bag import open_bag
-from cable_tracker.sequences.bags.storage_files import is_ros1
-from cable_tracker.sequences.bags.stored_message import StoredMessage
-from cable_tracker.sequences.bags.topics import (
+from cable_tracker.sequences.bags.bag_storage import (
     COMPRESSED_IMAGE,
     IMAGE_TYPES,
     VIDEO_TYPES,
+    BagStorage,
+    StoredMessage,
     Topic,
     image_topics,
 )
+from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.storage_files import is_ros1
 from cable_tracker.sequences.bags.unpacking import beginning, deserialise
 from cable_tracker.sequences.bags.video_stream import (
     DecodedPicture,

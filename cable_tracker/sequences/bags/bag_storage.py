@@ -1,12 +1,63 @@
-"""What every reader of a bag's serialised messages offers, intact or damaged."""
+"""What every reader of a bag offers, intact or damaged: topics, and serialised messages.
+
+Nodes know it too, which read no bags: what unpacks bags and videos takes long to import.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Mapping
+from dataclasses import dataclass
 from typing import Protocol
 
-from cable_tracker.sequences.bags.stored_message import StoredMessage
-from cable_tracker.sequences.bags.topics import Topic
+IMAGE = "sensor_msgs/msg/Image"
+COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
+FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
+FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
+VIDEO_TYPES = (FOXGLOVE, FFMPEG)
+IMAGE_TYPES = (IMAGE, COMPRESSED_IMAGE, *VIDEO_TYPES)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoredMessage:
+    """A serialised message.
+
+    Attributes
+    ----------
+    topic : str
+        Name of the topic.
+    msgtype : str
+        Name of the type, like ``sensor_msgs/msg/Image``.
+    time : int
+        Time of reception by the recorder [ns].
+    data : bytes
+        CDR (ROS 2) or ROS 1 serialisation.
+    """
+
+    topic: str
+    msgtype: str
+    time: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One topic of a bag.
+
+    Attributes
+    ----------
+    msgtype : str
+        Name of the message type.
+    count : int
+        Number of messages.
+    """
+
+    msgtype: str
+    count: int
+
+
+def image_topics(topics: Mapping[str, Topic]) -> dict[str, Topic]:
+    """Return the topics that hold images or a stream of video."""
+    return {name: t for name, t in topics.items() if t.msgtype in IMAGE_TYPES}
 
 
 class BagStorage(Protocol):

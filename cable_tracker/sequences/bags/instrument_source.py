@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bags.bag_storage import BagStorage
+from cable_tracker.sequences.bags.bag_storage import BagStorage, StoredMessage
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice, find_instruments
 from cable_tracker.sequences.bags.storage_files import is_ros1
-from cable_tracker.sequences.bags.stored_message import StoredMessage
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_or_received
@@ -91,7 +90,7 @@ class InstrumentSource:
         self._is_ros1 = is_ros1(path)
         self._storage = storage
         try:
-            self.found = find_instruments(storage, image_topic, choice or InstrumentChoice())
+            self.found = find_instruments(storage.topics, image_topic, choice or InstrumentChoice())
         except RecordingError as error:
             raise RecordingError(f"{path}: {error}") from error
         self._unreadable: dict[str, _Unreadable] = {}

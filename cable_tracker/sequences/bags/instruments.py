@@ -10,11 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Protocol
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.topics import Topic, image_topics
+from cable_tracker.sequences.bags.bag_storage import Topic, image_topics
 from cable_tracker.sequences.node_topics import NodeTopic
 
 NO_TOPIC = "none"
@@ -64,10 +63,6 @@ class InstrumentChoice:
     topics: Mapping[Instrument, str] = field(default_factory=dict)
 
 
-class _Listed(Protocol):
-    topics: dict[str, Topic]
-
-
 @dataclass(frozen=True, slots=True)
 class FoundInstruments:
     """The topics that are read, and what the user should know about the others.
@@ -107,9 +102,9 @@ def _options(instrument: Instrument) -> str:
 
 
 def find_instruments(
-    storage: _Listed, image_topic: str, choice: InstrumentChoice
+    topics: Mapping[str, Topic], image_topic: str, choice: InstrumentChoice
 ) -> FoundInstruments:
-    """Find the topics of all instruments.
+    """Find the topics of all instruments among those of a bag.
 
     Of several calibrations that beside the images counts. A single one may lie anywhere but beside
     the images of another camera.
@@ -119,28 +114,28 @@ def find_instruments(
     RecordingError
         A topic that the user named is not there, or of no type that can be read.
     """
-    topics: dict[Instrument, str] = {}
+    found: dict[Instrument, str] = {}
     notes = []
     for instrument in Instrument:
         wanted = choice.topics.get(instrument)
         if wanted == NO_TOPIC:
             continue
         if wanted is not None:
-            topics[instrument] = _named(storage, instrument, wanted)
+            found[instrument] = _named(topics, instrument, wanted)
             continue
-        candidates = _candidates(storage, instrument)
+        candidates = _candidates(topics, instrument)
         is_of_other = False
         if instrument is Instrument.CAMERA_INFO:
             beside = _beside(candidates, image_topic)
             is_of_other = not beside and any(
-                _beside(candidates, other) for other in _recorded_images(storage)
+                _beside(candidates, other) for other in _recorded_images(topics)
             )
             candidates = beside or candidates
         if len(candidates) == 1 and not is_of_other:
-            topics[instrument] = candidates[0]
+            found[instrument] = candidates[0]
         elif candidates:
             notes.append(_unchosen(instrument, candidates))
-    return FoundInstruments(topics, tuple(notes))
+    return FoundInstruments(found, tuple(notes))
 
 
 def _unchosen(instrument: Instrument, candidates: list[str]) -> str:
@@ -158,14 +153,14 @@ def _unchosen(instrument: Instrument, candidates: list[str]) -> str:
     )
 
 
-def _recorded_images(storage: _Listed) -> list[str]:
-    return [name for name, topic in image_topics(storage.topics).items() if topic.count]
+def _recorded_images(topics: Mapping[str, Topic]) -> list[str]:
+    return [name for name, topic in image_topics(topics).items() if topic.count]
 
 
-def _candidates(storage: _Listed, instrument: Instrument) -> list[str]:
+def _candidates(topics: Mapping[str, Topic], instrument: Instrument) -> list[str]:
     return sorted(
         name
-        for name, topic in storage.topics.items()
+        for name, topic in topics.items()
         if topic.msgtype == TOPICS[instrument].type_name
         and topic.count
         and TRUTH_NAMESPACE not in name.split("/")
@@ -184,10 +179,10 @@ def _beside(candidates: list[str], image_topic: str) -> list[str]:
     return []
 
 
-def _named(storage: _Listed, instrument: Instrument, wanted: str) -> str:
-    matching = [name for name in storage.topics if name.strip("/") == wanted.strip("/")]
+def _named(topics: Mapping[str, Topic], instrument: Instrument, wanted: str) -> str:
+    matching = [name for name in topics if name.strip("/") == wanted.strip("/")]
     if not matching:
-        known = ", ".join(sorted(storage.topics))
+        known = ", ".join(sorted(topics))
         raise RecordingError(
             f"there is no topic {wanted} for {instrument.value}; choose one of {known}"
         )
@@ -195,9 +190,9 @@ def _named(storage: _Listed, instrument: Instrument, wanted: str) -> str:
     types: tuple[str, ...] = (TOPICS[instrument].type_name,)
     if instrument is Instrument.ALTITUDE:
         types = (*types, *NUMBER_TYPES)
-    if storage.topics[name].msgtype not in types:
+    if topics[name].msgtype not in types:
         raise RecordingError(
-            f"the topic {wanted} for {instrument.value} is of type {storage.topics[name].msgtype};"
+            f"the topic {wanted} for {instrument.value} is of type {topics[name].msgtype};"
             f" name one of type {' or '.join(types)}"
         )
     return name

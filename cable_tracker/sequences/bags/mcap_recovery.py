@@ -22,7 +22,7 @@ from mcap.records import Channel, Message, Schema
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import MCAP_UNPACKERS
-from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.bag_storage import StoredMessage
 
 MAGIC = b"\x89MCAP0\r\n"
 _ROS2_PROFILE = "ros2"

@@ -12,7 +12,7 @@ from rosbags.typesys.msg import normalize_msgtype
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import ROS1_UNPACKERS
-from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.bag_storage import StoredMessage
 from cable_tracker.stamps import NANOSECONDS
 
 _MAGIC = b"#ROSBAG V2.0\n"

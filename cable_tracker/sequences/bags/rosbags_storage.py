@@ -18,11 +18,10 @@ from cable_tracker.sequences.bags.bag_limits import (
     check_overlap,
     limit_rosbags,
 )
+from cable_tracker.sequences.bags.bag_storage import StoredMessage, Topic
 from cable_tracker.sequences.bags.rosbags_paths import BagReader
 from cable_tracker.sequences.bags.salvaged_storage import SalvagedStorage
 from cable_tracker.sequences.bags.storage_files import is_ros1, storage_files
-from cable_tracker.sequences.bags.stored_message import StoredMessage
-from cable_tracker.sequences.bags.topics import Topic
 
 
 class RosbagsStorage:

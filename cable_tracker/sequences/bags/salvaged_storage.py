@@ -12,8 +12,7 @@ from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_recovery
-from cable_tracker.sequences.bags.stored_message import StoredMessage
-from cable_tracker.sequences.bags.topics import Topic
+from cable_tracker.sequences.bags.bag_storage import StoredMessage, Topic
 
 _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
     ".mcap": mcap_recovery.read_messages,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import check_database, opened_database
-from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.bag_storage import StoredMessage
 
 
 def _decoded(data: bytes) -> str:

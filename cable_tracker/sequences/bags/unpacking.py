@@ -8,7 +8,7 @@ import zstandard
 from rosbags.serde import SerdeError
 
 from cable_tracker.sequences.bags.bag_limits import LARGEST_UNPACKED, unpack_zstd
-from cable_tracker.sequences.bags.stored_message import StoredMessage
+from cable_tracker.sequences.bags.bag_storage import StoredMessage
 from cable_tracker.sequences.bags.typestores import ros1_typestore, typestore
 from cable_tracker.sequences.messages.factory import Message
 

@@ -14,8 +14,8 @@ import numpy as np
 from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
+from cable_tracker.sequences.bags.bag_storage import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
-from cable_tracker.sequences.bags.topics import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, nanoseconds_of

@@ -1,4 +1,4 @@
-"""Messages about a cable: its state, its centreline, and the values of a frame's report.
+"""Messages about a cable: state, centreline, particles, markers, values of a frame's report.
 
 The image frame has its origin at the image centre, x right, y up [px].
 """
@@ -14,10 +14,27 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import foot_point
 from cable_tracker.cable.model.initial_state import GivenPoint, GivenState
-from cable_tracker.cable.model.state import POSE_SYMBOLS, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.segments import Segment, border_segments, centreline_segments
+from cable_tracker.cable.model.state import (
+    POSE_SYMBOLS,
+    STATE_SIZE,
+    STATE_SYMBOLS,
+    CableState,
+    StateColumn,
+)
 from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.joint_state import make_joint_state
+from cable_tracker.sequences.messages.line_markers import (
+    AMBER,
+    GREEN,
+    GREY,
+    Lines,
+    make_line_markers,
+    sides_of_polygon,
+)
+from cable_tracker.sequences.messages.point_cloud import make_point_cloud, read_point_cloud
 from cable_tracker.sequences.messages.poses import (
     UNKNOWN_VARIANCE,
     YAW,
@@ -28,6 +45,7 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
     yaw_of,
 )
+from cable_tracker.tracking.image_frame import image_centre
 
 NOT_KNOWN = UNKNOWN_VARIANCE * (1.0 - 1e-9)
 """Least variance that counts as not known: a turned covariance loses the last digits."""
@@ -35,6 +53,8 @@ NOT_KNOWN = UNKNOWN_VARIANCE * (1.0 - 1e-9)
 COUNTS = 0.1
 """Least share with which an x or y that is not known leaves d not known, too; from there on even a
 standard deviation of 1000 px for it would say nothing of d within a picture."""
+
+CLOUD_COLUMNS = ("x", "y", "z", *STATE_SYMBOLS, "weight")
 
 
 def make_state(
@@ -184,3 +204,56 @@ def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:
         "hypotheses": " ".join(probabilities),
         "event": estimate.event,
     }
+
+
+def cloud_of(particles: Particles) -> FloatArray:
+    """Return the eight state columns and the weight of each particle, shape (N, 9)."""
+    return np.column_stack((particles.states, particles.weights))
+
+
+def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) -> Message:
+    """Pack particles (N, 9) as a PointCloud2 of float32.
+
+    Fields x, y, z (foot point [px], z = 0, for rviz), d, alpha, w, beta, v_d, v_alpha, v_w, v_beta
+    [px, rad, per second], weight (summing to one).
+    """
+    distance, angle = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
+    points = np.column_stack(
+        (distance * np.cos(angle), distance * np.sin(angle), np.zeros(len(cloud)), cloud)
+    )
+    return make_point_cloud(factory, header, CLOUD_COLUMNS, points)
+
+
+def read_particles(message: Message) -> FloatArray:
+    """Read particles packed by `make_particles`; shape (N, 9)."""
+    return read_point_cloud(message, CLOUD_COLUMNS)[:, 3:]
+
+
+def make_markers(
+    factory: MessageFactory,
+    header: Message,
+    state: CableState | None,
+    image_size: tuple[int, int],
+) -> Message:
+    """Pack borders, centreline and image frame as a MarkerArray, 0.01 m to the pixel.
+
+    Without a cable the lines of before are deleted.
+    """
+    drawn = [Lines("image", sides_of_polygon(_pixel_corners(image_size)), GREY)]
+    if state is not None:
+        drawn += [
+            Lines("borders", _ends(border_segments(state, image_size)), GREEN),
+            Lines("centreline", _ends(centreline_segments(state, image_size)), AMBER),
+        ]
+    return make_line_markers(factory, header, drawn)
+
+
+def _ends(segments: list[Segment]) -> FloatArray:
+    """Return the ends of K segments, one after the other, shape (2K, 2) [px]."""
+    return np.array(segments, dtype=np.float64).reshape(-1, 2)
+
+
+def _pixel_corners(image_size: tuple[int, int]) -> FloatArray:
+    """Return the centres of the corner pixels, shape (4, 2) [px]."""
+    x, y = image_centre(image_size)
+    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])

@@ -7,9 +7,14 @@ from collections.abc import Callable, Mapping
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
-from cable_tracker.sequences.messages.cable_markers import make_markers
-from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
+from cable_tracker.sequences.messages.cable import (
+    cloud_of,
+    make_centreline,
+    make_markers,
+    make_particles,
+    make_state,
+    report_values,
+)
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
 from cable_tracker.sequences.messages.frame_report import make_report
 

@@ -1,8 +1,8 @@
-"""Messages about a target: its centre, state, contour, and the box it was initialised with.
+"""Messages about a target: its centre, state, contour, start, particles and markers.
 
-Centre and state are in the image frame: origin at the image centre, x right, y up [px]. Contours,
-boxes and marks count from the top left corner of the picture, y down [px], as boxes of pictures do
-everywhere, and on the command line.
+Centre, state, particles and markers are in the image frame: origin at the image centre, x right, y
+up [px]. Contours, boxes and marks count from the top left corner of the picture, y down [px], as
+boxes of pictures do everywhere, and on the command line.
 """
 
 from __future__ import annotations
@@ -13,8 +13,18 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.joint_state import make_joint_state
+from cable_tracker.sequences.messages.line_markers import (
+    AMBER,
+    GREEN,
+    GREY,
+    Lines,
+    make_line_markers,
+    sides_of_polygon,
+)
+from cable_tracker.sequences.messages.point_cloud import make_point_cloud, read_point_cloud
 from cable_tracker.sequences.messages.poses import (
     YAW,
     X,
@@ -24,11 +34,13 @@ from cable_tracker.sequences.messages.poses import (
     make_vector,
     pose_covariance,
 )
-from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.tracking.image_frame import from_page
 
 TARGET_STATE_NAMES = ("x", "y", "size", "angle")
+TARGET_CLOUD_COLUMNS = ("x", "y", "z", "scale", "angle", "v_x", "v_y", "weight")
 
 MOST_CORNERS = 100_000
 """Largest number of corners of a mark that is read."""
@@ -136,3 +148,57 @@ def target_report_values(
         "score": repr(float(estimate.score)),
         "event": estimate.event,
     }
+
+
+def make_target_particles(
+    factory: MessageFactory, header: Message, particles: Particles
+) -> Message:
+    """Pack poses as a PointCloud2 of float32.
+
+    Fields x, y [px], z = 0, scale (against the start), angle [rad], v_x, v_y [px/s], weight
+    (summing to one).
+    """
+    states = particles.states
+    points = np.column_stack(
+        (
+            states[:, PoseColumn.X], states[:, PoseColumn.Y], np.zeros(len(states)),
+            np.exp(states[:, PoseColumn.LOG_SCALE]), states[:, PoseColumn.ANGLE],
+            states[:, PoseColumn.X_RATE], states[:, PoseColumn.Y_RATE], particles.weights,
+        )
+    )  # fmt: skip
+    return make_point_cloud(factory, header, TARGET_CLOUD_COLUMNS, points)
+
+
+def read_target_particles(message: Message) -> FloatArray | None:
+    """Read particles packed by `make_target_particles`.
+
+    Returns
+    -------
+    FloatArray or None
+        Columns x, y [px], scale, angle [rad], v_x, v_y [px/s], weight, shape (N, 7); None if there
+        are none.
+    """
+    table = read_point_cloud(message, TARGET_CLOUD_COLUMNS)
+    return np.delete(table, TARGET_CLOUD_COLUMNS.index("z"), axis=1) if len(table) else None
+
+
+def make_target_markers(
+    factory: MessageFactory, header: Message, estimate: TargetEstimate
+) -> Message:
+    """Pack contour, box and image frame as a MarkerArray, 0.01 m to the pixel, y up.
+
+    Without a claim the lines of before are deleted.
+    """
+    size = estimate.image_size
+    drawn = [Lines("image", _sides(box_corners((0.0, 0.0, *size)), size), GREY)]
+    if estimate.is_claimed:
+        assert estimate.box is not None
+        drawn.append(Lines("box", _sides(box_corners(estimate.box), size), GREEN))
+        if len(estimate.outline):
+            drawn.append(Lines("contour", _sides(estimate.outline, size), AMBER))
+    return make_line_markers(factory, header, drawn)
+
+
+def _sides(corners: FloatArray, image_size: tuple[int, int]) -> FloatArray:
+    """Return the ends of the sides of a polygon (K, 2) that counts from the top left, (2K, 2)."""
+    return sides_of_polygon(np.column_stack(from_page(corners[:, 0], corners[:, 1], image_size)))

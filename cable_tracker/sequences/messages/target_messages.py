@@ -11,11 +11,11 @@ from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.target import (
     make_polygon,
     make_target,
+    make_target_markers,
+    make_target_particles,
     make_target_state,
     target_report_values,
 )
-from cable_tracker.sequences.messages.target_markers import make_target_markers
-from cable_tracker.sequences.messages.target_particles import make_target_particles
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 
 

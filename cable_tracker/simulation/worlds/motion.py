@@ -161,13 +161,11 @@ def _random_means(
     )
 
 
-def _remembering(
-    count: int, memory: float, rng: np.random.Generator, columns: int = POSE_SIZE
-) -> FloatArray:
-    """Return noise of unit variance that forgets itself over a time [s], shape (N, columns)."""
+def _remembering(count: int, memory: float, rng: np.random.Generator) -> FloatArray:
+    """Return noise of unit variance that forgets itself over a time [s], shape (N, 4)."""
     keep = float(np.exp(-1.0 / (WORLD_RATE * memory)))
     fresh = float(np.sqrt(1.0 - keep * keep))
-    noise = rng.standard_normal((count, columns))
+    noise = rng.standard_normal((count, POSE_SIZE))
     for index in range(1, count):
         noise[index] = keep * noise[index - 1] + fresh * noise[index]
     return noise

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.survey.memory_mapped import Disk, Growing
-from cable_tracker.tracking import status_words
+from cable_tracker.tracking import status
 from cable_tracker.tracking.status import TrackingStatus
 
 PROFILE_BINS = 12
@@ -60,10 +60,10 @@ STATUSES = (
     TrackingStatus.INITIALISING.value,
     TrackingStatus.TRACKING.value,
     TrackingStatus.LOST.value,
-    status_words.REFUSED,
+    status.REFUSED,
 )
 TRACKING = STATUSES.index(TrackingStatus.TRACKING.value)
-REFUSED = STATUSES.index(status_words.REFUSED)
+REFUSED = STATUSES.index(status.REFUSED)
 
 NOT_AGAIN, HIDDEN, SEEN = range(3)
 """Result of re-detection: none was made, the cable is hidden, the cable is seen."""

@@ -19,7 +19,9 @@ SHORT = ("--length=1", "--buried=0", "--size=160x120", "--no-video")
 def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
     done: list[bool] = []
     tasks = [LoopTask("hough", seed, SHORT) for seed in (-1, 5)]
-    bad, good = run_loops(tasks, tmp_path, ClusterSettings(), advance=lambda: done.append(True))
+    bad, good = run_loops(
+        tasks, tmp_path, ClusterSettings(), resume=False, advance=lambda: done.append(True)
+    )
     assert (bad.seed, bad.summary) == (-1, None)
     assert bad.failure.startswith("seed is -1")
     assert good.summary is not None and good.summary.seed == 5

@@ -1,4 +1,4 @@
-from cable_tracker.commands.console.machine import machine, typed_command
+from cable_tracker.commands.console.machine import machine, origin_note, typed_command
 
 
 def test_the_command_can_be_typed_again(monkeypatch):
@@ -10,3 +10,10 @@ def test_the_machine_is_one_line():
     text = machine()
     assert "\n" not in text
     assert "Python 3" in text
+
+
+def test_a_report_says_with_what_command_and_where_it_was_made(monkeypatch):
+    monkeypatch.setattr("sys.argv", ["/x/y/cli.py", "evaluate"])
+    note = origin_note()
+    assert note.startswith("`cable-tracker evaluate` on 2")
+    assert note.endswith(f", {machine()}.")

@@ -8,12 +8,8 @@ from cable_tracker.cli import app
 from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
-from cable_tracker.evaluation.experiments.thesis_experiments import (
-    EXPERIMENTS,
-    FILES,
-    SPEED_SEQUENCE,
-    SpeedExperiment,
-)
+from cable_tracker.evaluation.experiments.catalogue import EXPERIMENTS, FILES
+from cable_tracker.evaluation.experiments.thesis_experiments import SPEED_SEQUENCE, SpeedExperiment
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ from cable_tracker.evaluation.experiments.coverage_experiment import (
     CoverageExperiment,
     SequenceGroup,
     coverage_cells,
-    reported_groups,
+    reported_coverage,
 )
 from cable_tracker.evaluation.trace import trace_of
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
@@ -81,7 +81,7 @@ def test_a_group_has_a_row_together_and_one_for_each_sequence(stripe):
 
 def test_all_that_is_reported_has_a_cable(monkeypatch, tmp_path):
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
-    worlds, scenarios = reported_groups(7)
+    worlds, scenarios = reported_coverage((0,), 7).groups
     names = {each.name for each in worlds.sequences}
     assert "report_sand" in names
     assert not names & {"report_empty", "report_decoys"}

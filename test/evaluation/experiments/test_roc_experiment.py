@@ -29,11 +29,6 @@ def test_thresholds_are_values_that_the_tracker_takes():
     assert len({threshold.filter().name for threshold in THRESHOLDS}) == len(THRESHOLDS)
 
 
-def test_dives_are_cut_where_that_is_wanted():
-    short, shorter = (RocExperiment((0,), limit=limit).frame_count() for limit in (4, 2))
-    assert short == 2 * shorter
-
-
 def test_the_table_says_what_changes_with_each_threshold(trace):
     results = [replace(result(trace("hhs")), method=each.name) for each in THRESHOLDS]
     (table,) = RocExperiment((0,), sequences=()).result_of(results).tables

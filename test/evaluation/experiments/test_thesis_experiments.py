@@ -1,13 +1,9 @@
 import dataclasses
-import re
-from pathlib import Path
 
 import pytest
 
 from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
-from cable_tracker.evaluation.experiments import thesis_experiments
 from cable_tracker.evaluation.experiments.thesis_experiments import (
-    EXPERIMENTS,
     SPEED_TAPS,
     ReinitialisationExperiment,
     SequenceExperiment,
@@ -77,15 +73,3 @@ def test_every_row_has_a_number_for_every_heading(stripe):
     result = SpeedExperiment((0,), stripe, particles=(50,), taps=(5,)).run(1, lambda count: None)
     (table,) = result.tables
     assert all(len(row) == len(table.headings) for row in table.rows)
-
-
-@pytest.mark.parametrize("name", EXPERIMENTS)
-def test_every_experiment_knows_how_long_it_takes(name):
-    assert EXPERIMENTS[name]((0, 1)).frame_count() == 2 * EXPERIMENTS[name]((0,)).frame_count()
-
-
-def test_the_names_of_all_files_that_experiments_write_are_known():
-    modules = Path(thesis_experiments.__file__).parent.glob("*.py")
-    text = "".join(module.read_text(encoding="utf-8") for module in modules)
-    names = set(re.findall(r'"(\w+\.(?:csv|png))"', text))
-    assert {"table.csv", "speed.png", "built_up.csv"} <= names <= thesis_experiments.FILES

@@ -28,7 +28,7 @@ from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoic
 from cable_tracker.sequences.pictures.shown_levels import DARK
 from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 LAST = 59
 LESS_THAN_A_FRAME_A_MINUTE = 1e-5

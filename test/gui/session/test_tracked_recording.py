@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.session.tracked_recording import LONGEST_RUN, TrackedRecording
-from cable_tracker.tracking.status_words import DISABLED, REFUSED, WARMING_UP
+from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
 
 LAST = 99
 REFUSED_FRAME = 50

@@ -10,7 +10,7 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import GuiError, OutputError, ParameterError
-from cable_tracker.gui.subject.parameter_groups import OTHERS, grouped
+from cable_tracker.gui.subject.parameter_groups import CABLE_GROUPS, OTHERS, grouped
 from cable_tracker.gui.subject.parameter_sheet import (
     parameter_text,
     value_from_field,
@@ -18,10 +18,11 @@ from cable_tracker.gui.subject.parameter_sheet import (
     values_from_text,
     write_parameter_file,
 )
+from cable_tracker.gui.subject.subject import CABLE
 
 
 def test_every_parameter_of_the_filter_is_in_one_named_group():
-    groups = grouped(PARAMETER_TABLE)
+    groups = grouped(PARAMETER_TABLE, CABLE_GROUPS)
     names = [spec.name for rows in groups.values() for spec in rows]
     assert sorted(names) == sorted(PARAMETERS_BY_NAME)
     assert OTHERS not in groups
@@ -50,18 +51,18 @@ def test_a_whole_number_is_shown_as_one():
 
 def test_what_is_saved_is_read_as_the_same():
     changed = TrackerParameters(tempering=0.07, filter="bootstrap", response_table="a b")
-    text = parameter_text(changed.as_mapping(), "a\n dive")
+    text = parameter_text(changed.as_mapping(), "a\n dive", CABLE)
     assert text.startswith("# Tuned on a dive.\n")
-    assert values_from_text(text, "file") == changed.as_mapping()
+    assert values_from_text(text, "file", CABLE) == changed.as_mapping()
 
 
 def test_what_only_the_node_knows_is_saved_and_read_too():
     values = TrackerParameters().as_mapping() | {"camera_pitch": 70.0, "input_timeout": 2.0}
-    assert values_from_text(parameter_text(values, "/boat/tracker"), "file") == values
+    assert values_from_text(parameter_text(values, "/boat/tracker", CABLE), "file", CABLE) == values
 
 
 def test_a_file_may_name_its_preset_and_what_only_the_node_knows():
-    read = values_from_text("preset: thesis\nseed: 3\nimage_transport: raw\n", "file")
+    read = values_from_text("preset: thesis\nseed: 3\nimage_transport: raw\n", "file", CABLE)
     assert read["filter"] == "bootstrap"
     assert read["seed"] == 3
     assert read["image_transport"] == "raw"
@@ -72,22 +73,22 @@ def test_a_file_may_name_its_preset_and_what_only_the_node_knows():
 )
 def test_what_is_no_parameter_file_is_refused_by_its_name(text):
     with pytest.raises(ParameterError, match=r"my\.yaml"):
-        values_from_text(text, "my.yaml")
+        values_from_text(text, "my.yaml", CABLE)
 
 
 def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
     path = tmp_path / "tracker.yaml"
-    write_parameter_file(path, "one", overwrite=False)
+    write_parameter_file(path, "one", CABLE, overwrite=False)
     with pytest.raises(GuiError, match="exists already"):
-        write_parameter_file(path, "two", overwrite=False)
+        write_parameter_file(path, "two", CABLE, overwrite=False)
     assert path.read_text() == "one"
-    write_parameter_file(path, "two", overwrite=True)
+    write_parameter_file(path, "two", CABLE, overwrite=True)
     assert path.read_text() == "two"
     for other in (tmp_path, Path("/dev/null")):
         with pytest.raises(GuiError, match="is a folder or a device; name a file"):
-            write_parameter_file(other, "two", overwrite=True)
+            write_parameter_file(other, "two", CABLE, overwrite=True)
     with pytest.raises(OutputError, match="cannot be written"):
-        write_parameter_file(tmp_path / "none" / "tracker.yaml", "", overwrite=False)
+        write_parameter_file(tmp_path / "none" / "tracker.yaml", "", CABLE, overwrite=False)
 
 
 def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch):
@@ -99,7 +100,7 @@ def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OutputError, match="No space left"):
-        write_parameter_file(path, "two", overwrite=True)
+        write_parameter_file(path, "two", CABLE, overwrite=True)
     assert path.read_text() == "precious"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -120,7 +121,7 @@ controller:
 
 def saved(path, old, values):
     path.write_text(old)
-    write_parameter_file(path, parameter_text(values, "a dive"), overwrite=True)
+    write_parameter_file(path, parameter_text(values, "a dive", CABLE), CABLE, overwrite=True)
     return path.read_text()
 
 
@@ -132,7 +133,7 @@ def test_of_a_file_with_parameters_only_the_values_that_differ_are_changed(tmp_p
         "    filter_sigma: 2.0\n",
         f"    filter_sigma: {values['filter_sigma']}\n    tempering: 0.25\n",
     )
-    read = values_from_text(text, "boat.yaml")
+    read = values_from_text(text, "boat.yaml", CABLE)
     assert all(read[name] == value for name, value in values.items())
     assert read["camera_pitch"] == 70.0
 
@@ -152,7 +153,7 @@ def test_a_plain_file_and_its_preset_stay_plain(tmp_path):
 def test_a_file_without_parameters_of_the_node_is_replaced(tmp_path, old):
     values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
     text = saved(tmp_path / "other.yaml", old, values)
-    assert text == parameter_text(values, "a dive")
+    assert text == parameter_text(values, "a dive", CABLE)
 
 
 CONTROLLER = "controller: {ros__parameters: {speed: 0.4}}  # not ours\n"
@@ -185,11 +186,11 @@ def test_line_ends_stay_as_they_are(tmp_path):
     path = tmp_path / "boat.yaml"
     path.write_bytes(b"# ours\r\nparticle_count: 300\r\n")
     values = TrackerParameters().replaced({"particle_count": 800}).as_mapping()
-    write_parameter_file(path, parameter_text(values, "a dive"), overwrite=True)
+    write_parameter_file(path, parameter_text(values, "a dive", CABLE), CABLE, overwrite=True)
     assert path.read_bytes() == b"# ours\r\nparticle_count: 800\r\n"
 
 
 def test_parameters_tuned_on_a_recording_whose_name_is_no_utf8_can_be_saved(tmp_path):
-    text = parameter_text(TrackerParameters().as_mapping(), os.fsdecode(b"dive\xe9"))
-    write_parameter_file(tmp_path / "tracker.yaml", text, overwrite=False)
+    text = parameter_text(TrackerParameters().as_mapping(), os.fsdecode(b"dive\xe9"), CABLE)
+    write_parameter_file(tmp_path / "tracker.yaml", text, CABLE, overwrite=False)
     assert "Tuned on dive\\xe9." in (tmp_path / "tracker.yaml").read_text(encoding="utf-8")

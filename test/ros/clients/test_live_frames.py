@@ -8,6 +8,7 @@ from std_msgs.msg import Header
 from cable_tracker.ros.clients import live_frames
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.node_topics import STATE
 
 
 @pytest.fixture
@@ -31,7 +32,7 @@ def answered_after_many(shown, count):
     frames = LiveFrames(shown.append)
     for second in range(1, count + 1):
         frames.take_image(header(second), picture(second))
-    frames.take_state(JointState(header=header(1)))
+    frames.take(STATE, JointState(header=header(1)))
     frames.hand_on_what_is_due()
     return [each.stamp for each in shown]
 
@@ -50,7 +51,7 @@ def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_sai
     frames = LiveFrames(shown.append)
     for second in (5, 6):
         frames.take_image(header(0), picture(10 * second))
-        frames.take_state(JointState(header=header(second)))
+        frames.take(STATE, JointState(header=header(second)))
     frames.hand_on_what_is_due()
     assert [int(each.image[0, 0]) for each in shown] == [50, 60]
 
@@ -59,8 +60,8 @@ def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
     frames = LiveFrames(shown.append)
     frames.take_image(header(0), picture(10))
     frames.take_image(header(7), picture(70))
-    frames.take_state(JointState(header=header(6)))
-    frames.take_state(JointState(header=header(7)))
+    frames.take(STATE, JointState(header=header(6)))
+    frames.take(STATE, JointState(header=header(7)))
     frames.hand_on_what_is_due()
     assert [int(each.image[0, 0]) for each in shown] == [70]
 
@@ -70,7 +71,7 @@ def test_a_dim_picture_of_many_bits_is_brightened(shown, kind):
     frames = kind(shown.append)
     steps = np.linspace(70, 170, 64, dtype=np.uint16)
     frames.take_image(header(1), raw_from_array(np.tile(steps, (48, 1)), "mono16"))
-    frames.take_state(JointState(header=header(1)))
+    frames.take(STATE, JointState(header=header(1)))
     frames.hand_on_what_is_due()
     # Of 65535: in eight bits without a gain all of them are black.
     assert len(np.unique(shown[0].image)) > 16

@@ -15,7 +15,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles
 from cable_tracker.sequences.messages.headers import stamp_of
 
 

@@ -21,8 +21,7 @@ from cable_tracker.sequences.messages.cable import make_state, report_values
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.status_words import REFUSED
+from cable_tracker.tracking.status import REFUSED, TrackingStatus
 
 FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))
 STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)

@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.ros.health.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences import node_topics
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 
 def status(message, name="tracker", **values):

@@ -7,7 +7,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from cable_tracker.ros.health import warming_trackers
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 
 def says(trackers: WarmingTrackers, **words: str) -> None:

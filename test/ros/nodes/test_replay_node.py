@@ -44,7 +44,7 @@ from cable_tracker.sequences.messages.images import make_image, read_compressed_
 from cable_tracker.sequences.messages.static_transforms import TF_TYPE
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 Dive = Callable[..., Path]
 MILLISECOND = 1_000_000

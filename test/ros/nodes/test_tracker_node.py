@@ -20,8 +20,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
 from cable_tracker.sequences.messages import cable_messages
-from cable_tracker.sequences.messages.cable import read_state
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.trackers import make_tracker
 

@@ -1,13 +1,13 @@
 import pytest
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bags.bag_storage import Topic
 from cable_tracker.sequences.bags.instruments import (
     NO_TOPIC,
     Instrument,
     InstrumentChoice,
     find_instruments,
 )
-from cable_tracker.sequences.bags.topics import Topic
 
 RANGE, INFO, ODOMETRY = (
     "sensor_msgs/msg/Range",
@@ -17,48 +17,43 @@ RANGE, INFO, ODOMETRY = (
 IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 
-class Listed:
-    """Topics without a bag."""
-
-    def __init__(self, **topics: str) -> None:
-        self.topics = {
-            "/" + name.replace("__", "/"): Topic(kind, 3) for name, kind in topics.items()
-        }
+def topics_of(**topics: str) -> dict[str, Topic]:
+    return {"/" + name.replace("__", "/"): Topic(kind, 3) for name, kind in topics.items()}
 
 
-def find(listed: Listed, **chosen: str):
+def find(topics: dict[str, Topic], **chosen: str):
     choice = InstrumentChoice({Instrument(name): topic for name, topic in chosen.items()})
-    return find_instruments(listed, "/front/camera/image", choice)
+    return find_instruments(topics, "/front/camera/image", choice)
 
 
 def test_instruments_are_found_by_their_types():
-    found = find(Listed(depth_below=RANGE, dvl__odom=ODOMETRY))
+    found = find(topics_of(depth_below=RANGE, dvl__odom=ODOMETRY))
     assert found.topics == {Instrument.ALTITUDE: "/depth_below", Instrument.ODOMETRY: "/dvl/odom"}
     assert not found.notes
 
 
 def test_of_several_none_is_guessed():
-    found = find(Listed(port=RANGE, starboard=RANGE))
+    found = find(topics_of(port=RANGE, starboard=RANGE))
     assert not found.topics
     assert "--altitude-topic" in found.notes[0] and "/starboard" in found.notes[0]
 
 
 def test_the_user_chooses_among_several():
-    found = find(Listed(port=RANGE, starboard=RANGE), altitude="starboard")
+    found = find(topics_of(port=RANGE, starboard=RANGE), altitude="starboard")
     assert found.topics == {Instrument.ALTITUDE: "/starboard"} and not found.notes
 
 
 def test_the_user_may_leave_one_out():
-    assert not find(Listed(port=RANGE), altitude=NO_TOPIC).topics
+    assert not find(topics_of(port=RANGE), altitude=NO_TOPIC).topics
 
 
 def test_of_several_calibrations_the_one_beside_the_images_counts():
-    listed = Listed(front__camera__camera_info=INFO, stern__camera__camera_info=INFO)
+    listed = topics_of(front__camera__camera_info=INFO, stern__camera__camera_info=INFO)
     assert find(listed).topics == {Instrument.CAMERA_INFO: "/front/camera/camera_info"}
 
 
 def test_the_only_calibration_is_not_taken_from_beside_the_images_of_another_camera():
-    listed = Listed(
+    listed = topics_of(
         front__camera__image=IMAGE, down__image_raw__compressed=COMPRESSED, down__camera_info=INFO
     )
     found = find(listed)
@@ -72,12 +67,12 @@ def test_the_only_calibration_is_not_taken_from_beside_the_images_of_another_cam
 
 @pytest.mark.parametrize("images", [{}, {"down__image_raw": IMAGE}])
 def test_the_only_calibration_may_lie_where_there_are_no_images(images):
-    listed = Listed(front__camera__image=IMAGE, calibration__used=INFO, **images)
+    listed = topics_of(front__camera__image=IMAGE, calibration__used=INFO, **images)
     assert find(listed).topics == {Instrument.CAMERA_INFO: "/calibration/used"}
 
 
 def test_images_and_their_other_transports_have_one_calibration():
-    listed = Listed(
+    listed = topics_of(
         front__camera__image=IMAGE, front__camera__image__compressed=COMPRESSED,
         front__camera__camera_info=INFO,
     )  # fmt: skip
@@ -85,20 +80,20 @@ def test_images_and_their_other_transports_have_one_calibration():
 
 
 def test_what_is_known_as_truth_is_no_instrument():
-    assert not find(Listed(ground_truth__odometry=ODOMETRY)).topics
+    assert not find(topics_of(ground_truth__odometry=ODOMETRY)).topics
 
 
 def test_a_topic_that_is_not_there_is_said_with_those_that_are():
     with pytest.raises(RecordingError, match=r"no topic below for altitude; choose one of /port"):
-        find(Listed(port=RANGE), altitude="below")
+        find(topics_of(port=RANGE), altitude="below")
 
 
 def test_a_topic_of_another_type_is_refused():
     with pytest.raises(RecordingError, match="is of type nav_msgs/msg/Odometry"):
-        find(Listed(odom=ODOMETRY), altitude="odom")
+        find(topics_of(odom=ODOMETRY), altitude="odom")
 
 
 def test_a_plain_number_is_an_altitude_if_the_user_says_so():
-    listed = Listed(height="std_msgs/msg/Float32")
+    listed = topics_of(height="std_msgs/msg/Float32")
     assert not find(listed).topics
     assert find(listed, altitude="height").topics == {Instrument.ALTITUDE: "/height"}

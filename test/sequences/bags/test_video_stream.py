@@ -9,10 +9,10 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.bags.bag_storage import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.bags.topics import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.video_stream import DECODERS
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.headers import make_header, make_time

@@ -12,10 +12,15 @@ from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.messages.cable import (
     centreline_covariance,
+    cloud_of,
     make_centreline,
+    make_markers,
+    make_particles,
     make_state,
+    read_particles,
     read_prior,
     read_sigma,
     read_state,
@@ -242,3 +247,38 @@ def test_what_the_filter_has_no_notion_of_is_empty_in_the_report():
     estimate = CableEstimate(1, TrackingStatus.LOST, STATE, COVARIANCE, 1.0, 0.0, SIZE)
     values = report_values(estimate, 1.5)
     assert values["presence"] == values["hypotheses"] == values["event"] == ""
+
+
+def test_particles_are_kept_as_float32(sent):
+    states = np.random.default_rng(0).normal(size=(50, 8))
+    cloud = cloud_of(Particles.equally_weighted(states))
+    message = sent(make_particles(FACTORY, HEADER, cloud))
+    np.testing.assert_allclose(read_particles(message), cloud, rtol=1e-6)
+    assert [field.name for field in message.fields] == [
+        "x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta", "weight",
+    ]  # fmt: skip
+    assert (message.width, message.point_step, message.row_step) == (50, 48, 2400)
+    points = np.frombuffer(message.data, "<f4").reshape(50, 12)
+    np.testing.assert_allclose(points[:, 0], states[:, 0] * np.cos(states[:, 1]), rtol=1e-5)
+    np.testing.assert_allclose(points[:, 1], states[:, 0] * np.sin(states[:, 1]), rtol=1e-5)
+
+
+def test_markers_show_borders_and_centreline_in_metres(sent):
+    markers = sent(make_markers(FACTORY, HEADER, CableState(20.0, 0.0, 40.0), SIZE)).markers
+    clear, image, borders, centreline = markers
+    assert clear.action == 3
+    assert [m.ns for m in (image, borders, centreline)] == ["image", "borders", "centreline"]
+    assert len(image.points) == 8
+    assert [p.x for p in centreline.points] == pytest.approx([0.2, 0.2])
+    assert [p.y for p in centreline.points] == pytest.approx([-1.195, 1.195])
+    assert [p.x for p in borders.points] == pytest.approx([0.0, 0.0, 0.4, 0.4])
+
+
+def test_without_a_cable_the_markers_of_before_are_deleted():
+    markers = make_markers(FACTORY, HEADER, None, SIZE).markers
+    assert [m.ns for m in markers] == ["", "image"]
+
+
+def test_a_cable_outside_the_image_has_markers_without_points(sent):
+    markers = sent(make_markers(FACTORY, HEADER, CableState(500.0, 0.0, 40.0), SIZE)).markers
+    assert [len(m.points) for m in markers[2:]] == [0, 0]

@@ -7,16 +7,23 @@ import pytest
 from message_parts import ESTIMATE, FACTORY, HEADER
 
 from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.messages.point_cloud import make_point_cloud
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE, yaw_of
 from cable_tracker.sequences.messages.target import (
     MOST_CORNERS,
+    TARGET_CLOUD_COLUMNS,
     make_polygon,
     make_relative_pose,
     make_target,
+    make_target_markers,
+    make_target_particles,
     make_target_state,
     read_start,
+    read_target_particles,
     target_report_values,
 )
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 
 LOST = replace(ESTIMATE, status=TrackingStatus.LOST)
@@ -68,3 +75,43 @@ def test_a_mark_of_too_many_corners_is_refused():
     corners = np.zeros((MOST_CORNERS + 1, 2))
     with pytest.raises(FrameError, match="corners"):
         read_start(make_polygon(FACTORY, HEADER, corners))
+
+
+def test_particles_are_kept_with_their_scale(sent):
+    states = np.array([[1.0, 2.0, np.log(2.0), 0.5, 3.0, 4.0]])
+    message = make_target_particles(FACTORY, HEADER, Particles.equally_weighted(states))
+    found = read_target_particles(sent(message))
+    assert found.tolist() == [[1.0, 2.0, 2.0, 0.5, 3.0, 4.0, 1.0]]
+
+
+def test_a_cloud_without_particles_is_none(sent):
+    columns = len(TARGET_CLOUD_COLUMNS)
+    message = make_point_cloud(FACTORY, HEADER, TARGET_CLOUD_COLUMNS, np.empty((0, columns)))
+    assert read_target_particles(sent(message)) is None
+
+
+def estimate(status: TrackingStatus, outline: np.ndarray) -> TargetEstimate:
+    box = (0.0, 0.0, 160.0, 120.0)
+    return TargetEstimate(5, status, (320, 240), np.zeros(6), np.eye(6), box=box, outline=outline)
+
+
+def test_markers_count_from_the_centre_of_the_image_with_y_up(sent):
+    claimed = estimate(TrackingStatus.TRACKING, np.array([[160.0, 120.0], [320.0, 120.0]]))
+    markers = sent(make_target_markers(FACTORY, HEADER, claimed)).markers
+    assert [marker.ns for marker in markers] == ["", "image", "box", "contour"]
+    first = markers[2].points[0]
+    assert (first.x, first.y) == pytest.approx((-1.6, 1.2))
+    ends = [coordinate for point in markers[3].points for coordinate in (point.x, point.y)]
+    assert ends == pytest.approx([0.0, 0.0, 1.6, 0.0, 1.6, 0.0, 0.0, 0.0])
+
+
+def test_without_a_contour_there_is_its_box():
+    claimed = estimate(TrackingStatus.TRACKING, np.empty((0, 2)))
+    markers = make_target_markers(FACTORY, HEADER, claimed).markers
+    assert [marker.ns for marker in markers] == ["", "image", "box"]
+
+
+def test_without_a_claim_the_markers_of_before_are_deleted():
+    lost = estimate(TrackingStatus.LOST, np.empty((0, 2)))
+    markers = make_target_markers(FACTORY, HEADER, lost).markers
+    assert [marker.ns for marker in markers] == ["", "image"]

@@ -19,7 +19,7 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_recording import given_state_for, track_picture
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.messages.cable_particles import cloud_of
+from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet

@@ -27,13 +27,13 @@ def make_follower(
     source: Source,
     request: RecordingRequest,
     parameters: ParameterSet,
-    vehicle: RecordedVehicle | None = None,
+    vehicle: RecordedVehicle,
 ) -> Follower:
     """Return what follows what the parameters are for.
 
     Parameters
     ----------
-    vehicle : RecordedVehicle or None
+    vehicle : RecordedVehicle
         Instruments of the recording: metres of a cable, turns of the camera for a target.
 
     Raises
@@ -45,8 +45,7 @@ def make_follower(
     """
     if isinstance(parameters, TargetParameters):
         truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
-        sight = RecordedSight(vehicle) if vehicle is not None and vehicle.has_instruments else None
+        sight = RecordedSight(vehicle) if vehicle.has_instruments else None
         return TargetFollower(request.init, parameters, truth, sight)
     assert isinstance(parameters, TrackerParameters)
-    metres = vehicle.metres() if vehicle is not None else None
-    return CableFollower(source, request.init, parameters, metres)
+    return CableFollower(source, request.init, parameters, vehicle.metres())

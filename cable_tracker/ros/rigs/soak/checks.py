@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.cable import read_particles
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.target_particles import read_target_particles
+from cable_tracker.sequences.messages.target import read_target_particles
 
 Check: TypeAlias = Callable[[Message], bool]
 

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image, JointState
 from std_msgs.msg import Header
 
 from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder
-from cable_tracker.tracking.status_words import WARMING_UP
+from cable_tracker.tracking.status import WARMING_UP
 
 
 class Loop:

@@ -28,7 +28,7 @@ from cable_tracker.ros.rigs.soak.soak import check_settings, run_soak
 from cable_tracker.ros.rigs.soak.soaked_node import TARGET_NODE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.cable_particles import make_particles
+from cable_tracker.sequences.messages.cable import make_particles
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target import read_start
 from cable_tracker.simulation.targets.sequence import simulate_target

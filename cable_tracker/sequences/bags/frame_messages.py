@@ -1,4 +1,4 @@
-"""Messages of one frame, written into the bag of results."""
+"""Messages of one frame, written into a bag."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.factory import MessageMakers
+from cable_tracker.sequences.messages.factory import Message, MessageMakers
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
@@ -14,7 +14,7 @@ from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 
 class FrameMessages:
-    """Writes the messages that the node would publish about one frame.
+    """Writes messages about one frame.
 
     Attributes
     ----------
@@ -29,12 +29,16 @@ class FrameMessages:
         self.factory = RosbagsMessages()
         self.header = make_header(self.factory, frame.stamp, frame.frame_id)
 
-    def write(self, makers: MessageMakers) -> None:
-        """Write all messages, in their order."""
+    def write(self, topic: NodeTopic, message: Message) -> None:
+        """Write one message."""
+        self._bag.write(topic.global_name, topic.type_name, message, self._bag_time)
+
+    def write_all(self, makers: MessageMakers) -> None:
+        """Write all messages that the node would publish, in their order."""
         for topic, make in makers.items():
-            self._bag.write(topic.global_name, topic.type_name, make(), self._bag_time)
+            self.write(topic, make())
 
     def write_overlay(self, topic: NodeTopic, picture: Image) -> None:
         """Write a picture, blue-green-red, shape (H, W, 3), uint8, as JPEG."""
         jpeg = encode_jpeg(picture)
-        self.write({topic: lambda: make_compressed_image(self.factory, jpeg, self.header)})
+        self.write(topic, make_compressed_image(self.factory, jpeg, self.header))

@@ -1,0 +1,25 @@
+import re
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.evaluation.experiments import catalogue
+from cable_tracker.evaluation.experiments.catalogue import EXPERIMENTS, FILES, WITH_LIMIT
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_every_experiment_knows_how_long_it_takes(name):
+    assert EXPERIMENTS[name]((0, 1)).frame_count() == 2 * EXPERIMENTS[name]((0,)).frame_count()
+
+
+@pytest.mark.parametrize("name", WITH_LIMIT)
+def test_dives_are_cut_where_that_is_wanted(name):
+    short, shorter = (WITH_LIMIT[name]((0,), limit).frame_count() for limit in (4, 2))
+    assert short == 2 * shorter
+
+
+def test_the_names_of_all_files_that_experiments_write_are_known():
+    modules = Path(catalogue.__file__).parent.glob("*.py")
+    text = "".join(module.read_text(encoding="utf-8") for module in modules)
+    names = set(re.findall(r'"(\w+\.(?:csv|png))"', text))
+    assert {"table.csv", "speed.png", "built_up.csv"} <= names <= FILES
