@@ -26,14 +26,10 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage
 from cable_tracker.sequences.messages import (
     cable,
-    cable_markers,
-    cable_particles,
     frame_report,
     headers,
     images,
     target,
-    target_markers,
-    target_particles,
 )
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
@@ -68,11 +64,11 @@ MESSAGES: dict[str, Make] = {
     "state of truth": lambda f, h: cable.make_state(f, h, STATE),
     "no state": lambda f, h: cable.make_state(f, h, None, (1.0, 0.1, 2.0, 0.2)),
     "centreline": lambda f, h: cable.make_centreline(f, h, STATE, COVARIANCE),
-    "particles": lambda f, h: cable_particles.make_particles(f, h, CLOUD),
-    "no particles": lambda f, h: cable_particles.make_particles(f, h, CLOUD[:0]),
-    "markers": lambda f, h: cable_markers.make_markers(f, h, STATE, (320, 240)),
-    "no markers": lambda f, h: cable_markers.make_markers(f, h, None, (320, 240)),
-    "markers outside": lambda f, h: cable_markers.make_markers(
+    "particles": lambda f, h: cable.make_particles(f, h, CLOUD),
+    "no particles": lambda f, h: cable.make_particles(f, h, CLOUD[:0]),
+    "markers": lambda f, h: cable.make_markers(f, h, STATE, (320, 240)),
+    "no markers": lambda f, h: cable.make_markers(f, h, None, (320, 240)),
+    "markers outside": lambda f, h: cable.make_markers(
         f, h, CableState(900.0, 0.1, 20.0), (320, 240)
     ),
     "report": lambda f, h: frame_report.make_report(
@@ -85,8 +81,8 @@ MESSAGES: dict[str, Make] = {
     "no state of a target": lambda f, h: target.make_target_state(f, h, None),
     "contour": lambda f, h: target.make_polygon(f, h, TARGET.outline),
     "bearing": lambda f, h: target.make_bearing(f, h, np.array([0.0, 0.6, 0.8])),
-    "particles of a target": lambda f, h: target_particles.make_target_particles(f, h, POSES),
-    "markers of a target": lambda f, h: target_markers.make_target_markers(f, h, TARGET),
+    "particles of a target": lambda f, h: target.make_target_particles(f, h, POSES),
+    "markers of a target": lambda f, h: target.make_target_markers(f, h, TARGET),
     "diagnostics": lambda f, h: make_diagnostics(
         f,
         h,
