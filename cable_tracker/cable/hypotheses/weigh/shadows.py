@@ -134,13 +134,11 @@ def find_shadows(
             step = measured.outsides[strip, border] - measured.outsides[strip, 1 - border]
             if step < LEAST_STEP:
                 continue
-            ceiling, map_ratio = _ceiling_beside(
+            ceiling = _ceiling_beside(
                 states, possible, measured, map_log_ratios, rules, strip, border
             )
             if ceiling == math.inf:
                 continue
-            # Where the map shows the dark strip and not the bright one, the bright one is no cable.
-            ceiling += max(map_log_ratios[strip] - map_ratio, 0.0)
             for column in range(POSE_SIZE):
                 shadows.poses[found, column] = states[strip, column]
             shadows.ceilings[found] = ceiling
@@ -186,11 +184,11 @@ def _ceiling_beside(
     rules: ShadowRules,
     strip: int,
     border: int,
-) -> tuple[float, float]:
+) -> float:
     """Return the highest ratio of a dark strip beside the likeliest bright one on its border.
 
-    And what the map says of that one [nats]. The ratio is infinite if there is none, or if its
-    outer border says too little.
+    Infinite if there is none, or if the outer border of that one says too little. Where the map
+    shows the dark strip and not the bright one, the ratio may be that much higher.
     """
     side = border_side(border)
     state = states[strip]
@@ -208,7 +206,7 @@ def _ceiling_beside(
             map_ratio = map_log_ratios[row]
     speaks = outer - rules.evidence
     ceiling = min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
-    return ceiling, map_ratio
+    return ceiling + max(map_log_ratios[strip] - map_ratio, 0.0)
 
 
 @compiled_loop
