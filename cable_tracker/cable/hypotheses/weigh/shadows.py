@@ -205,8 +205,10 @@ def _ceiling_beside(
             most, outer = ratio, measured.bright_border_log_ratios[row, 1 - shared]
             map_ratio = map_log_ratios[row]
     speaks = outer - rules.evidence
-    ceiling = min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
-    return ceiling + max(map_log_ratios[strip] - map_ratio, 0.0)
+    if speaks <= 0.0:
+        return math.inf
+    shown_instead: float = max(map_log_ratios[strip] - map_ratio, 0.0)
+    return min(most, rules.limit) - speaks + shown_instead
 
 
 @compiled_loop
