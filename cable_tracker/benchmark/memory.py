@@ -22,7 +22,7 @@ KIB = 1024
 SAMPLES = 40
 """Number of samples of the memory after the warm-up."""
 
-WARM_UP_SHARE, LONGEST_WARM_UP = 0.2, 500
+WARM_UP_SHARE, LONGEST_WARM_UP = 0.2, 2000
 """Share of the frames, and number of them at most, before the memory counts."""
 
 

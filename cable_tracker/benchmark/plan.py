@@ -71,7 +71,7 @@ class Plan:
     particles: tuple[int, ...] = (300, 500, 2000, 10_000, 100_000)
     effort: Effort = field(default_factory=Effort)
     profiled: int = 200
-    memory: int = 2000
+    memory: int = 10_000
     starts: bool = True
     contours: bool = True
 

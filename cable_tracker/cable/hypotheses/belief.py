@@ -38,9 +38,9 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, le
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, is_worked_out
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
 from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_width import map_widening
+from cable_tracker.cable.measure.map.map_width import MapBorders, blend_of
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -54,8 +54,8 @@ MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
 
-WIDENING_TIME = 0.5
-"""Time over which the widening by maps is smoothed [s]."""
+MAP_BORDERS_TIME = 0.5
+"""Time over which the borders by maps are smoothed [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,9 +91,9 @@ class Belief:
         it for a cable: it is known from the beginning.
     kept_map : KeptMap or None
         The last map of a picture, while the hypothesis that led in that frame goes on.
-    widening : float or None
-        How much wider than its borders maps show the leading hypothesis, smoothed, see
-        `map_widening` [px]; None before it has been held against one.
+    map_borders : MapBorders or None
+        Where maps show the borders of the leading hypothesis, smoothed [px]; None before it has
+        been held against one.
     """
 
     particles: Particles
@@ -108,7 +108,7 @@ class Belief:
     known_time: float = 0.0
     is_given: bool = False
     kept_map: KeptMap | None = None
-    widening: float | None = None
+    map_borders: MapBorders | None = None
 
     def aged(self, dt: float) -> Belief:
         """Return the same belief `dt` seconds later, before the next frame is looked at."""
@@ -164,7 +164,7 @@ def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
 def updated_belief(
     before: Belief,
     conclusion: Conclusion,
-    cable_map: CableMap,
+    shown: MapBorders | None,
     dt: float,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
@@ -178,8 +178,8 @@ def updated_belief(
         Belief before the frame, aged to its time.
     conclusion : Conclusion
         Particles, clusters and log-odds after the frame, at least one cluster.
-    cable_map : CableMap
-        The map that the frame was held against.
+    shown : MapBorders or None
+        Where the frame's own map shows the borders of the leading hypothesis; None: it has none.
     dt : float
         Time since the frame before [s].
     parameters : TrackerParameters
@@ -221,25 +221,17 @@ def updated_belief(
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,
         is_given=before.is_given and goes_on,
         kept_map=before.kept_map if conclusion.goes_on else None,
-        widening=_updated_widening(before, conclusion, cable_map, dt),
+        map_borders=_smoothed_map_borders(before, shown) if conclusion.goes_on else shown,
     )
 
 
-def _updated_widening(
-    before: Belief, conclusion: Conclusion, cable_map: CableMap, dt: float
-) -> float | None:
-    """Return the widening of the leading hypothesis after a frame [px].
-
-    It is that of the frame's map, smoothed while the hypothesis goes on; without a map it stays.
-    """
-    widening = before.widening if conclusion.goes_on else None
-    if not is_worked_out(cable_map):
-        return widening
-    found: float = map_widening(conclusion.hypotheses.clusters.means[0], cable_map)
-    if widening is None:
-        return found
-    kept = math.exp(-dt / WIDENING_TIME)
-    return kept * widening + (1.0 - kept) * found
+def _smoothed_map_borders(before: Belief, shown: MapBorders | None) -> MapBorders | None:
+    """Return the borders by maps of a hypothesis that goes on; without a new map they stay."""
+    if before.map_borders is None or before.kept_map is None or shown is None:
+        return before.map_borders if shown is None else shown
+    return blend_of(
+        before.map_borders, shown, math.exp(-before.kept_map.seconds / MAP_BORDERS_TIME)
+    )
 
 
 def updated_p_bright(

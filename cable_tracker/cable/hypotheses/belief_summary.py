@@ -20,9 +20,10 @@ from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.weigh.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
+from cable_tracker.cable.measure.map.map_width import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state, wrapped_estimate
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH, CableState
+from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, STATE_SIZE, WIDTH, CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 FAMILIAR = 2.0
@@ -64,6 +65,9 @@ Fitted to crisp strips of even seeds up to 500."""
 RESOLVED_WIDENING = 0.5
 """Widening by maps that is less than they resolve [px at the reference width]."""
 
+SHADOW_DOUBT = 0.4
+"""Standard deviation of the width of a shadow that is taken off, as a share of it."""
+
 LEAST_WIDTH_SHARE = 0.6
 """Minimum width of a cable as a share of the width that is seen."""
 
@@ -74,8 +78,8 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
     `scale`: pixels of the frame per pixel of an image of the reference width.
     """
     hypotheses = belief.hypotheses
-    widening = belief.widening or 0.0
-    mean, covariance = leading_estimate(hypotheses, widening, parameters, scale)
+    shown = belief.map_borders or AS_THE_STRIP
+    mean, covariance = leading_estimate(hypotheses, shown, parameters, scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, scale)
     is_present = belief.presence >= parameters.presence_to_lose
@@ -98,7 +102,7 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         follows_given=belief.is_given,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters, widening, parameters, scale),
+        hypotheses=_reported(hypotheses.clusters, shown, parameters, scale),
     )
 
 
@@ -120,11 +124,11 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, scale: float) -> 
 
 
 def leading_estimate(
-    hypotheses: Hypotheses, widening: float, parameters: TrackerParameters, scale: float
+    hypotheses: Hypotheses, shown: MapBorders, parameters: TrackerParameters, scale: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters.
 
-    `widening`: how much wider than its borders maps show it [px].
+    `shown`: where maps show its borders.
     """
     leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
@@ -134,7 +138,20 @@ def leading_estimate(
         parameters,
         scale,
     )
-    return wrapped_estimate(_estimated(leader, widening, parameters, scale), displaced)
+    # What a map leaves out is told to a cell at best, and mostly too little.
+    doubts = SHADOW_DOUBT * shadow_rims(shown, parameters)
+    offsets = POSE_OF_BORDERS[:, :2]
+    displaced[:POSE_SIZE, :POSE_SIZE] += offsets * doubts**2 @ offsets.T
+    return wrapped_estimate(_estimated(leader, shown, parameters, scale), displaced)
+
+
+def shadow_rims(shown: MapBorders, parameters: TrackerParameters) -> FloatArray:
+    """Return the widths of the shadows along the borders that are no part of the cable, (2,) [px].
+
+    None where maps have no say in the width.
+    """
+    rims = np.array([shown.left_rim, shown.right_rim])
+    return rims if parameters.map_width_share > 0.0 else np.zeros_like(rims)
 
 
 def width_by_map(widening: float, parameters: TrackerParameters, scale: float) -> float:
@@ -146,23 +163,29 @@ def width_by_map(widening: float, parameters: TrackerParameters, scale: float) -
 
 
 def _estimated(
-    mean: FloatArray, widening: float, parameters: TrackerParameters, scale: float
+    mean: FloatArray, shown: MapBorders, parameters: TrackerParameters, scale: float
 ) -> FloatArray:
-    """Return a cluster's mean (8,) with the width that the cable has, not that of its borders."""
+    """Return a cluster's mean (8,) with the width that the cable has, not that of its borders.
+
+    Shadows beside it, which `shown` tells, are no part of it.
+    """
     state = mean.copy()
     width = width_before_smoothing(float(state[WIDTH]), parameters, scale)
-    state[WIDTH] = width + width_by_map(widening, parameters, scale)
+    state[WIDTH] = width + width_by_map(shown.widening, parameters, scale)
+    left_rim, right_rim = shadow_rims(shown, parameters)
+    state[WIDTH] -= left_rim + right_rim
+    state[DISTANCE] += 0.5 * (left_rim - right_rim)
     return state
 
 
 def _reported(
-    clusters: Clusters, widening: float, parameters: TrackerParameters, scale: float
+    clusters: Clusters, shown: MapBorders, parameters: TrackerParameters, scale: float
 ) -> tuple[Hypothesis, ...]:
-    """Return the clusters that are worth mention, and the first, which is widened, in any case."""
+    """Return the clusters that are worth mention, and in any case the first, which maps show."""
     reported = []
     for index, mass in enumerate(clusters.masses.tolist()):
         if index == 0 or mass >= SMALLEST_HYPOTHESIS:
-            of_maps = widening if index == 0 else 0.0
+            of_maps = shown if index == 0 else AS_THE_STRIP
             state = _estimated(clusters.means[index], of_maps, parameters, scale)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)

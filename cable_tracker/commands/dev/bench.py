@@ -57,7 +57,7 @@ def bench(  # noqa: PLR0917
     memory: Annotated[
         int | None,
         typer.Option(
-            help="Frames over which memory is watched; 0: none.  [default: 2000, quick: 0]", min=0
+            help="Frames over which memory is watched; 0: none.  [default: 10000, quick: 0]", min=0
         ),
     ] = None,
     markdown: Annotated[

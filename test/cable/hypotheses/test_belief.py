@@ -19,13 +19,9 @@ from cable_tracker.cable.hypotheses.belief import (
 from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.measure.map.cable_map import (
-    NO_MAP,
-    CableMap,
-    cable_map_of,
-    strip_shares,
-)
+from cable_tracker.cable.measure.map.cable_map import NO_MAP
 from cable_tracker.cable.measure.map.kept_map import KeptMap
+from cable_tracker.cable.measure.map.map_width import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -96,8 +92,8 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
     return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0, goes_on)
 
 
-def updated(found: Conclusion, before: Belief = BEFORE, cable_map: CableMap = NO_MAP) -> Belief:
-    return updated_belief(before, found, cable_map, 0.1, PARAMETERS, (320, 240), 1.0)
+def updated(found: Conclusion, before: Belief = BEFORE, shown: MapBorders | None = None) -> Belief:
+    return updated_belief(before, found, shown, 0.1, PARAMETERS, (320, 240), 1.0)
 
 
 def test_a_clear_cable_is_remembered_and_its_time_grows():
@@ -188,26 +184,26 @@ def test_what_was_known_is_forgotten_with_time():
     assert 0.5 < late < soon < 0.9
 
 
-def map_of_width(width: float) -> CableMap:
-    nothing = cable_map_of(np.zeros((60, 80), np.float32), -158.0, 118.0, 4.0)
-    wider = LEADER.copy()
-    wider[2] = width
-    shares = strip_shares(wider, nothing)
-    return cable_map_of(shares, nothing.left, nothing.top, nothing.cell)
+SHOWN = MapBorders(10.0, 0.0, 6.0)
 
 
-def test_the_first_map_says_how_much_wider_than_its_borders_a_cable_is():
-    belief = updated(concluded(), cable_map=map_of_width(40.0))
-    assert belief.widening == pytest.approx(10.0, abs=2.0)
+def test_the_first_map_says_where_the_borders_of_a_cable_are():
+    assert updated(concluded(), shown=SHOWN).map_borders == SHOWN
 
 
-def test_what_later_maps_say_is_smoothed_and_without_a_map_it_stays():
-    before = replace(BEFORE, widening=0.0)
-    seen = updated(concluded(), before, map_of_width(40.0)).widening
-    assert 0.5 < seen < 5.0
-    assert updated(concluded(), replace(BEFORE, widening=seen)).widening == seen
+@pytest.mark.parametrize(("seconds", "least", "most"), [(0.04, 0.5, 1.0), (1.0, 8.0, 9.0)])
+def test_what_later_maps_say_counts_the_more_the_older_the_last_one_is(seconds, least, most):
+    kept = replace(BEFORE, map_borders=AS_THE_STRIP, kept_map=KeptMap(NO_MAP, LEADER[:4], seconds))
+    found = updated(concluded(), kept, SHOWN).map_borders
+    assert least < found.widening < most
+    assert found.right_rim == pytest.approx(0.6 * found.widening)
 
 
-def test_another_leader_has_its_own_width():
-    before = replace(BEFORE, widening=7.0)
-    assert updated(concluded(goes_on=False), before).widening is None
+def test_without_a_map_the_borders_stay():
+    kept = replace(BEFORE, map_borders=SHOWN, kept_map=KeptMap(NO_MAP, LEADER[:4], 0.5))
+    assert updated(concluded(), kept).map_borders == SHOWN
+
+
+def test_another_leader_has_its_own_borders():
+    before = replace(BEFORE, map_borders=SHOWN)
+    assert updated(concluded(goes_on=False), before).map_borders is None

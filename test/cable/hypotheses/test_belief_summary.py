@@ -15,6 +15,7 @@ from cable_tracker.cable.hypotheses.belief_summary import (
     belief_summary,
     displaced_covariance,
     displacement_factors,
+    leading_estimate,
     width_before_smoothing,
     width_by_map,
 )
@@ -22,6 +23,7 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, le
 from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
+from cable_tracker.cable.measure.map.map_width import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -182,3 +184,21 @@ def test_two_thirds_of_a_widening_beyond_what_maps_resolve_are_believed(widening
     assert width_by_map(widening, PARAMETERS, 1.0) == pytest.approx(added)
     assert width_by_map(2.0 * widening, PARAMETERS, 2.0) == pytest.approx(2.0 * added)
     assert width_by_map(widening, replace(PARAMETERS, map_width_share=0.0), 1.0) == 0.0
+
+
+@pytest.mark.parametrize("parameters", [PARAMETERS, replace(PARAMETERS, map_width_share=0.0)])
+def test_shadows_are_taken_off_the_borders_where_maps_have_a_say(parameters):
+    belief = initial_belief(LEADER[None], 0.99)
+    hypotheses = belief.hypotheses._replace(covariance=np.eye(8))
+    seen, plain = (
+        leading_estimate(hypotheses, shown, parameters, 1.0)
+        for shown in (MapBorders(-9.0, 6.0, 2.0), AS_THE_STRIP)
+    )
+    share = float(parameters.map_width_share > 0.0)
+    np.testing.assert_allclose(seen[0] - plain[0], share * np.array([2.0, 0, -8, 0, 0, 0, 0, 0]))
+    # The left border is doubted three times as much as the right one: where d is too large, w is
+    # too small.
+    more = seen[1] - plain[1]
+    assert more[0, 0] == pytest.approx(share * 0.25 * 0.4**2 * (6.0**2 + 2.0**2))
+    assert more[2, 2] == pytest.approx(share * 0.4**2 * (6.0**2 + 2.0**2))
+    assert more[0, 2] == pytest.approx(share * 0.5 * 0.4**2 * (2.0**2 - 6.0**2))

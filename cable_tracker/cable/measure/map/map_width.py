@@ -4,20 +4,39 @@ The brightness of a round cable falls off towards its silhouette, and grown over
 the steepest place of the picture lies inside, and the likelihood puts the border there. The network
 has learnt where the silhouette is. It tells that to about a pixel, less finely than borders that
 are crisp; so what it says is measured twice, and of the two the smaller counts.
+
+A shadow beside a cable has a crisp border, too, on its far side, and where it is about as dark as
+the cable the likelihood takes both for one strip. The map shows the cable without it. But of a
+cable that sand covers in part it shows the rest, and of a faint one sometimes less than there is;
+so what it leaves out is a shadow only where it is darker than the ground beyond it.
 """
 
 from __future__ import annotations
 
-from cable_tracker.arrays import FloatArray
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.cable_map import (
     CableMap,
-    is_worked_out,
+    cable_map_of,
+    map_overlap,
     share_inside,
     strip_borders,
 )
 from cable_tracker.cable.measure.map.map_strips import refine_strip
-from cable_tracker.cable.model.state import WIDTH
-from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_part
+from cable_tracker.cable.model.geometry import border_offset, border_side
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
+from cable_tracker.compilation import (
+    compiled,
+    compiled_fast_loop,
+    compiled_inside,
+    compiled_loop,
+    compiled_part,
+)
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 MAP_BLUR = 0.225
 """How much wider a map shows a crisp strip than it is [cells]."""
@@ -28,16 +47,89 @@ FARTHEST, NEAREST = 4.0, 1.0
 MOST_WIDENING = 0.4
 """Limit of the widening, of either sign, as a share of the width."""
 
+LEAST_RIM, MOST_OF_WIDTH = 0.75, 0.45
+"""Limits of the width of a shadow: cells at least, and share of the width of the strip at most."""
+
+LEAST_WITH_RIM, LEAST_OVERLAP = 8.0, 1.6
+"""Limits of a strip a part of which may be a shadow: its width [cells] and the overlap of the rest
+with the map [nats]. Of a thin or faint cable maps show less than there is."""
+
+LEAST_DARKNESS = 0.6
+"""How much darker than the ground beyond it a shadow is at least [standard deviations of both].
+Shadows of the worlds to tune on are darker by 0.7 to 1.6, sand on a cable by 0.1 to 0.3."""
+
+BESIDE_EDGES = 1.5
+"""Pixels nearer to an edge count for neither side of it [px at the reference width]."""
+
+FEWEST_PIXELS = 20
+"""Number of pixels on either side that tell how dark a shadow is."""
+
+
+class MapBorders(NamedTuple):
+    """Where a map shows the borders of a strip.
+
+    Attributes
+    ----------
+    widening : float
+        How much wider than the strip the map shows it [px], below 0 if it is narrower; the smaller
+        of what the cells beside its borders and the strip nearby that overlaps best with the map
+        say, 0 if they disagree which way.
+    left_rim, right_rim : float
+        Widths of the parts along its borders that are shadows beside the cable [px]; 0: none.
+    """
+
+    widening: float
+    left_rim: float
+    right_rim: float
+
+
+AS_THE_STRIP = MapBorders(0.0, 0.0, 0.0)
+"""Where nothing else is said."""
+
 
 @compiled
-def map_widening(state: FloatArray, cable_map: CableMap) -> float:
-    """Return how much wider than a strip (8,) a map shows it [px], below 0 if it is narrower.
+def map_borders(
+    state: FloatArray, cable_map: CableMap, picture: Image, reduction: float
+) -> MapBorders:
+    """Return where a map that is worked out shows the borders of a strip (8,).
 
-    It is measured by the cells beside the borders and by the strip nearby that overlaps best with
-    the map; 0 if they disagree which way, or there is no map.
+    Parameters
+    ----------
+    state : FloatArray
+        The strip [px, rad].
+    cable_map : CableMap
+        The map.
+    picture : Image
+        Grey levels, float32 (h, w), in which shadows are dark.
+    reduction : float
+        Pixels of the picture per pixel of the frame.
     """
-    if not is_worked_out(cable_map):
-        return 0.0
+    widening = _widening(state, cable_map)
+    if state[WIDTH] < LEAST_WITH_RIM * cable_map.cell:
+        return MapBorders(widening, 0.0, 0.0)
+    # Shadows are rather not cable than half of one: only what is more likely than not counts.
+    likely = np.maximum(
+        np.float32(2.0) * cable_map.probabilities - np.float32(1.0), np.float32(0.0)
+    )
+    likely_map = cable_map_of(likely, cable_map.left, cable_map.top, cable_map.cell)
+    nearby = state.copy()
+    refine_strip(likely_map, nearby)
+    if map_overlap(nearby, cable_map) < LEAST_OVERLAP:
+        return MapBorders(widening, 0.0, 0.0)
+    left_rim = _shadow_rim(state, nearby, 0, cable_map.cell, picture, reduction)
+    right_rim = _shadow_rim(state, nearby, 1, cable_map.cell, picture, reduction)
+    return MapBorders(widening, left_rim, right_rim)
+
+
+def blend_of(before: MapBorders, found: MapBorders, kept: float) -> MapBorders:
+    """Return means of both, `kept` (0 to 1) of those before."""
+    means = (kept * old + (1.0 - kept) * new for old, new in zip(before, found, strict=True))
+    return MapBorders(*means)
+
+
+@compiled_part
+def _widening(state: FloatArray, cable_map: CableMap) -> float:
+    """Return how much wider than a strip a map shows it [px]; see `MapBorders`."""
     width, blur = state[WIDTH], MAP_BLUR * cable_map.cell
     by_cells = _widening_by_cells(state, cable_map) - blur
     nearby = state.copy()
@@ -47,6 +139,83 @@ def map_widening(state: FloatArray, cable_map: CableMap) -> float:
         return 0.0
     smaller: float = min(abs(by_cells), abs(by_strip), MOST_WIDENING * width)
     return smaller if by_strip > 0.0 else -smaller
+
+
+@compiled_loop
+def _shadow_rim(
+    state: FloatArray,
+    nearby: FloatArray,
+    border: int,
+    cell: float,
+    picture: Image,
+    reduction: float,
+) -> float:
+    """Return the width of the shadow along a border of a strip [px]; 0 if there is none."""
+    outer, inner = _border(state, border), _border(nearby, border)
+    x, y = outer[2] * outer[0], outer[2] * outer[1]
+    rim = -_inwards(inner, x, y)
+    if rim < LEAST_RIM * cell:
+        return 0.0
+    if _darkness(outer, inner, rim, picture, reduction) < LEAST_DARKNESS:
+        return 0.0
+    shadow: float = min(rim, MOST_OF_WIDTH * state[WIDTH])
+    return shadow
+
+
+@compiled_inside
+def _border(state: FloatArray, border: int) -> tuple[float, float, float]:
+    """Return the normal of a border of a strip, which points inwards, and its offset along it."""
+    side = border_side(border)
+    angle = state[ANGLE] + side * state[SKEW]
+    offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
+    return -side * math.cos(angle), -side * math.sin(angle), -side * offset
+
+
+@compiled_inside
+def _inwards(border: tuple[float, float, float], x: float, y: float) -> float:
+    """Return how far inwards of a border a place lies [px]."""
+    return border[0] * x + border[1] * y - border[2]
+
+
+@compiled_loop
+def _darkness(
+    outer: tuple[float, float, float],
+    inner: tuple[float, float, float],
+    rim: float,
+    picture: Image,
+    reduction: float,
+) -> float:
+    """Return how much darker than the ground beyond it what lies between two borders is.
+
+    In standard deviations of both; 0 where too few pixels tell. The ground is looked at as far
+    outwards as the rim is wide [px].
+    """
+    height, width = picture.shape
+    margin = BESIDE_EDGES * width / (reduction * REFERENCE_WIDTH)
+    number_inside, sum_inside, squares_inside = 0, 0.0, 0.0
+    number_beyond, sum_beyond, squares_beyond = 0, 0.0, 0.0
+    for row in range(0, height, 2):
+        y = (0.5 * (height - 1) - row) / reduction
+        for column in range(0, width, 2):
+            x = (column - 0.5 * (width - 1)) / reduction
+            inwards = _inwards(outer, x, y)
+            if abs(inwards) <= margin or inwards < -rim - margin:
+                continue
+            level = picture[row, column]
+            if inwards < 0.0:
+                number_beyond += 1
+                sum_beyond += level
+                squares_beyond += level * level
+            elif _inwards(inner, x, y) < -margin:
+                number_inside += 1
+                sum_inside += level
+                squares_inside += level * level
+    if min(number_inside, number_beyond) < FEWEST_PIXELS:
+        return 0.0
+    inside, beyond = sum_inside / number_inside, sum_beyond / number_beyond
+    variance = squares_inside / number_inside - inside**2
+    variance += squares_beyond / number_beyond - beyond**2
+    return (beyond - inside) / math.sqrt(max(0.5 * variance, 1.0))
 
 
 @compiled_part
