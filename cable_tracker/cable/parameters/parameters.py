@@ -280,8 +280,9 @@ class TrackerParameters(ParameterSet):
         0.0,
         1.0,
         "How much of what the network's maps show beyond the borders of the cable is added to its"
-        " width: round and overgrown cables are wider than their clearest borders. 0: the width is"
-        " that of the borders.",
+        " width: round and overgrown cables are wider than their clearest borders. Unless it is 0,"
+        " a dark shadow along a border, which maps leave out, is taken off. 0: the width is that of"
+        " the borders.",
     )
     detector_share: float = number(
         0.2,

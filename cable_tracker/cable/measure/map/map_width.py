@@ -32,7 +32,6 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import (
     compiled,
     compiled_fast_loop,
-    compiled_inside,
     compiled_loop,
     compiled_part,
 )
@@ -53,6 +52,10 @@ LEAST_RIM, MOST_OF_WIDTH = 0.75, 0.45
 LEAST_WITH_RIM, LEAST_OVERLAP = 8.0, 1.6
 """Limits of a strip a part of which may be a shadow: its width [cells] and the overlap of the rest
 with the map [nats]. Of a thin or faint cable maps show less than there is."""
+
+RIM_STEP, ROUNDS = 0.5, 2
+"""Step of the width of a part along a border that is left out [cells], and how often one border
+after the other is looked at."""
 
 LEAST_DARKNESS = 0.6
 """How much darker than the ground beyond it a shadow is at least [standard deviations of both].
@@ -112,12 +115,13 @@ def map_borders(
         np.float32(2.0) * cable_map.probabilities - np.float32(1.0), np.float32(0.0)
     )
     likely_map = cable_map_of(likely, cable_map.left, cable_map.top, cable_map.cell)
-    nearby = state.copy()
-    refine_strip(likely_map, nearby)
-    if map_overlap(nearby, cable_map) < LEAST_OVERLAP:
+    left_rim, right_rim = _left_out(state, likely_map)
+    if map_overlap(_without_rims(state, left_rim, right_rim), cable_map) < LEAST_OVERLAP:
         return MapBorders(widening, 0.0, 0.0)
-    left_rim = _shadow_rim(state, nearby, 0, cable_map.cell, picture, reduction)
-    right_rim = _shadow_rim(state, nearby, 1, cable_map.cell, picture, reduction)
+    if not _is_shadow(state, 0, left_rim, cable_map.cell, picture, reduction):
+        left_rim = 0.0
+    if not _is_shadow(state, 1, right_rim, cable_map.cell, picture, reduction):
+        right_rim = 0.0
     return MapBorders(widening, left_rim, right_rim)
 
 
@@ -141,55 +145,55 @@ def _widening(state: FloatArray, cable_map: CableMap) -> float:
     return smaller if by_strip > 0.0 else -smaller
 
 
+@compiled_part
+def _left_out(state: FloatArray, cable_map: CableMap) -> tuple[float, float]:
+    """Return how wide the parts along the borders are without which a strip overlaps best [px]."""
+    left_rim, right_rim = 0.0, 0.0
+    for _ in range(ROUNDS):
+        left_rim = _best_rim(state, 0, right_rim, cable_map)
+        right_rim = _best_rim(state, 1, left_rim, cable_map)
+    return left_rim, right_rim
+
+
+@compiled_part
+def _best_rim(state: FloatArray, border: int, other: float, cable_map: CableMap) -> float:
+    """Return the width of the part along a border without which a strip overlaps best [px].
+
+    `other` is the width of the part that is left out along the other border [px].
+    """
+    best, most = 0.0, -math.inf
+    step = RIM_STEP * cable_map.cell
+    for count in range(int(MOST_OF_WIDTH * state[WIDTH] / step) + 1):
+        rim = count * step
+        left_rim, right_rim = (rim, other) if border == 0 else (other, rim)
+        overlap = map_overlap(_without_rims(state, left_rim, right_rim), cable_map)
+        if overlap > most:
+            best, most = rim, overlap
+    return best
+
+
+@compiled_part
+def _without_rims(state: FloatArray, left_rim: float, right_rim: float) -> FloatArray:
+    """Return a strip (8,) without parts along its borders [px]."""
+    rest = state.copy()
+    rest[DISTANCE] += 0.5 * (left_rim - right_rim)
+    rest[WIDTH] -= left_rim + right_rim
+    return rest
+
+
 @compiled_loop
-def _shadow_rim(
-    state: FloatArray,
-    nearby: FloatArray,
-    border: int,
-    cell: float,
-    picture: Image,
-    reduction: float,
-) -> float:
-    """Return the width of the shadow along a border of a strip [px]; 0 if there is none."""
-    outer, inner = _border(state, border), _border(nearby, border)
-    x, y = outer[2] * outer[0], outer[2] * outer[1]
-    rim = -_inwards(inner, x, y)
+def _is_shadow(
+    state: FloatArray, border: int, rim: float, cell: float, picture: Image, reduction: float
+) -> bool:
+    """Tell whether the part along a border of a strip is darker than the ground beyond it.
+
+    `rim` is its width [px]; the ground is looked at as far outwards as that.
+    """
     if rim < LEAST_RIM * cell:
-        return 0.0
-    if _darkness(outer, inner, rim, picture, reduction) < LEAST_DARKNESS:
-        return 0.0
-    shadow: float = min(rim, MOST_OF_WIDTH * state[WIDTH])
-    return shadow
-
-
-@compiled_inside
-def _border(state: FloatArray, border: int) -> tuple[float, float, float]:
-    """Return the normal of a border of a strip, which points inwards, and its offset along it."""
+        return False
     side = border_side(border)
     angle = state[ANGLE] + side * state[SKEW]
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
-    return -side * math.cos(angle), -side * math.sin(angle), -side * offset
-
-
-@compiled_inside
-def _inwards(border: tuple[float, float, float], x: float, y: float) -> float:
-    """Return how far inwards of a border a place lies [px]."""
-    return border[0] * x + border[1] * y - border[2]
-
-
-@compiled_loop
-def _darkness(
-    outer: tuple[float, float, float],
-    inner: tuple[float, float, float],
-    rim: float,
-    picture: Image,
-    reduction: float,
-) -> float:
-    """Return how much darker than the ground beyond it what lies between two borders is.
-
-    In standard deviations of both; 0 where too few pixels tell. The ground is looked at as far
-    outwards as the rim is wide [px].
-    """
     height, width = picture.shape
     margin = BESIDE_EDGES * width / (reduction * REFERENCE_WIDTH)
     number_inside, sum_inside, squares_inside = 0, 0.0, 0.0
@@ -198,24 +202,25 @@ def _darkness(
         y = (0.5 * (height - 1) - row) / reduction
         for column in range(0, width, 2):
             x = (column - 0.5 * (width - 1)) / reduction
-            inwards = _inwards(outer, x, y)
-            if abs(inwards) <= margin or inwards < -rim - margin:
+            inwards = side * (offset - x * math.cos(angle) - y * math.sin(angle))
+            if abs(inwards) <= margin or abs(inwards) >= rim + margin:
                 continue
             level = picture[row, column]
             if inwards < 0.0:
                 number_beyond += 1
                 sum_beyond += level
                 squares_beyond += level * level
-            elif _inwards(inner, x, y) < -margin:
+            elif inwards < rim - margin:
                 number_inside += 1
                 sum_inside += level
                 squares_inside += level * level
     if min(number_inside, number_beyond) < FEWEST_PIXELS:
-        return 0.0
+        return False
     inside, beyond = sum_inside / number_inside, sum_beyond / number_beyond
     variance = squares_inside / number_inside - inside**2
     variance += squares_beyond / number_beyond - beyond**2
-    return (beyond - inside) / math.sqrt(max(0.5 * variance, 1.0))
+    is_darker: bool = beyond - inside >= LEAST_DARKNESS * math.sqrt(max(0.5 * variance, 1.0))
+    return is_darker
 
 
 @compiled_part
