@@ -193,6 +193,7 @@ def _is_shadow(
         return False
     side = border_side(border)
     angle = state[ANGLE] + side * state[SKEW]
+    normal_x, normal_y = math.cos(angle), math.sin(angle)
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
     height, width = picture.shape
     margin = BESIDE_EDGES * width / (reduction * REFERENCE_WIDTH)
@@ -202,7 +203,7 @@ def _is_shadow(
         y = (0.5 * (height - 1) - row) / reduction
         for column in range(0, width, 2):
             x = (column - 0.5 * (width - 1)) / reduction
-            inwards = side * (offset - x * math.cos(angle) - y * math.sin(angle))
+            inwards = side * (offset - x * normal_x - y * normal_y)
             if abs(inwards) <= margin or abs(inwards) >= rim + margin:
                 continue
             level = picture[row, column]
