@@ -23,7 +23,6 @@ What is said of the leading hypothesis, from what the belief holds to what the s
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -40,7 +39,7 @@ from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
 from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_width import MapBorders, blend_of
+from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -53,9 +52,6 @@ MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
-
-MAP_BORDERS_TIME = 0.5
-"""Time over which the borders by maps are smoothed [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,9 +87,6 @@ class Belief:
         it for a cable: it is known from the beginning.
     kept_map : KeptMap or None
         The last map of a picture, while the hypothesis that led in that frame goes on.
-    map_borders : MapBorders or None
-        Where maps show the borders of the leading hypothesis, smoothed [px]; None before it has
-        been held against one.
     """
 
     particles: Particles
@@ -108,7 +101,6 @@ class Belief:
     known_time: float = 0.0
     is_given: bool = False
     kept_map: KeptMap | None = None
-    map_borders: MapBorders | None = None
 
     def aged(self, dt: float) -> Belief:
         """Return the same belief `dt` seconds later, before the next frame is looked at."""
@@ -121,6 +113,11 @@ class Belief:
     def map_moved_to(self, leader: FloatArray) -> CableMap:
         """Return the kept map as it lies when the leading hypothesis is at (8,); else `NO_MAP`."""
         return self.kept_map.moved_to(leader) if self.kept_map is not None else NO_MAP
+
+    @property
+    def map_borders(self) -> MapBorders:
+        """Where maps show the borders of the leading hypothesis, smoothed [px]."""
+        return self.kept_map.borders if self.kept_map is not None else AS_THE_STRIP
 
     @property
     def is_followed(self) -> bool:
@@ -164,7 +161,6 @@ def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
 def updated_belief(
     before: Belief,
     conclusion: Conclusion,
-    shown: MapBorders | None,
     dt: float,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
@@ -178,8 +174,6 @@ def updated_belief(
         Belief before the frame, aged to its time.
     conclusion : Conclusion
         Particles, clusters and log-odds after the frame, at least one cluster.
-    shown : MapBorders or None
-        Where the frame's own map shows the borders of the leading hypothesis; None: it has none.
     dt : float
         Time since the frame before [s].
     parameters : TrackerParameters
@@ -221,16 +215,6 @@ def updated_belief(
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,
         is_given=before.is_given and goes_on,
         kept_map=before.kept_map if conclusion.goes_on else None,
-        map_borders=_smoothed_map_borders(before, shown) if conclusion.goes_on else shown,
-    )
-
-
-def _smoothed_map_borders(before: Belief, shown: MapBorders | None) -> MapBorders | None:
-    """Return the borders by maps of a hypothesis that goes on; without a new map they stay."""
-    if before.map_borders is None or before.kept_map is None or shown is None:
-        return before.map_borders if shown is None else shown
-    return blend_of(
-        before.map_borders, shown, math.exp(-before.kept_map.seconds / MAP_BORDERS_TIME)
     )
 
 

@@ -20,7 +20,7 @@ from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.weigh.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
-from cable_tracker.cable.measure.map.map_width import AS_THE_STRIP, MapBorders
+from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state, wrapped_estimate
 from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, STATE_SIZE, WIDTH, CableState
@@ -78,7 +78,7 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
     `scale`: pixels of the frame per pixel of an image of the reference width.
     """
     hypotheses = belief.hypotheses
-    shown = belief.map_borders or AS_THE_STRIP
+    shown = belief.map_borders
     mean, covariance = leading_estimate(hypotheses, shown, parameters, scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, scale)

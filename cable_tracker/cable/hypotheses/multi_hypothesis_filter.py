@@ -63,9 +63,9 @@ from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, s
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE, PriorPresence
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.map.cable_map import CableMap, beside_expected, is_worked_out
+from cable_tracker.cable.measure.map.cable_map import CableMap, beside_expected
 from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_width import map_borders
+from cable_tracker.cable.measure.map.map_borders import map_borders
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -183,23 +183,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             # Every particle is impossible.
             states = draw_births(births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        leader = conclusion.hypotheses.clusters.means[0]
-        has_own_map = looks and is_worked_out(cable_map)
-        shown = (
-            map_borders(leader, cable_map, image.pixels, image.reduction) if has_own_map else None
-        )
         updated = updated_belief(
-            belief,
-            conclusion,
-            shown,
-            dt,
-            self._parameters,
-            self._image_size,
-            image.frame_scale,
+            belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale
         )
-        if looks:
-            updated = replace(updated, kept_map=KeptMap(image.cable_map, leader[:POSE_SIZE]))
-        return updated
+        return _with_map_of_frame(updated, image) if looks else updated
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
         """Tell whether a map is worth its time.
@@ -258,6 +245,15 @@ def _map_of_frame(
     if not looks:
         return belief.map_moved_to(expected)
     return beside_expected(image.cable_map, expected) if prior.is_known else image.cable_map
+
+
+def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
+    """Return a belief that keeps the map of its frame and where that shows its leader's borders."""
+    leader = belief.hypotheses.clusters.means[0]
+    borders = map_borders(leader, image.cable_map, image.pixels, image.reduction)
+    if belief.kept_map is not None:
+        borders = belief.kept_map.smoothed(borders)
+    return replace(belief, kept_map=KeptMap(image.cable_map, leader[:POSE_SIZE], borders))
 
 
 def _new_search(first: Belief, before: Belief) -> Belief:

@@ -21,7 +21,7 @@ from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCa
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.measure.map.cable_map import NO_MAP
 from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_width import AS_THE_STRIP, MapBorders
+from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -92,8 +92,11 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
     return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0, goes_on)
 
 
-def updated(found: Conclusion, before: Belief = BEFORE, shown: MapBorders | None = None) -> Belief:
-    return updated_belief(before, found, shown, 0.1, PARAMETERS, (320, 240), 1.0)
+def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
+    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0)
+
+
+KEPT = KeptMap(NO_MAP, LEADER[:4], MapBorders(10.0, 0.0, 6.0), 0.2)
 
 
 def test_a_clear_cable_is_remembered_and_its_time_grows():
@@ -127,15 +130,14 @@ def test_another_hypothesis_or_an_absent_one_is_not_known():
 
 def test_a_map_is_kept_while_the_hypothesis_of_its_frame_goes_on():
     """It would be moved by how far another one is from that."""
-    kept = KeptMap(NO_MAP, LEADER[:4], 0.2)
-    before = replace(BEFORE, kept_map=kept)
-    assert updated(concluded(), before).kept_map is kept
+    before = replace(BEFORE, kept_map=KEPT)
+    assert updated(concluded(), before).kept_map is KEPT
     assert updated(concluded(goes_on=False), before).kept_map is None
 
 
 def test_a_belief_that_ages_remembers_what_is_older():
     memory = RememberedCable(LEADER[:4], 0.0, 50.0, math.log(30.0), seconds=1.0)
-    belief = replace(BEFORE, memory=memory, kept_map=KeptMap(NO_MAP, LEADER[:4], 0.2))
+    belief = replace(BEFORE, memory=memory, kept_map=KEPT)
     aged = belief.aged(0.1)
     assert (aged.memory.seconds, aged.kept_map.seconds) == (pytest.approx(1.1), pytest.approx(0.3))
     assert BEFORE.aged(0.1).memory is None
@@ -184,26 +186,6 @@ def test_what_was_known_is_forgotten_with_time():
     assert 0.5 < late < soon < 0.9
 
 
-SHOWN = MapBorders(10.0, 0.0, 6.0)
-
-
-def test_the_first_map_says_where_the_borders_of_a_cable_are():
-    assert updated(concluded(), shown=SHOWN).map_borders == SHOWN
-
-
-@pytest.mark.parametrize(("seconds", "least", "most"), [(0.04, 0.5, 1.0), (1.0, 8.0, 9.0)])
-def test_what_later_maps_say_counts_the_more_the_older_the_last_one_is(seconds, least, most):
-    kept = replace(BEFORE, map_borders=AS_THE_STRIP, kept_map=KeptMap(NO_MAP, LEADER[:4], seconds))
-    found = updated(concluded(), kept, SHOWN).map_borders
-    assert least < found.widening < most
-    assert found.right_rim == pytest.approx(0.6 * found.widening)
-
-
-def test_without_a_map_the_borders_stay():
-    kept = replace(BEFORE, map_borders=SHOWN, kept_map=KeptMap(NO_MAP, LEADER[:4], 0.5))
-    assert updated(concluded(), kept).map_borders == SHOWN
-
-
-def test_another_leader_has_its_own_borders():
-    before = replace(BEFORE, map_borders=SHOWN)
-    assert updated(concluded(goes_on=False), before).map_borders is None
+def test_where_maps_show_the_borders_is_told_by_the_kept_map():
+    assert replace(BEFORE, kept_map=KEPT).map_borders == KEPT.borders
+    assert BEFORE.map_borders == AS_THE_STRIP

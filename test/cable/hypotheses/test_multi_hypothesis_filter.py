@@ -20,6 +20,7 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoo
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_overlap, strip_shares
 from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, KeptMap
+from cable_tracker.cable.measure.map.map_borders import MapBorders, map_borders
 from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
@@ -486,7 +487,10 @@ def test_any_resampling_scheme_follows_the_cable(strip, scheme):
 
 
 KEPT = KeptMap(
-    cable_map_of(np.zeros((30, 40), np.float32), -78.0, 58.0, 4.0), STRIP.to_array()[:4], 0.1
+    cable_map=cable_map_of(np.zeros((30, 40), np.float32), -78.0, 58.0, 4.0),
+    pose=STRIP.to_array()[:4],
+    borders=MapBorders(10.0, 0.0, 6.0),
+    seconds=0.1,
 )
 """Of a picture that showed no cable at all, a tenth of a second ago."""
 
@@ -513,6 +517,25 @@ def test_the_network_looks_at_a_frame_where_it_is_worth_its_time(strip, before):
     assert after.kept_map.cable_map is strip.cable_map
     assert after.kept_map.seconds == 0.0
     np.testing.assert_array_equal(after.kept_map.pose, mean_of(after))
+
+
+def borders_by_the_map(belief, strip):
+    return map_borders(
+        belief.hypotheses.clusters.means[0], strip.cable_map, strip.pixels, strip.reduction
+    )
+
+
+def test_the_first_map_says_where_the_borders_are_later_ones_and_those_before_it_together(strip):
+    first = make_filter().step(belief_before(kept_map=None), strip, FRAME, NO_DETECTIONS)
+    assert first.map_borders == borders_by_the_map(first, strip)
+    later = make_filter().step(belief_before(evidence=0.1), strip, FRAME, NO_DETECTIONS)
+    kept = KEPT.aged(FRAME)
+    assert later.map_borders == kept.smoothed(borders_by_the_map(later, strip))
+
+
+def test_without_a_map_of_the_frame_the_borders_stay_where_those_before_showed_them(strip):
+    after = make_filter().step(belief_before(), strip, FRAME, NO_DETECTIONS)
+    assert after.map_borders == KEPT.borders
 
 
 def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatch):

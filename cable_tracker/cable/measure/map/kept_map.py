@@ -1,9 +1,9 @@
 """The last map of a known cable, moved along with it: what frames without one of their own go by.
 
 The network takes several times as long as the rest of a frame in which the cable is clear. So it
-looks only now and then, and what it said of the strip and of what lies beside it stays true for a
-moment, but for how the cable has moved since. How exactly it has moved is not known: a strip that
-matches the moved map nearly as well as the expected one is as good, and borders decide.
+looks only now and then, and what it said of the strip, of its borders and of what lies beside it
+stays true for a moment, but for how the cable has moved since. How exactly is not known: a strip
+that matches the moved map nearly as well as the expected one is as good, and borders decide.
 """
 
 from __future__ import annotations
@@ -16,15 +16,18 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_overlap
+from cable_tracker.cable.measure.map.map_borders import MapBorders, blend_of
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 
 SLACK = 1.0
 """How much less than that of the expected strip an overlap may be that is as good [nats]."""
 
-
 LONGEST_KEPT = 1.0
 """Age from which on a map says nothing any more [s]."""
+
+BORDERS_TIME = 0.5
+"""Time over which the borders by maps are smoothed [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,17 +40,24 @@ class KeptMap:
         The map.
     pose : FloatArray
         d, alpha, w, beta of the cable in that frame, shape (4,) [px, rad].
+    borders : MapBorders
+        Where it and the maps before it show the borders of the cable, smoothed [px].
     seconds : float
         Time since that frame [s].
     """
 
     cable_map: CableMap
     pose: FloatArray
+    borders: MapBorders
     seconds: float = 0.0
 
     def aged(self, dt: float) -> KeptMap:
         """Return the same map `dt` seconds later."""
         return replace(self, seconds=self.seconds + dt)
+
+    def smoothed(self, borders: MapBorders) -> MapBorders:
+        """Return where this map and a new one, which shows `borders`, show those of the cable."""
+        return blend_of(self.borders, borders, math.exp(-self.seconds / BORDERS_TIME))
 
     def moved_to(self, pose: FloatArray) -> CableMap:
         """Return the map as it lies when the centreline of the cable has come to that of a pose.

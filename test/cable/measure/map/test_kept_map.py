@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
 from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, SLACK, KeptMap
+from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 
 LEFT, TOP, CELL = -158.0, 118.0, 4.0
@@ -18,7 +19,7 @@ EMPTY = cable_map_of(np.zeros((60, 80), np.float32), LEFT, TOP, CELL)
 def kept_map_of(state: CableState) -> KeptMap:
     """The map of a frame that shows a strip and nothing else."""
     shares = strip_shares(state.to_array(), EMPTY)
-    return KeptMap(cable_map_of(shares, LEFT, TOP, CELL), state.to_array()[:4])
+    return KeptMap(cable_map_of(shares, LEFT, TOP, CELL), state.to_array()[:4], AS_THE_STRIP)
 
 
 def overlap(state: CableState, cable_map) -> float:
@@ -98,3 +99,13 @@ def test_in_a_moved_map_a_strip_is_as_good_as_the_expected_one_if_it_matches_nea
     half[[0, 2]] = 13.0 - 10.0, 20.0
     assert map_match(beside, moved).overlap > moved.enough
     assert map_match(half, moved).overlap < moved.enough - 1.0
+
+
+@pytest.mark.parametrize(("seconds", "least", "most"), [(0.04, 0.5, 1.0), (1.0, 8.0, 9.0)])
+def test_what_a_new_map_says_of_the_borders_counts_the_more_the_older_the_kept_one_is(
+    seconds, least, most
+):
+    kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0)).aged(seconds)
+    found = kept.smoothed(MapBorders(10.0, 0.0, 6.0))
+    assert least < found.widening < most
+    assert found.right_rim == pytest.approx(0.6 * found.widening)

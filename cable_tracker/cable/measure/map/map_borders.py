@@ -22,6 +22,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.cable_map import (
     CableMap,
     cable_map_of,
+    is_worked_out,
     map_overlap,
     share_inside,
     strip_borders,
@@ -94,7 +95,7 @@ AS_THE_STRIP = MapBorders(0.0, 0.0, 0.0)
 def map_borders(
     state: FloatArray, cable_map: CableMap, picture: Image, reduction: float
 ) -> MapBorders:
-    """Return where a map that is worked out shows the borders of a strip (8,).
+    """Return where a map shows the borders of a strip (8,); `AS_THE_STRIP` if it is `NO_MAP`.
 
     Parameters
     ----------
@@ -107,6 +108,8 @@ def map_borders(
     reduction : float
         Pixels of the picture per pixel of the frame.
     """
+    if not is_worked_out(cable_map):
+        return MapBorders(0.0, 0.0, 0.0)
     widening = _widening(state, cable_map)
     if state[WIDTH] < LEAST_WITH_RIM * cable_map.cell:
         return MapBorders(widening, 0.0, 0.0)

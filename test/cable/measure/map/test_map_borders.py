@@ -7,8 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.map.cable_map import cable_map_of, strip_shares
-from cable_tracker.cable.measure.map.map_width import MAP_BLUR, MOST_WIDENING, map_borders
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, strip_shares
+from cable_tracker.cable.measure.map.map_borders import (
+    AS_THE_STRIP,
+    MAP_BLUR,
+    MOST_WIDENING,
+    map_borders,
+)
 from cable_tracker.cable.model.state import CableState
 
 EMPTY = cable_map_of(np.zeros((60, 80), np.float32), -158.0, 118.0, 4.0)
@@ -52,6 +57,11 @@ def test_a_map_says_how_much_wider_strips_are_that_lie_anyhow_on_its_cells():
         errors[row] = abs(widening_of(strip.to_array(), map_of(shown)) - expected[row])
     assert (errors <= np.maximum(1.5, 0.5 * np.abs(expected))).all()
     assert np.quantile(errors, 0.8) < 0.5
+
+
+def test_what_is_not_worked_out_shows_the_strip_as_it_is():
+    strip = CableState(0.0, 0.2, 20.0).to_array()
+    assert map_borders(strip, NO_MAP, EVEN, 1.0) == AS_THE_STRIP
 
 
 def test_the_widening_is_bounded_by_the_width():
