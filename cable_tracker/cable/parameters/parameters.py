@@ -243,14 +243,6 @@ class TrackerParameters(ParameterSet):
         " picture's diagonal, is dark, or one of a dark cable bright, and that a cable has shorter"
         " bands. Large: a cable has no bands.",
     )
-    shadow_evidence: float = number(
-        6.0,
-        "nats",
-        0.0,
-        1e3,
-        "A dark strip is the shadow of a brighter one beside it whose outer border says more than"
-        " this; large: never.",
-    )
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )

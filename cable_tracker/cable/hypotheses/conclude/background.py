@@ -72,7 +72,7 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 
     The strips that are like hypotheses are shared out among them.
     """
-    noise, image_size, unit = inputs.noise, config.image_size, config.shadows.unit
+    noise, image_size, unit = inputs.noise, config.image_size, config.unit
     count = len(states)
     background = empty_background(count)
     if count == 0:

@@ -18,7 +18,6 @@ from cable_tracker.cable.hypotheses.propose.proposals import Drawn, draw_sample
 from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     importance_log_weights,
-    lost_to_shadows,
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.weigh.association import (
@@ -252,7 +251,6 @@ def corrected_clusters(
         log_posterior,
         sample.densities,
         sample.map_log_ratios[: len(states)],
-        lost_to_shadows(sample, len(states)),
     )
     measured = MeasuredGroups(groups, background.alike, appearances)
     log_weights = normalise_log_weights(
@@ -371,10 +369,9 @@ def _weaker_border_of_leader(
 
 @compiled_inside
 def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
-    """Return the probability that a particle's cable is bright, and not a dark one or a shadow."""
+    """Return the probability that a particle's cable is bright, and not a dark one."""
     log_ratios = sample.measured.log_ratios[row]
-    dark = log_ratios[DARK] - sample.shadow_losses[row]
-    return bright_share(inputs.polarity, log_ratios[BRIGHT], dark)
+    return bright_share(inputs.polarity, log_ratios[BRIGHT], log_ratios[DARK])
 
 
 @compiled_part

@@ -12,7 +12,6 @@ from cable_tracker.cable.hypotheses.propose.sample import MapWeights
 from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
-from cable_tracker.cable.hypotheses.weigh.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -57,8 +56,8 @@ class ProposalConfig(NamedTuple):
         Limits of the correction of the groups' weights.
     same_hypothesis_radii : FloatArray
         `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
-    shadows : ShadowRules
-        Limits of what counts as a shadow.
+    unit : float
+        Pixels of the frame per pixel at the reference width.
     is_known : bool
         Whether a cable is known: then borders count whole, and appearance does not.
     map_weights : MapWeights
@@ -75,7 +74,7 @@ class ProposalConfig(NamedTuple):
     widenings: FloatArray
     evidence_limits: EvidenceLimits
     same_hypothesis_radii: FloatArray
-    shadows: ShadowRules
+    unit: float
     is_known: bool
     map_weights: MapWeights
 
@@ -102,12 +101,7 @@ def proposal_config(
             parameters.thin_width * scale,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
-        shadows=ShadowRules(
-            parameters.shadow_evidence,
-            parameters.evidence_limit,
-            SAME_HYPOTHESIS_RADII * units,
-            scale,
-        ),
+        unit=scale,
         is_known=False,
         map_weights=SEARCH_MAP,
     )
@@ -116,7 +110,7 @@ def proposal_config(
 def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
     """Return a configuration in which other strips count less: where the cable is, is known.
 
-    It need not look like a cable, either: it is one. Whether it may be a shadow, its polarity says.
+    It need not look like a cable, either: it is one.
     """
     limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
     return config._replace(evidence_limits=limits, is_known=True, map_weights=KNOWN_MAP)

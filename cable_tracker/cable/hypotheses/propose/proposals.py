@@ -44,7 +44,6 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     importance_log_weights,
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
-from cable_tracker.cable.hypotheses.weigh.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.borders.likelihood_ratio import fill_measures
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -101,7 +100,6 @@ def _draw_first(
     fill_densities(sample.states, 0, first, inputs.predicted, sample.densities)
     _measure(sample, inputs, config, 0, first)
     _draw_rates_and_measure(sample, inputs, config, first, end)
-    _apply_shadow_losses(sample, end, inputs, config)
     drawn = Drawn(end, centres, no_peaks(), np.empty((0, STATE_SIZE)))
     _fill_proposal_density(sample, 0, drawn, counts, config)
     return drawn
@@ -147,7 +145,6 @@ def _draw_round(
     _draw_rates_and_measure(sample, inputs, config, start, start + count)
     drawn = Drawn(start + count, before.centres, all_peaks(before.peaks, peaks), candidates)
     _fill_proposal_density(sample, start, drawn, counts, config)
-    _apply_shadow_losses(sample, drawn.filled, inputs, config)
     return drawn
 
 
@@ -219,33 +216,7 @@ def _measure(
         sample.measured,
     )
     fill_map_log_ratios(sample, start, stop, inputs.cable_map, config.map_weights)
-    for row in range(start, stop):
-        sample.shadow_losses[row] = 0.0
     fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)
-
-
-@compiled_part
-def _apply_shadow_losses(
-    sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
-) -> None:
-    """Find shadows among the first `filled` particles, and lower their log-likelihoods."""
-    is_dark = inputs.polarity.log_dark > inputs.polarity.log_bright
-    if config.is_known and is_dark:
-        return  # The known cable is no shadow.
-    states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
-    count = find_shadows(
-        states, possible, sample.measured, sample.map_log_ratios, config.shadows, sample.shadows
-    )
-    changed = fill_shadow_losses(
-        states,
-        sample.measured,
-        sample.shadows,
-        count,
-        config.shadows.unit,
-        sample.shadow_losses,
-    )
-    if changed:
-        fill_log_likelihoods(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
 
 
 @compiled_part

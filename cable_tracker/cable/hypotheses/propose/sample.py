@@ -14,7 +14,6 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues, empty_densities
-from cable_tracker.cable.hypotheses.weigh.shadows import Shadows, empty_shadows
 from cable_tracker.cable.measure.borders.likelihood_ratio import CableMeasures, allocate_measures
 from cable_tracker.cable.measure.borders.polarity_prior import (
     BRIGHT,
@@ -63,10 +62,6 @@ class Sample(NamedTuple):
     proposal_density : FloatArray
         Density q of the mixture of proposals that the particles were drawn from, times their
         number, shape (N,).
-    shadow_losses : FloatArray
-        Reduction of the ratio as a dark cable of particles in shadows, shape (N,) [nats].
-    shadows : Shadows
-        Room for the shadows among them.
     """
 
     states: FloatArray
@@ -75,8 +70,6 @@ class Sample(NamedTuple):
     map_log_ratios: FloatArray
     log_likelihoods: FloatArray
     proposal_density: FloatArray
-    shadow_losses: FloatArray
-    shadows: Shadows
 
 
 def empty_sample(count: int) -> Sample:
@@ -88,8 +81,6 @@ def empty_sample(count: int) -> Sample:
         np.zeros(count),
         np.empty(count),
         np.empty(count),
-        np.zeros(count),
-        empty_shadows(),
     )
 
 
@@ -130,24 +121,9 @@ def fill_log_likelihoods(
         if not possible:
             sample.log_likelihoods[row] = -math.inf
             continue
-        dark = log_ratios[DARK] - sample.shadow_losses[row]
-        ratio = marginal_log_ratio(polarity, log_ratios[BRIGHT], dark)
+        ratio = marginal_log_ratio(polarity, log_ratios[BRIGHT], log_ratios[DARK])
         ratio += sample.map_log_ratios[row]
         sample.log_likelihoods[row] = ratio + sample.densities.width_penalties[row]
-
-
-@compiled_part
-def lost_to_shadows(sample: Sample, count: int) -> FloatArray:
-    """Return what shadows take from the log-likelihood ratios of the first particles, (count,).
-
-    As a bright cable a particle loses nothing: at most what makes the dark one the likelier.
-    """
-    losses = np.empty(count)
-    for row in range(count):
-        log_ratios = sample.measured.log_ratios[row]
-        darker = max(log_ratios[DARK] - log_ratios[BRIGHT], 0.0)
-        losses[row] = min(sample.shadow_losses[row], darker)
-    return losses
 
 
 @compiled_part

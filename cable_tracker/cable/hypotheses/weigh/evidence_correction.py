@@ -4,8 +4,7 @@ Correlation between frames. Particles of one group compete by their likelihood; 
 the weight of each group as a whole. A group's log-likelihood ratio is log(posterior mass / prior
 mass), less that of the bottom at its place, times `thin_factor`. Where no cable is known half of it
 counts, the less the clearer the map is, and how much the group looks like a cable (`appearance`):
-the bottom has stronger borders than a faint cable. What a shadow loses counts whole: it looks like
-a cable, and the map may show it as a part of one. Of a surviving group only `evidence_repeated`
+the bottom has stronger borders than a faint cable. Of a surviving group only `evidence_repeated`
 times min(ratio, highest) is added: a furrow that is there in this frame is there in the next. Of a
 new group: that part of the reference group's ratio plus ratio - reference ratio, clipped to
 the range from -`evidence_limit` to highest. The reference is the surviving group of largest prior
@@ -83,9 +82,6 @@ class WeighedParticles(NamedTuple):
     map_log_ratios : FloatArray
         What the map of the frame added to their log-likelihoods, shape (N,) [nats]: of groups the
         appearance says it.
-    shadow_losses : FloatArray
-        What their log-likelihood ratios have lost because they may be shadows, shape (N,) [nats];
-        see `lost_to_shadows`.
     """
 
     states: FloatArray
@@ -93,7 +89,6 @@ class WeighedParticles(NamedTuple):
     log_posterior: FloatArray
     densities: DensityValues
     map_log_ratios: FloatArray
-    shadow_losses: FloatArray
 
 
 class MeasuredGroups(NamedTuple):
@@ -125,8 +120,7 @@ class GroupEvidence(NamedTuple):
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
     counted : FloatArray
         share x `thin_factor` x (`log_ratio` - map - background), plus, where no cable is known, the
-        appearance above `ORDINARY_APPEARANCE` less (1 - share) x the loss to shadows, the rest of
-        which is in `log_ratio` [nats]; see `background_share`.
+        appearance above `ORDINARY_APPEARANCE` [nats]; see `background_share`.
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
@@ -207,8 +201,7 @@ def group_evidence(
             appearance = measured.appearances[label] - ORDINARY_APPEARANCE
         counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
         if not is_known:
-            # The loss is in the ratio, of which only a share counts; a shadow looks like a cable.
-            counted += appearance - (1.0 - share) * means.shadow_loss
+            counted += appearance
         evidence.counted[label] = counted
         evidence.survived_share[label] = min(means.survived_share, 1.0)
         evidence.width_penalty[label] = means.width_penalty
@@ -219,13 +212,12 @@ def group_evidence(
 class _GroupMeans(NamedTuple):
     """Means over the particles of a group, by the posterior, but the survived share by the prior.
 
-    `width` [px]; `width_penalty`, `map_log_ratio`, `shadow_loss` [nats]; `survived_share` 0 to 1.
+    `width` [px]; `width_penalty`, `map_log_ratio` [nats]; `survived_share` 0 to 1.
     """
 
     width: float
     width_penalty: float
     map_log_ratio: float
-    shadow_loss: float
     survived_share: float
 
 
@@ -238,19 +230,18 @@ def _means_of_group(
     log_posterior_mass: float,
 ) -> _GroupMeans:
     densities = particles.densities
-    width, penalty, survived, mapped, lost = 0.0, 0.0, 0.0, 0.0, 0.0
+    width, penalty, survived, mapped = 0.0, 0.0, 0.0, 0.0
     for row in range(len(labels)):
         if labels[row] != label:
             continue
         share = math.exp(particles.log_posterior[row] - log_posterior_mass)
         penalty += share * densities.width_penalties[row]
         mapped += share * particles.map_log_ratios[row]
-        lost += share * particles.shadow_losses[row]
         width += share * particles.states[row, WIDTH]
         if densities.prior[row] > 0.0:
             kept = densities.prior_survival[row] / densities.prior[row]
             survived += math.exp(particles.log_prior[row] - log_prior_mass) * kept
-    return _GroupMeans(width, penalty, mapped, lost, survived)
+    return _GroupMeans(width, penalty, mapped, survived)
 
 
 @compiled_loop

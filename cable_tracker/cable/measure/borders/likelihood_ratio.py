@@ -34,7 +34,6 @@ from cable_tracker.cable.measure.borders.border_points import (
     width_across,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import (
-    BRIGHT,
     PolarityPrior,
     marginal_log_ratios,
     polarity_prior,
@@ -100,15 +99,9 @@ class CableMeasures(NamedTuple):
         strength, not tempered, with what the texture says, shape (N, 2) [nats].
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
-    bright_border_log_ratios : FloatArray
-        Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
-        alone, summed over the classes of its strength, shape (N, 2): cable, border [nats].
     border_means : FloatArray
         Mean log-likelihood ratio per point of the left and of the right border, each alone, not
         tempered, without texture, shape (N, 2, 2): cable, polarity, border [nats].
-    outsides : FloatArray
-        Mean grey level outside the left and the right border [scales of the contrast], shape
-        (N, 2); 0 for a border that is not in view.
     reversed : IndexArray
         Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
         shape (N, 2): bit k is stretch k.
@@ -117,9 +110,7 @@ class CableMeasures(NamedTuple):
     log_ratios: FloatArray
     weaker_border_mean: FloatArray
     visible_lengths: FloatArray
-    bright_border_log_ratios: FloatArray
     border_means: FloatArray
-    outsides: FloatArray
     reversed: IndexArray
 
 
@@ -130,9 +121,7 @@ def allocate_measures(count: int) -> CableMeasures:
         np.empty((count, 2)),
         np.empty((count, 2)),
         np.empty(count),
-        np.empty((count, 2)),
         np.empty((count, 2, 2)),
-        np.empty((count, 2)),
         np.empty((count, 2), np.int64),
     )
 
@@ -269,7 +258,7 @@ def fill_measures(
             limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
             windows = texture_windows(-side / along, width, scan.scale, limit)
             scale = stretch_scale(axis, line, steep)
-            length, measured.outsides[cable, border] = _sum_border(
+            length = _sum_border(
                 lines, line, scale, windows, model, crossings,
                 stretches[border], striped[border], texture,
             )  # fmt: skip
@@ -328,9 +317,6 @@ def _combine_borders(
         measured.weaker_border_mean[cable, polarity] = (min(left, right) + smoothest) / points
         measured.border_means[cable, polarity, 0] = left / points
         measured.border_means[cable, polarity, 1] = right / points
-        if polarity == BRIGHT:
-            measured.bright_border_log_ratios[cable, 0] = left
-            measured.bright_border_log_ratios[cable, 1] = right
 
 
 class BorderClearness(NamedTuple):
@@ -420,24 +406,22 @@ def _sum_border(
     stretches: Float32Array,
     striped: Float32Array,
     texture: FloatArray,
-) -> tuple[float, float]:
+) -> float:
     """Fill in the sums of a border.
 
     Those of the ratios (8, `STRETCHES`), those of a striped cable (4,), see `stretches`, and the
     texture (2, 4).
 
-    Its length in view, and the mean grey level outside it, are returned.
+    Its length in view is returned.
     """
     stretches[:] = np.float32(0.0)
     striped[:] = np.float32(0.0)
     texture[:] = 0.0
-    count, outside = 0, 0.0
+    count = 0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)
         measure_responses(lines, first, found, border, crossings)
         measure_contrasts(lines, first, found, border, crossings)
-        for index in range(found):
-            outside += crossings.levels[0, index]
         _add_ratios(
             lines.places[first : first + found], scale, model, crossings, stretches, striped
         )
@@ -449,7 +433,7 @@ def _sum_border(
             stretches[index, stretch] *= np.float32(border.length)
     for strength in range(CLASSES):
         striped[strength] *= np.float32(border.length)
-    return count * border.length, outside / max(count, 1)
+    return count * border.length
 
 
 @compiled_inside

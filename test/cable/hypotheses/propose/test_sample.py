@@ -12,9 +12,8 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     fill_log_likelihoods,
     fill_map_log_ratios,
     importance_log_weights,
-    lost_to_shadows,
 )
-from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, polarity_prior
+from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import (
     NO_MAP,
     beside_expected,
@@ -47,14 +46,6 @@ def test_what_is_impossible_weighs_nothing_but_can_be_compared_before_the_frame(
     assert importance_log_weights(impossible, 1, 1.0)[0] == -math.inf
     assert importance_log_weights(impossible, 1, 0.0)[0] == 0.0
     assert importance_log_weights(sample_of([1.0], [0.0], [1.0]), 1, 1.0)[0] == -math.inf
-
-
-def test_a_shadow_takes_from_a_particle_at_most_what_makes_it_a_dark_cable():
-    sample = empty_sample(4)
-    sample.shadow_losses[:] = [3.0, 3.0, 3.0, 0.0]
-    sample.measured.log_ratios[:, BRIGHT] = [1.0, 1.0, 5.0, 1.0]
-    sample.measured.log_ratios[:, DARK] = [9.0, 2.0, 2.0, 9.0]
-    assert lost_to_shadows(sample, 4).tolist() == [3.0, 1.0, 0.0, 0.0]
 
 
 def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted():

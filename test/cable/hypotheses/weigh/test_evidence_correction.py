@@ -39,7 +39,6 @@ def corrected(
     limits=LIMITS,
     is_known=False,
     mapped=0.0,
-    lost=0.0,
 ):
     """Log-weights of particles of one width, of each of which a share has survived."""
     count = len(labels)
@@ -51,7 +50,7 @@ def corrected(
         width_penalties=np.full(count, penalty),
     )
     particles = WeighedParticles(
-        states, log_prior, log_posterior, densities, np.full(count, mapped), np.full(count, lost)
+        states, log_prior, log_posterior, densities, np.full(count, mapped)
     )
     groups = Groups(np.array(labels), max(labels) + 1)
     measured = MeasuredGroups(
@@ -90,14 +89,6 @@ def test_the_clearer_the_map_is_the_less_count_the_borders(mapped, share):
     )
     unlike = evidence_after(mapped + above, mapped=mapped, appearance=ORDINARY_APPEARANCE - 3.0)
     assert unlike == pytest.approx(share * BACKGROUND_SHARE * above - 3.0)
-
-
-@pytest.mark.parametrize("mapped", [0.0, CLEAR_MAP])
-def test_what_a_shadow_loses_counts_whole_however_clear_the_map_is(mapped):
-    before = evidence_after(mapped + 4.0, mapped=mapped)
-    assert evidence_after(mapped + 4.0 - 3.0, mapped=mapped, lost=3.0) == pytest.approx(
-        before - 3.0
-    )
 
 
 def test_of_a_new_group_a_share_counts_that_it_explains():
