@@ -42,8 +42,8 @@ class BeliefSummary:
     effective_sample_size : float
         N_eff, before resampling.
     evidence : float
-        Mean over the points of the weaker border of what speaks for it, which texture and a map may
-        raise; see `CableEstimate.evidence`.
+        Mean over the points of the weaker border of what speaks for it, which a map may raise; see
+        `CableEstimate.evidence`.
     supports_claim, supports_keeping : bool
         Whether the frame speaks for claiming a cable, and for going on to claim one.
     supports_new_claim : bool

@@ -46,10 +46,10 @@ class CableEstimate:
         N_eff, between 1 and N, before resampling.
     evidence : float
         How clearly the image shows the weaker border of the estimate. With the observation
-        `likelihood_ratio`: mean log-likelihood ratio of its points, border against bottom, with
-        what the texture says; a map (parameter `looks`) on which the strip is clear raises it to at
-        most `evidence_to_find`. With `responses`: mean response of its points over the frame's
-        robust scale; zero when the borders disagree.
+        `likelihood_ratio`: mean log-likelihood ratio of its points, border against bottom; a
+        map (parameter `looks`) on which the strip is clear raises it to at most `evidence_to_find`.
+        With `responses`: mean response of its points over the frame's robust scale; zero when the
+        borders disagree.
     image_size : (int, int)
         Width and height of the frame [px].
     event : str

@@ -226,14 +226,6 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
         " where no border shows.",
     )
-    texture_limit: float = number(
-        16.0,
-        "nats",
-        0.0,
-        1e3,
-        "Likelihood ratio: most that texture says for a cable, which is smoother than the bottom on"
-        " both sides. 0: nothing; what a strip looks like still counts it.",
-    )
     reversal_cost: float = number(
         3.0,
         "nats",
@@ -253,8 +245,8 @@ class TrackerParameters(ParameterSet):
     looks: str = word(
         "network",
         ("borders", "network"),
-        "What tells how much a strip looks like a cable: its borders and its texture alone, or also"
-        " a network that has seen many cables.",
+        "What tells how much a strip looks like a cable: its borders alone, or also a network that"
+        " has seen many cables.",
     )
     map_interval: float = number(
         1.0,

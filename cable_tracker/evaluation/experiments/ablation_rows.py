@@ -131,7 +131,6 @@ TAKEN_AWAY = AblationTable(
         _without("uneven_light", "uneven light left in", {"light_correction": 0.0}),
         _without("burned_in", "lines of a survey display left in", {"burned_in_time": 0.0}),
         _without("free_outside", "points outside the image cost nothing", {"missing_cost": 0.0}),
-        _without("no_texture", "texture not counted by the likelihood", {"texture_limit": 0.0}),
         _without("no_bands", "no cable changes between bright and dark", {"reversal_cost": 1e3}),
         _without("hardly_tempered", "points of a border all but independent", {"tempering": 0.3}),
         _without("any_width", "no usual width", ANY_WIDTH),

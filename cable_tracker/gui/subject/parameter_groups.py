@@ -30,7 +30,7 @@ CABLE_GROUPS: Groups = (
         (
             "working_width", "sample_spacing", "filter_sigma", "light_correction",
             "burned_in_time", "epsilon",
-            "response_table", "tempering", "missing_cost", "texture_limit",
+            "response_table", "tempering", "missing_cost",
             "reversal_cost", "polarity_memory", "border_displacement",
         ),
     ),

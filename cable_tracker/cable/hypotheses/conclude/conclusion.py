@@ -81,15 +81,14 @@ class Hypotheses(NamedTuple):
     effective_size : float
         Effective sample size N_eff of all particles.
     weaker_border_mean : float
-        Mean log-likelihood ratio per point of the weaker border, with what the texture says,
-        averaged over the leading cluster [nats]. It is the evidence that is published, which a map
-        may raise: see `leading_evidence`.
+        Mean log-likelihood ratio per point of the weaker border, averaged over the leading cluster
+        [nats]. It is the evidence that is published, which a map may raise: see `leading_evidence`.
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
     leading_mean_borders : FloatArray
         Mean log-likelihood ratios per point of the left and of the right border of the leading
-        mean, without texture, shape (2,) [nats].
+        mean, shape (2,) [nats].
     scaled_clearness : float
         Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
         visible point) times `shown_share`; 0 for borders shorter than `LEAST_SHOWN`.
@@ -352,7 +351,7 @@ def _p_bright(weights: FloatArray, sample: Sample, inputs: ProposalInputs) -> fl
 def _weaker_border_of_leader(
     clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
 ) -> tuple[float, float]:
-    """Return the weaker border's mean, with texture, and the visible length, over the leader.
+    """Return the weaker border's mean and the visible length, over the leader.
 
     They are averages over its particles, each in its own polarity.
     """
@@ -376,7 +375,7 @@ def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
 
 @compiled_part
 def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
-    """Return the mean log-likelihood ratios (2,) of the first mean's borders, without texture."""
+    """Return the mean log-likelihood ratios (2,) of the first mean's borders."""
     measured = measured_cables(means, 1, inputs.scan, inputs.model, inputs.scan.points_across)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]

@@ -2,13 +2,11 @@
 
 The likelihood ratio adds up how strong the borders are, and the bottom has stronger edges than a
 faint or overgrown cable: a furrow, a rope, the rim of a shadow. What a person goes by is another
-thing, and four numbers say most of it:
+thing, and three numbers say most of it:
 
 * *Dominance.* Averaged along the strip, its borders are the strongest edges about: beyond them the
   bottom averages out, and between them there is nothing but skin. A strip with one border on a
   cable and the other elsewhere has the cable's other border inside or beside it.
-* *Smoothness.* The texture of the inside over that of the bottom beside it, see `texture`, of both
-  sides together: a side that is as rough takes away what the other one gives.
 * *Continuity.* A border is there all along. A beam, a box or a stone has a clear border, and ends.
 * *Length in view.* Of what has one border in a corner of the picture next to nothing is known.
 
@@ -51,12 +49,6 @@ from cable_tracker.cable.measure.borders.stretches import (
     stretch_axis,
     stretch_scale,
 )
-from cable_tracker.cable.measure.borders.texture import (
-    COLUMNS,
-    add_texture,
-    smoothness,
-    texture_windows,
-)
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
@@ -84,9 +76,9 @@ NARROWEST, NARROW_DOMINANCE = 8.0, 0.7
 """Half the width up to which nothing can be told of the inside [px at the reference width], and the
 dominance over it that such a strip is taken to have."""
 
-DOMINANCE_OUTSIDE, DOMINANCE_INSIDE, SMOOTHNESS = 1.0, 1.6, 1.8
-"""Weights of both borders' dominance over what lies outside and inside, and of both sides'
-smoothness [nats per unit of a logarithm]."""
+DOMINANCE_OUTSIDE, DOMINANCE_INSIDE = 1.0, 1.6
+"""Weights of both borders' dominance over what lies outside and inside [nats per unit of a
+logarithm]."""
 
 IN_VIEW, ENOUGH_IN_VIEW = 11.0, 0.8
 """Weight of the length in view of the shorter border, as a share of a border through the picture,
@@ -155,9 +147,9 @@ def border_appearance(
     profile: FloatArray,
     along: FloatArray,
 ) -> tuple[float, float]:
-    """Return what dominance and smoothness of one border add to the appearance [nats].
+    """Return what the dominance of one border adds to the appearance [nats], and its continuity.
 
-    And its continuity, see `_continuity`.
+    See `_continuity`.
 
     Parameters
     ----------
@@ -177,10 +169,9 @@ def border_appearance(
     depths = contrast_depths(width, scan.scale)
     steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
     lines = scan.rows if steep else scan.columns
-    stretch, texture = -side / component, np.zeros((2, COLUMNS))
+    stretch = -side / component
     scale = stretch_scale(stretch_axis(state, scan), line, steep)
     signs = np.empty(BLOCK)
-    windows = texture_windows(stretch, width, scan.scale, 1.0)
     profile[:] = 0.0
     begin, crossed = 0, 0
     for start in range(0, len(lines.places), BLOCK):
@@ -192,14 +183,8 @@ def border_appearance(
             lines, first, found, line, stretch * scan.scale, signs, crossings, along
         )
         _add_responses(lines, first, found, line, stretch * scan.scale, signs, crossings, profile)
-        if windows.looked_at:
-            add_texture(lines, first, found, windows, crossings, texture)
     dominances = _dominances(profile, SMALLEST_SHARE * crossed, 0.5 * width / scan.scale)
-    looks = (
-        DOMINANCE_OUTSIDE * dominances[0]
-        + DOMINANCE_INSIDE * dominances[1]
-        + SMOOTHNESS * smoothness(texture, line.step)
-    )
+    looks = DOMINANCE_OUTSIDE * dominances[0] + DOMINANCE_INSIDE * dominances[1]
     return looks, _continuity(along[begin : begin + crossed])
 
 

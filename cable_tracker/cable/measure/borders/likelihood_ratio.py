@@ -4,8 +4,6 @@ Where each border crosses the scan lines, the response across it and its slope a
 table of log-likelihood ratios, border against background. A border that is overgrown at a point
 costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
 
-That a cable is smoother than the bottom beside it counts, too, see `texture`.
-
 How strong the borders of a cable are is a hidden variable of four classes, summed over: the two
 borders of a cable are about as strong as each other, and nothing is said of how strong that is.
 
@@ -52,15 +50,6 @@ from cable_tracker.cable.measure.borders.stretches import (
     stretch_scale,
     sum_stretches,
 )
-from cable_tracker.cable.measure.borders.texture import (
-    COLUMNS,
-    TextureWindows,
-    add_texture,
-    may_speak,
-    smoothness,
-    texture_log_ratio,
-    texture_windows,
-)
 from cable_tracker.cable.measure.gradients.scan_lines import ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -96,12 +85,12 @@ class CableMeasures(NamedTuple):
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2) [nats].
     weaker_border_mean : FloatArray
         Mean log-likelihood ratio per point of the weaker border, summed over the classes of its
-        strength, not tempered, with what the texture says, shape (N, 2) [nats].
+        strength, not tempered, shape (N, 2) [nats].
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     border_means : FloatArray
         Mean log-likelihood ratio per point of the left and of the right border, each alone, not
-        tempered, without texture, shape (N, 2, 2): cable, polarity, border [nats].
+        tempered, shape (N, 2, 2): cable, polarity, border [nats].
     reversed : IndexArray
         Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
         shape (N, 2): bit k is stretch k.
@@ -137,8 +126,6 @@ class RatioModel(NamedTuple):
         Power of one point's ratio.
     missing : FloatArray
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
-    texture_limit : float
-        Most that texture says [nats].
     reversal_cost : float
         Cost of a stretch of the other polarity [nats].
     """
@@ -146,7 +133,6 @@ class RatioModel(NamedTuple):
     ratios: Float32Array
     tempering: float
     missing: FloatArray
-    texture_limit: float
     reversal_cost: float
 
 
@@ -156,7 +142,7 @@ class BorderLikelihoodRatio:
     Parameters
     ----------
     parameters : TrackerParameters
-        `tempering`, `missing_cost`, `texture_limit`, `reversal_cost` and `response_table`.
+        `tempering`, `missing_cost`, `reversal_cost` and `response_table`.
     table : ResponseTable or None
         Ratios of single points; None: those of the file that the parameters name.
 
@@ -170,10 +156,8 @@ class BorderLikelihoodRatio:
         chosen = table if table is not None else load_table(parameters.response_table)
         self._tempering = parameters.tempering
         self._model = RatioModel(
-            chosen.ratios, 0.0,
-            parameters.missing_cost * chosen.absent, parameters.texture_limit,
-            parameters.reversal_cost,
-        )  # fmt: skip
+            chosen.ratios, 0.0, parameters.missing_cost * chosen.absent, parameters.reversal_cost
+        )
 
     def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
@@ -244,7 +228,7 @@ def fill_measures(
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     lengths = np.empty(2)
-    crossings, texture, smoother = room_for_crossings(), np.empty((2, COLUMNS)), np.zeros(2)
+    crossings = room_for_crossings()
     for cable in range(start, stop):
         state = states[cable]
         width = width_across(state, scan.reduction)
@@ -253,24 +237,20 @@ def fill_measures(
         visible[cable], longest = np.inf, expected
         for border in range(2):
             side = border_side(border)
-            steep, along, line = border_on_scan(state, side, scan, -side, depths, True)
+            steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
             lines = scan.rows if steep else scan.columns
-            limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
-            windows = texture_windows(-side / along, width, scan.scale, limit)
             scale = stretch_scale(axis, line, steep)
             length = _sum_border(
-                lines, line, scale, windows, model, crossings,
-                stretches[border], striped[border], texture,
-            )  # fmt: skip
-            smoother[border], lengths[border] = smoothness(texture, line.step), length
+                lines, line, scale, model, crossings, stretches[border], striped[border]
+            )
+            lengths[border] = length
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         cost = model.reversal_cost / model.tempering
         sum_stretches(stretches, striped, cost, sums, measured.reversed[cable])
         for border in range(2):
             _add_missing_points(max(expected - lengths[border], 0.0), model, sums[border])
-        smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
-        _combine_borders(sums, smoothest, model.tempering, longest, shares, measured, cable)
+        _combine_borders(sums, model.tempering, longest, shares, measured, cable)
 
 
 @compiled_inside
@@ -289,7 +269,6 @@ def _add_missing_points(lacking: float, model: RatioModel, sums: Float32Array) -
 @compiled_inside
 def _combine_borders(
     sums: Float32Array,
-    smoothest: float,
     tempering: float,
     longest: float,
     shares: FloatArray,
@@ -302,8 +281,6 @@ def _combine_borders(
     ----------
     sums, tempering, shares : Float32Array, float, FloatArray
         See `_log_ratio_over_strengths`.
-    smoothest : float
-        Log-likelihood ratio of the texture [nats].
     longest : float
         Length over which means per point are taken: that in view of the longer border, at least
         that of a border through the picture [distances of the scan lines].
@@ -312,9 +289,9 @@ def _combine_borders(
     """
     for polarity in range(2):
         ratio, left, right = _log_ratio_over_strengths(sums, polarity * CLASSES, tempering, shares)
-        measured.log_ratios[cable, polarity] = ratio + smoothest
+        measured.log_ratios[cable, polarity] = ratio
         points = tempering * longest
-        measured.weaker_border_mean[cable, polarity] = (min(left, right) + smoothest) / points
+        measured.weaker_border_mean[cable, polarity] = min(left, right) / points
         measured.border_means[cable, polarity, 0] = left / points
         measured.border_means[cable, polarity, 1] = right / points
 
@@ -349,11 +326,8 @@ def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) ->
         shown = min(measured.visible_lengths[row] / scan.points_across, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf
         for polarity in range(2):
-            left, right = measured.border_means[row, polarity]
-            weaker = min(left, right)
-            # Texture is one number for all of the strip: over few points it would count for much.
-            texture = measured.weaker_border_mean[row, polarity] - weaker
-            clear.clearness[row] = max(clear.clearness[row], weaker + shown * texture)
+            weaker = measured.weaker_border_mean[row, polarity]
+            clear.clearness[row] = max(clear.clearness[row], weaker)
     return clear
 
 
@@ -400,23 +374,19 @@ def _sum_border(
     lines: ScanLines,
     border: BorderLine,
     scale: StretchScale,
-    windows: TextureWindows,
     model: RatioModel,
     crossings: Crossings,
     stretches: Float32Array,
     striped: Float32Array,
-    texture: FloatArray,
 ) -> float:
     """Fill in the sums of a border.
 
-    Those of the ratios (8, `STRETCHES`), those of a striped cable (4,), see `stretches`, and the
-    texture (2, 4).
+    Those of the ratios (8, `STRETCHES`), and those of a striped cable (4,), see `stretches`.
 
     Its length in view is returned.
     """
     stretches[:] = np.float32(0.0)
     striped[:] = np.float32(0.0)
-    texture[:] = 0.0
     count = 0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)
@@ -425,8 +395,6 @@ def _sum_border(
         _add_ratios(
             lines.places[first : first + found], scale, model, crossings, stretches, striped
         )
-        if windows.looked_at:
-            add_texture(lines, first, found, windows, crossings, texture)
         count += found
     for index in range(2 * CLASSES):
         for stretch in range(STRETCHES):

@@ -1,1 +1,1 @@
-"""Gradients and texture of a frame along its scan lines."""
+"""Gradients of a frame along its scan lines."""

@@ -25,13 +25,8 @@ class ScanLines(NamedTuple):
         Grey level without the fine texture [scales of the contrast], float32, shape (L, n).
     places : FloatArray
         v of each line [px], shape (L,).
-    texture : Image
-        Sums of gradients over grey levels along every `TEXTURE_STEP`-th line, the first one among
-        them, float32, shape (ceil(L / 2), n + 1, 3), see `texture_sums`: the difference of two is
-        the sum over the pixels between.
     """
 
     gradients: Image
     smooth: Image
     places: FloatArray
-    texture: Image

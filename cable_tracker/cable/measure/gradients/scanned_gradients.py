@@ -35,12 +35,6 @@ from cable_tracker.cable.measure.gradients.scan_filters import (
     symmetric_along,
 )
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
-from cable_tracker.cable.measure.gradients.texture_sums import (
-    MOST_TEXTURE,
-    TENSOR_SIZE,
-    TEXTURE_LEVEL_OFFSET,
-    summed_texture,
-)
 from cable_tracker.compilation import (
     compiled,
     compiled_fast_loop,
@@ -165,15 +159,13 @@ def _scan_both(
     # Rows run down where v runs up.
     gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
     turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)
-    ordinary = _gradient_scale(gradients, turned_gradients)
-    scale = max(ordinary, NOISE_FLOOR)
+    scale = max(_gradient_scale(gradients, turned_gradients), NOISE_FLOOR)
     if not len(kernels.region):
         _multiply(gradients.reshape(-1), np.float32(1.0 / scale))
         _multiply(turned_gradients.reshape(-1), np.float32(1.0 / scale))
-        no_texture = np.empty((0, 0, TENSOR_SIZE), np.float32)
         return (
-            ScanLines(gradients, smooth, places[0], no_texture),
-            ScanLines(turned_gradients, turned_smooth, places[1], no_texture),
+            ScanLines(gradients, smooth, places[0]),
+            ScanLines(turned_gradients, turned_smooth, places[1]),
             scale,
             SMALLEST_CONTRAST,
             ROUND,
@@ -187,13 +179,9 @@ def _scan_both(
         (turned_smooth.reshape(-1), contrast_scale),
     ):
         _multiply(values, np.float32(1.0 / unit))
-    dark = TEXTURE_LEVEL_OFFSET / contrast_scale
-    most = MOST_TEXTURE * ordinary / scale / (max(_mean(smooth.reshape(-1)), 0.0) + dark)
-    texture = summed_texture(gradients, smooth, dark, most)
-    turned_texture = summed_texture(turned_gradients, turned_smooth, dark, most)
     return (
-        ScanLines(gradients, smooth, places[0], texture),
-        ScanLines(turned_gradients, turned_smooth, places[1], turned_texture),
+        ScanLines(gradients, smooth, places[0]),
+        ScanLines(turned_gradients, turned_smooth, places[1]),
         scale,
         contrast_scale,
         gradient_shape(gradients, turned_gradients),
@@ -230,14 +218,6 @@ def _contrast_scale(smooth: Image, turned_smooth: Image, lag: int) -> float:
 def _multiply(values: Image, factor: np.float32) -> None:
     for index in range(len(values)):
         values[index] *= factor
-
-
-@compiled_fast_loop
-def _mean(values: Image) -> float:
-    total = 0.0
-    for value in values:
-        total += value
-    return total / len(values)
 
 
 @compiled_fast_part

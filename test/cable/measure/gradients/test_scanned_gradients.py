@@ -183,5 +183,5 @@ def test_gradients_alone_are_the_same_gradients_and_nothing_else_is_known(rng):
     for known, bare in ((everything.rows, alone.rows), (everything.columns, alone.columns)):
         assert (bare.gradients[..., :SLOPE] == known.gradients[..., :SLOPE]).all()
         assert (bare.places == known.places).all()
-        for other in (bare.gradients[..., SLOPE], bare.smooth, bare.texture):
+        for other in (bare.gradients[..., SLOPE], bare.smooth):
             assert not other.any()
