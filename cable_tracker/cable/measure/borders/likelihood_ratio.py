@@ -222,7 +222,6 @@ def fill_measures(
     A border with less than the `expected` length in view pays for what it lacks, see
     `ScanInputs.points_across`, and means per point are taken over at least that length.
     """
-    visible = measured.visible_lengths
     stretches = np.empty((2, 2 * CLASSES, STRETCHES), np.float32)
     striped = np.empty((2, CLASSES), np.float32)
     # Arrays of its own: in others', every addition would go through memory.
@@ -234,18 +233,16 @@ def fill_measures(
         width = width_across(state, scan.reduction)
         depths = contrast_depths(width, scan.scale)
         axis = stretch_axis(state, scan)
-        visible[cable], longest = np.inf, expected
         for border in range(2):
             side = border_side(border)
             steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
             lines = scan.rows if steep else scan.columns
             scale = stretch_scale(axis, line, steep)
-            length = _sum_border(
+            lengths[border] = _sum_border(
                 lines, line, scale, model, crossings, stretches[border], striped[border]
             )
-            lengths[border] = length
-            visible[cable] = min(visible[cable], length)
-            longest = max(longest, length)
+        measured.visible_lengths[cable] = min(lengths[0], lengths[1])
+        longest = max(expected, lengths[0], lengths[1])
         cost = model.reversal_cost / model.tempering
         sum_stretches(stretches, striped, cost, sums, measured.reversed[cable])
         for border in range(2):
