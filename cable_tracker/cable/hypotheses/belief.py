@@ -9,7 +9,7 @@ What is said of the leading hypothesis, from what the belief holds to what the s
 `is_followed`         It is given, or has such a time: frames before have held it for a cable.
 `is_known`            It is given, or has been followed for `known_after`.
 `faint_time`          For how long it has been present but too faint; at `search_time` it goes.
-`is_clear`            Its borders are clear enough to claim it where nothing was known of it.
+`is_clear`            Borders or map are clear enough to claim it where nothing was known of it.
 `is_familiar`         It is followed, or where the remembered cable may be, and about as wide.
 `supports_keeping`    Visible, clear or familiar, presence and evidence not below `*_to_lose`.
 `supports_claim`      The same, not below `*_to_track`.
@@ -201,7 +201,7 @@ def updated_belief(
     # Too faint to claim, or, if it is known, to keep.
     is_faint = evidence < parameters.evidence_to_lose if is_known else not is_clear
     is_too_faint = is_faint and presence >= parameters.presence_to_track
-    goes_on = conclusion.goes_on and presence >= LIKELY_PRESENCE
+    stays_likely = conclusion.goes_on and presence >= LIKELY_PRESENCE
     return Belief(
         particles=Particles(conclusion.states, conclusion.log_weights),
         hypotheses=hypotheses,
@@ -212,8 +212,8 @@ def updated_belief(
         faint_time=before.faint_time + dt if is_too_faint else 0.0,
         evidence=evidence,
         is_clear=is_clear,
-        known_time=before.known_time + (dt if is_learnt_from else 0.0) if goes_on else 0.0,
-        is_given=before.is_given and goes_on,
+        known_time=before.known_time + (dt if is_learnt_from else 0.0) if stays_likely else 0.0,
+        is_given=before.is_given and stays_likely,
         kept_map=before.kept_map if conclusion.goes_on else None,
     )
 

@@ -51,7 +51,11 @@ from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.conclude.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.predict.births import draw_births
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.prediction import Prediction, Predictor, with_births_by_map
+from cable_tracker.cable.hypotheses.prediction import (
+    Prediction,
+    Predictor,
+    with_map_in_birth_density,
+)
 from cable_tracker.cable.hypotheses.propose.proposal_config import (
     beside_a_known_cable,
     proposal_config,
@@ -75,7 +79,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
-"""Probability of a cable at the place that an operator or planner gave."""
+"""Probability of a cable at a place that was given or guessed."""
 
 LEAST_PRESENCE = 1e-3
 """Probability that there is a cable before any frame has been seen."""
@@ -171,7 +175,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         looks = self._looks_at_map(belief, is_known=is_known)
         cable_map = _map_of_frame(belief, image, prediction.prior, looks=looks)
         if not is_known:
-            prediction = with_births_by_map(prediction, cable_map)
+            prediction = with_map_in_birth_density(prediction, cable_map)
         births = prediction.density.births
         counts = sample_counts(
             self._parameters, prediction.existence, births, len(detections), self._refined
@@ -193,11 +197,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
         It is while no cable is known, where a border of it is faint, and when the last map is old.
         """
-        is_clear = belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
-        has_map = belief.kept_map is not None and (
+        borders_are_clear = (
+            belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
+        )
+        map_is_recent = belief.kept_map is not None and (
             belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
         )
-        return self._uses_map and not (is_known and is_clear and has_map)
+        return self._uses_map and not (is_known and borders_are_clear and map_is_recent)
 
     def _inputs(
         self,

@@ -87,7 +87,7 @@ class Prediction(NamedTuple):
     reference_angle: float
 
 
-def with_births_by_map(prediction: Prediction, cable_map: CableMap) -> Prediction:
+def with_map_in_birth_density(prediction: Prediction, cable_map: CableMap) -> Prediction:
     """Return a prediction in which cables come into view about the strips of a map, too."""
     strips = states_in_chart(strips_of_map(cable_map, MOST_OF_MAP), prediction.reference_angle)
     births = prediction.density.births._replace(map_strips=strips)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.learning.border_strength import border_strength, strength_class
+from cable_tracker.arrays import BoolArray, Float32Array, FloatArray
 from cable_tracker.cable.learning.point_measures import PointMeasures
 from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.learning.response_histograms import (
@@ -14,6 +13,7 @@ from cable_tracker.cable.learning.response_histograms import (
 )
 from cable_tracker.cable.measure.borders.response_bins import (
     CLASSES,
+    STRENGTHS,
 )
 from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -147,3 +147,14 @@ class ResponseCounts:
 def _chosen(points: PointMeasures, chosen: BoolArray) -> PointMeasures:
     """Return the points of a mask of shape (P,)."""
     return PointMeasures(points.responses[chosen], points.slopes[chosen], points.contrasts[chosen])
+
+
+def border_strength(responses: Float32Array) -> float:
+    """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
+    highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
+    return float(highest.mean()) if len(highest) else 0.0
+
+
+def strength_class(strength: float) -> int:
+    """Return the class of a strength, -1 for one that is too faint for any."""
+    return int(np.searchsorted(STRENGTHS, strength, side="right")) - 1

@@ -112,7 +112,7 @@ class CameraNode(ProcessNode):
         A parameter given at start is not acceptable.
     """
 
-    _metric: FrameInstruments
+    _instruments: FrameInstruments
     _outputs: FrameOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
@@ -235,7 +235,7 @@ class CameraNode(ProcessNode):
     def begin(self) -> None:
         """Offer the services and warm up; the camera is subscribed when that is done."""
         give_way = None if self._answers_every_frame else self._give_way
-        self._hold = FrameHold(self._answer, self._metric.has_all_of, give_way)
+        self._hold = FrameHold(self._answer, self._instruments.has_all_of, give_way)
         self.create_service(Trigger, "~/reset", self.on_reset)
         self.create_service(SetBool, "~/enable", self.on_enable)
         # Simulated time may stand still while frames stay away: the watchdog needs a clock that
@@ -311,7 +311,7 @@ class CameraNode(ProcessNode):
             self._note_refusal(str(error))
             return
         self._statistics.arrived(time.monotonic())
-        wait = self._metric.wait if self._enabled and frame.stamp else 0.0
+        wait = self._instruments.wait if self._enabled and frame.stamp else 0.0
         # One that waits for nothing must not overtake those that do.
         if wait or self._hold.held:
             self._hold.take(frame, wait)
@@ -479,7 +479,7 @@ class CameraNode(ProcessNode):
 
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
-        self._metric.ask_for_calibration()
+        self._instruments.ask_for_calibration()
         now = time.monotonic()
         if self._warm_up is not None and not self._warm_up.running:
             self._end_warm_up()

@@ -78,7 +78,7 @@ class TargetTrackerNode(CameraNode):
         self._instrument_reliability = str(start["instrument_reliability"])
         self._begins = self._read_start(str(runtime["initial_target"]))
         self._group = TargetGroup(count, self._with_detector())
-        self._metric: TargetInputs = TargetInputs(self, count)
+        self._instruments: TargetInputs = TargetInputs(self, count)
         self._apply_runtime_values({**runtime, "maximum_gap": self._filter_parameters.maximum_gap})
         specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
         node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
@@ -121,7 +121,7 @@ class TargetTrackerNode(CameraNode):
         self._apply_runtime_values(values)
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
-        self._metric.apply(values)
+        self._instruments.apply(values)
         self._apply_camera_values(values)
 
     def _make_warm_up(self) -> WarmUp:
@@ -129,7 +129,7 @@ class TargetTrackerNode(CameraNode):
         return WarmUp(("target", *parameters.words()), partial(warm_up_target, parameters))
 
     def _subscribe_more(self) -> None:
-        self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
+        self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         for number, prefix in enumerate(self._prefixes):
             topic = node_topics.INITIAL_TARGET
             self._take_starts(topic, self._marking(number), f"{prefix}{topic.name}")
@@ -149,15 +149,19 @@ class TargetTrackerNode(CameraNode):
         begin = time.perf_counter()
         size = (picture.shape[1], picture.shape[0])
         self._take_marks(size)
-        motion = self._metric.camera_motion(stamp, size)
+        motion = self._instruments.camera_motion(stamp, size)
         estimates = self._group.process(picture, stamp, motion)
         for number, tracker in enumerate(self._group.trackers):
             if tracker.has_begun:
-                self._metric.forget(number)
-        metres = self._metric.take(estimates)
+                self._instruments.forget(number)
+        metres = self._instruments.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
         clouds = [tracker.particles for tracker in self._group.trackers]
-        place, base, factory = self._metric.camera_place, self._metric.base_frame, self._factory
+        place, base, factory = (
+            self._instruments.camera_place,
+            self._instruments.base_frame,
+            self._factory,
+        )
         make = partial(target_messages, factory, header, ms=milliseconds)
         makers = [
             make(estimate, cloud, metres=partial(target_facts, told, place))
@@ -198,7 +202,7 @@ class TargetTrackerNode(CameraNode):
 
     def _restart(self) -> None:
         self._group.reset()
-        self._metric.forget()
+        self._instruments.forget()
         self._estimates = ()
         # Apart from marks: what was marked while the node is switched off is followed when it is
         # on again, but the boxes of a parameter that has changed meanwhile are not.
@@ -233,9 +237,9 @@ class TargetTrackerNode(CameraNode):
         for number, prefix in enumerate(self._prefixes):
             name = prefix.replace("/", " ")
             estimate = self._estimates[number] if self._estimates else None
-            own = _values_of(estimate) | self._metric.figures(number)
+            own = _values_of(estimate) | self._instruments.figures(number)
             figures |= {f"{name}{key}": value for key, value in own.items()}
-        return figures | {"no motion aid": self._metric.why_unaided}
+        return figures | {"no motion aid": self._instruments.why_unaided}
 
 
 def status_of(estimates: Sequence[TargetEstimate]) -> str:

@@ -57,7 +57,9 @@ class TrackerNode(CameraNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("tracker", **node_arguments)
-        self._metric: MetricInputs = MetricInputs(self, self._factory, self._watched_publishers)
+        self._instruments: MetricInputs = MetricInputs(
+            self, self._factory, self._watched_publishers
+        )
         self._estimate: CableEstimate | None = None
         self._prior_while_disabled: GivenState | None = None
         self._declare_parameters()
@@ -116,7 +118,7 @@ class TrackerNode(CameraNode):
         if "initial_state" in values:
             limits = pair_limits(self._tracker.parameters)
             self._search = self._search.changed_to(str(values["initial_state"]), limits)
-        self._metric.apply(values)
+        self._instruments.apply(values)
         self._apply_camera_values(values)
 
     def _make_warm_up(self) -> WarmUp:
@@ -126,7 +128,7 @@ class TrackerNode(CameraNode):
         return WarmUp(parameters.words(), partial(warm_up, few))
 
     def _subscribe_more(self) -> None:
-        self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
+        self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         self._take_starts(node_topics.INITIAL_STATE, self.on_initial_state)
 
     def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
@@ -134,16 +136,16 @@ class TrackerNode(CameraNode):
         seen = self._search.look(picture) if self._search.is_seeking else None
         if seen is not None:
             self._tracker.initialise(seen)
-        estimate = self._tracker.process(picture, stamp, self._metric.motion(stamp, picture))
+        estimate = self._tracker.process(picture, stamp, self._instruments.motion(stamp, picture))
         milliseconds = (time.perf_counter() - begin) * 1e3
         particles = self._tracker.particles
         makers = cable_messages(
             self._factory, header, estimate, particles, ms=milliseconds,
-            metres=lambda: report_metres(self._metric.result),
+            metres=lambda: report_metres(self._instruments.result),
         )  # fmt: skip
         self._outputs.publish_centreline(makers)
-        self._metric.observe(estimate)
-        self._metric.publish(header, estimate)
+        self._instruments.observe(estimate)
+        self._instruments.publish(header, estimate)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
         if estimate.is_claimed:
@@ -156,7 +158,7 @@ class TrackerNode(CameraNode):
 
     def _restart(self) -> None:
         self._tracker.reset()
-        self._metric.forget()
+        self._instruments.forget()
         self._estimate = None
         prior = self._search.restart()
         if prior is not None:
@@ -199,4 +201,4 @@ class TrackerNode(CameraNode):
             self._search.stop()
 
     def _figures(self) -> dict[str, str]:
-        return estimate_values(self._estimate) | self._metric.diagnostics()
+        return estimate_values(self._estimate) | self._instruments.diagnostics()

@@ -13,7 +13,7 @@ from cable_tracker.cable.hypotheses.prediction import (
     draw_ancestors,
     gain_over,
     surviving_ancestors,
-    with_births_by_map,
+    with_map_in_birth_density,
 )
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of
@@ -127,8 +127,10 @@ def test_strips_of_a_map_stand_in_the_chart_of_the_particles(rng):
     prediction = prediction._replace(reference_angle=-1.5)
     shown = np.zeros((60, 80), np.float32)
     shown[40:50] = 0.9  # A strip along the rows, 40 px wide: its normal is upright.
-    births = with_births_by_map(prediction, cable_map_of(shown, -158.0, 118.0, 4.0)).density.births
+    births = with_map_in_birth_density(
+        prediction, cable_map_of(shown, -158.0, 118.0, 4.0)
+    ).density.births
     strip = births.map_strips[0]
     assert strip[:3] == pytest.approx([60.0, -np.pi / 2, 40.0], abs=4.0)
     assert prediction.density.births.map_strips.shape == (0, 8)
-    assert with_births_by_map(prediction, NO_MAP).density.births.map_strips.shape == (0, 8)
+    assert with_map_in_birth_density(prediction, NO_MAP).density.births.map_strips.shape == (0, 8)

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from measured_points import points, ratios_at
 
-from cable_tracker.cable.learning.response_counts import ResponseCounts
+from cable_tracker.cable.learning.response_counts import (
+    ResponseCounts,
+    border_strength,
+    strength_class,
+)
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.picture.working_image import make_working_image
@@ -75,3 +79,10 @@ def test_a_cable_outside_the_image_teaches_nothing(draw_strip):
     assert counts.frames == 0
     with pytest.raises(ParameterError, match="no labelled frame"):
         counts.table("nothing")
+
+
+def test_the_strength_of_a_border_is_the_mean_of_its_upper_half():
+    assert border_strength(np.array([5.0, -9.0, 3.0, 0.0], np.float32)) == pytest.approx(4.0)
+    assert border_strength(np.array([1.0, 7.0, 3.0], np.float32)) == pytest.approx(5.0)
+    classes = [strength_class(strength) for strength in (0.0, 1.19, 1.2, 2.0, 3.9, 99.0)]
+    assert classes == [-1, -1, 0, 1, 2, 3]

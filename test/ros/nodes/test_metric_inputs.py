@@ -45,7 +45,7 @@ class Vehicle:
 
     def sends(self, topic: str, message: Any) -> None:
         message.header = self._image(index=self._index).header
-        heard = self._node._metric._sent._heard
+        heard = self._node._instruments._sent._heard
         before = heard.get(topic, 0)
         self._publishers[topic].publish(message)
         self._world.spin(lambda: heard.get(topic, 0) > before)
@@ -281,7 +281,7 @@ class Instruments:
 
     def speak(self, index: int) -> None:
         header = self.image(index=index).header
-        take = self.node._metric.take_message
+        take = self.node._instruments.take_message
         take(
             Instrument.CAMERA_INFO,
             CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K),
@@ -430,5 +430,5 @@ def test_a_calibration_sent_once_before_is_heard_where_it_is_kept(world, profile
     node = world.tracker()
     world.spin(driver.get_subscription_count)
     world.pass_time(1.5)
-    assert node._metric._sent.has_heard("camera_info") == is_heard
+    assert node._instruments._sent.has_heard("camera_info") == is_heard
     assert driver.get_subscription_count() == (2 if is_heard else 1)

@@ -382,7 +382,7 @@ class TestMetres:
         node = world.target_tracker(initial_target=BOX, target_size=0.5, camera_x=1.0)
         bearings = world.listen(Vector3Stamped, "bearing")
         poses = world.listen(PoseWithCovarianceStamped, "relative_pose")
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(6):
             show(node, index, scene(160, 120, seed=index))
         world.spin(lambda: len(bearings) == len(poses) == 6)
@@ -416,16 +416,16 @@ class TestMetres:
         turn = 0.6
         shift = FOCAL * math.tan(turn * 0.04)
         node = world.target_tracker(initial_target="78,106,123,135", jump_share=0.0)
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(12):
             message = Odometry() if instrument == "odometry" else Imu()
             message.header = header(index)
             twist = message.twist.twist.angular if instrument == "odometry" else None
             (twist or message.angular_velocity).z = turn + 1e-6 * index
-            node._metric.take_message(Instrument(instrument), message)
+            node._instruments.take_message(Instrument(instrument), message)
             show(node, index, scene(round(100 + shift * index), seed=index))
         assert node.status == "TRACKING"
-        assert node._metric.why_unaided == ""
+        assert node._instruments.why_unaided == ""
         # The rates are those of the target itself, which hangs still in the water.
         rates = node.group.trackers[0].particles.states[:, 4]
         assert abs(np.median(rates)) < 0.3 * shift / 0.04
@@ -434,14 +434,14 @@ class TestMetres:
         self, world: Any, show: Callable[..., None], header: Callable[..., Any]
     ) -> None:
         node = world.target_tracker(initial_target="78,106,123,135")
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(6):
             message = Imu(header=header(index))
             message.angular_velocity.z = 1e200 if index == 4 else 1e-6 * index
-            node._metric.take_message(Instrument.IMU, message)
+            node._instruments.take_message(Instrument.IMU, message)
             show(node, index, scene(100, seed=index))
         assert (node.status, node.statistics.tracked) == ("TRACKING", 6)
-        assert "infinite" in node._metric.why_unaided
+        assert "infinite" in node._instruments.why_unaided
 
     def test_a_frame_waits_for_each_instrument_that_speaks(
         self, world: Any, show: Callable[..., None], header: Callable[..., Any]
@@ -449,16 +449,16 @@ class TestMetres:
         """Which of the two comes first must not decide whose motion is taken."""
         node = world.target_tracker(initial_target=BOX, instrument_wait=60.0)
         states = world.listen(JointState, "state")
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
         for instrument, kind in ((Instrument.IMU, Imu), (Instrument.ODOMETRY, Odometry)):
-            node._metric.take_message(instrument, kind(header=header(0)))
+            node._instruments.take_message(instrument, kind(header=header(0)))
         show(node, 0)
         world.spin(lambda: len(states) == 1)
-        node._metric.take_message(Instrument.IMU, Imu(header=header(1)))
+        node._instruments.take_message(Instrument.IMU, Imu(header=header(1)))
         show(node, 1)
         world.pass_time(0.2)
         assert len(states) == 1
-        node._metric.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
+        node._instruments.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
         world.spin(lambda: len(states) == 2)
 
     def test_an_instrument_that_never_speaks_is_not_waited_for(
@@ -466,9 +466,9 @@ class TestMetres:
     ) -> None:
         node = world.target_tracker(initial_target=BOX, instrument_wait=60.0)
         states = world.listen(JointState, "state")
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(2):
-            node._metric.take_message(Instrument.IMU, Imu(header=header(index)))
+            node._instruments.take_message(Instrument.IMU, Imu(header=header(index)))
             show(node, index)
         # Long before the wait is over.
         world.spin(lambda: len(states) == 2, 30.0)
@@ -485,12 +485,12 @@ class TestMetres:
         names = ["camera_info", "altitude", "imu"]
         counts.publish(JointState(header=header(0), name=names, position=[1.0, 7.0, 2.0]))
         world.empty_queues()
-        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
-        node._metric.take_message(Instrument.IMU, Imu(header=header(0)))
+        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._instruments.take_message(Instrument.IMU, Imu(header=header(0)))
         show(node, 0)
         world.pass_time(0.2)
         assert not states
-        node._metric.take_message(Instrument.IMU, Imu(header=header(1)))
+        node._instruments.take_message(Instrument.IMU, Imu(header=header(1)))
         world.spin(lambda: states)
 
 

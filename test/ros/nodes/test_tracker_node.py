@@ -759,10 +759,10 @@ class TestServicesAndStatus:
     ) -> None:
         node = world.tracker(initial_state=near)
         world.show(node, image_message())
-        told = node._metric.result
+        told = node._instruments.result
         node.on_reset(Trigger.Request(), Trigger.Response())
-        assert node._metric.result != told
-        assert "no frame has come" in str(node._metric.result)
+        assert node._instruments.result != told
+        assert "no frame has come" in str(node._instruments.result)
 
     def test_a_frame_without_a_stamp_has_the_time_at_which_it_came(
         self, world: Any, strip: Callable[..., np.ndarray], image_message: Callable[..., Any]

@@ -18,12 +18,12 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
-from cable_tracker.cable.hypotheses.weigh.shared_borders import is_within_shared_border_limits
 from cable_tracker.cable.measure.borders.likelihood_ratio import measured_cables
 from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
     image_reach,
+    relative_direction,
 )
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.limits import StateLimits
@@ -42,6 +42,10 @@ SMALLEST_DEVIATION = 0.5
 FEWEST_STRIPS = 8
 """Minimum number of random strips for their mean and deviation; with fewer 0 and
 `SMALLEST_DEVIATION` are used."""
+
+SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
+"""Largest distance and angle between two borders that may be the same one [px at the reference
+width, rad]."""
 
 
 class Background(NamedTuple):
@@ -105,8 +109,7 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 @compiled_part
 def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatArray:
     """Return the log-likelihood ratios (count,) of the first strips."""
-    scan = inputs.scan
-    measured = measured_cables(strips, count, scan, inputs.model, scan.points_across)
+    measured = measured_cables(strips[:count], inputs.scan, inputs.model)
     return marginal_log_ratios(measured.log_ratios, inputs.polarity)
 
 
@@ -131,6 +134,26 @@ def _is_beside(
         and not borders_cross_inside(strip, image_size)
         and not is_within_shared_border_limits(strip, mean, unit)
     )
+
+
+@compiled_loop
+def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, unit: float) -> bool:
+    """Tell whether any border of a strip is within both limits of any border of a hypothesis.
+
+    Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
+    have shape (8,); `unit`: pixels of the frame per pixel at the reference width.
+    """
+    wrapped, sign = relative_direction(strip[ANGLE], mean[ANGLE])
+    offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
+    nearest = SHARED_OFFSET * unit
+    for side in (-1.0, 1.0):
+        for other in (-1.0, 1.0):
+            own, its = offset + 0.5 * side * strip[WIDTH], 0.5 * other * mean[WIDTH]
+            apart = own - mean[DISTANCE] - its
+            turn = angle + side * skew - mean[ANGLE] - other * mean[SKEW]
+            if abs(apart) < nearest and abs(turn) < SHARED_ANGLE:
+                return True
+    return False
 
 
 @compiled_loop

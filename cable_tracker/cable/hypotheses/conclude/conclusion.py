@@ -82,7 +82,7 @@ class Hypotheses(NamedTuple):
         Effective sample size N_eff of all particles.
     weaker_border_mean : float
         Mean log-likelihood ratio per point of the weaker border, averaged over the leading cluster
-        [nats]. It is the evidence that is published, which a map may raise: see `leading_evidence`.
+        [nats]: the evidence of the borders alone. What is published is `leading_evidence`.
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
@@ -95,7 +95,7 @@ class Hypotheses(NamedTuple):
     appearance : float
         How much the leading group looks like a cable, see `appearances_of` [nats].
     is_mapped : bool
-        Whether the map of the frame has a say in that.
+        Whether a map, of the frame or kept, has a say in that.
     """
 
     clusters: Clusters
@@ -360,8 +360,8 @@ def _weaker_border_of_leader(
     for row in range(len(weights)):
         if clusters.labels[row] == 0:
             is_bright = _bright_share_of(row, sample, inputs) >= 0.5
-            own = measured.weaker_border_mean[row, BRIGHT if is_bright else DARK]
-            border_mean += weights[row] / mass * own
+            left, right = measured.border_means[row, BRIGHT if is_bright else DARK]
+            border_mean += weights[row] / mass * min(left, right)
             length += weights[row] / mass * measured.visible_lengths[row]
     return border_mean, length
 
@@ -376,7 +376,7 @@ def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
 @compiled_part
 def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
     """Return the mean log-likelihood ratios (2,) of the first mean's borders."""
-    measured = measured_cables(means, 1, inputs.scan, inputs.model, inputs.scan.points_across)
+    measured = measured_cables(means[:1], inputs.scan, inputs.model)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own

@@ -65,7 +65,7 @@ def is_new_clear(
         # A threshold below 0 must not be lowered.
         return score >= max(needed, needed * factor)
 
-    by_borders = claim_score_by_borders(hypotheses, parameters, scale)
+    by_borders = claim_score_by_width(hypotheses, parameters, scale)
     if is_enough(by_borders, needed_clearness(width, parameters, scale)):
         return True
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
@@ -104,10 +104,13 @@ def needed_clearness(width: float, parameters: TrackerParameters, scale: float) 
     return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)
 
 
-def claim_score_by_borders(
+def claim_score_by_width(
     hypotheses: Hypotheses, parameters: TrackerParameters, scale: float
 ) -> float:
-    """Return clearness plus worth of the looks, if borders are looked at [nats per point]."""
+    """Return clearness plus worth of the looks, held against what its width asks for.
+
+    In nats per point. With a map the looks are those that it tells, see `appearances_of`.
+    """
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
     thin_width = parameters.thin_width * scale
     # What is thin has no looks that speak for it, see `trusted_appearance`.

@@ -2,10 +2,11 @@
 
 A cable that has left over an edge of the image is looked for along that edge, one that vanished in
 the middle (buried, or hidden) about where it was; the longer it is gone, the farther from there.
-While no cable is known, a part of the births is about the strips that a map of the frame shows.
-That looks at the frame before it counts, as births about measurements do in other trackers of
-several objects: spread over all poses, a cable that is seen for the first time weighs so little
-that wide strips, followed since the search began, lead for many frames.
+While no cable is known, a part of their density is about the strips that a map of the frame shows
+(particles there come from the candidates, see `likeliest_strips`). That looks at the frame before
+it counts, as births about measurements do in other trackers of several objects: spread over all
+poses, a cable that is seen for the first time weighs so little that wide strips, followed since the
+search began, lead for many frames.
 
 How likely one comes and goes, says `cable_tracker.tracking.survival`.
 """
@@ -47,8 +48,8 @@ BIRTH_PEAK = (
 """Density at the middle of the births about the remembered cable, for scales of one."""
 
 MAP_SHARE = 0.03
-"""Share of the births about the strips of the map. Chosen on the worlds to tune on (`tune_*`): with
-half of the births strips that a map shows wrongly are followed too soon."""
+"""Share of the birth density about the strips of the map. Chosen on the worlds to tune on
+(`tune_*`): with a half, strips that a map shows wrongly are followed too soon."""
 
 MAP_SCALES = np.array([6.0, 0.06, 6.0, 0.06])
 """Scales of the births about a strip of the map: d, alpha, w, beta [px at the reference width,

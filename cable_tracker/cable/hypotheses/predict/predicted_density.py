@@ -100,14 +100,10 @@ def empty_densities(count: int) -> DensityValues:
 
 @compiled_loop
 def fill_densities(
-    states: FloatArray,
-    start: int,
-    stop: int,
-    predicted: PredictedDensity,
-    densities: DensityValues,
+    states: FloatArray, count: int, predicted: PredictedDensity, densities: DensityValues
 ) -> None:
-    """Fill in the densities at the states from `start` to `stop`."""
-    for row in range(start, stop):
+    """Fill in the densities at the first states."""
+    for row in range(count):
         _fill_densities_of(states[row], row, predicted, densities)
 
 

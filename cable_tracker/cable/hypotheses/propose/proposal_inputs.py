@@ -25,7 +25,8 @@ class ProposalInputs(NamedTuple):
     scan, model : ScanInputs, RatioModel
         The scanned frame, and the tables of its log-likelihood ratios.
     cable_map : CableMap
-        The map of the frame; `NO_MAP` beside a clear known cable, or if none is wanted.
+        The map of the frame; beside a clear known cable the kept one, moved along; `NO_MAP` without
+        either.
     polarity : PolarityPrior
         Probability that a cable is brighter than the bottom.
     reference_angle : float

@@ -97,7 +97,7 @@ def _draw_first(
     first = counts.survivors + counts.births
     end = first + counts.switches + counts.detections
     _place_first(sample.states, inputs, counts, config, centres)
-    fill_densities(sample.states, 0, first, inputs.predicted, sample.densities)
+    fill_densities(sample.states, first, inputs.predicted, sample.densities)
     _measure(sample, inputs, config, 0, first)
     _draw_rates_and_measure(sample, inputs, config, first, end)
     drawn = Drawn(end, centres, no_peaks(), np.empty((0, STATE_SIZE)))

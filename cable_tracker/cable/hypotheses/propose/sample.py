@@ -21,7 +21,7 @@ from cable_tracker.cable.measure.borders.polarity_prior import (
     PolarityPrior,
     marginal_log_ratio,
 )
-from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
+from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_overlap
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -92,7 +92,7 @@ def fill_map_log_ratios(
     for row in range(start, stop):
         sample.map_log_ratios[row] = 0.0
         if is_worked_out(cable_map):
-            overlap = map_match(sample.states[row], cable_map).overlap
+            overlap = map_overlap(sample.states[row], cable_map)
             lacking = max(cable_map.expected - overlap, 0.0)
             sample.map_log_ratios[row] = (
                 weights.overlap * min(overlap, cable_map.enough) - weights.lacking * lacking

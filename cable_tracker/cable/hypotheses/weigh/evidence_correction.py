@@ -146,8 +146,8 @@ def corrected_log_weights(
     """
     groups = measured.groups
     evidence = group_evidence(particles, measured, limits, is_known)
-    likeliest = reference_group(evidence)
-    reference = evidence.counted[likeliest] if likeliest != NO_CLUSTER else 0.0
+    surviving = reference_group(evidence)
+    reference = evidence.counted[surviving] if surviving != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
     for label in range(NO_CLUSTER, groups.number):
         if evidence.log_ratio[label] != -np.inf:

@@ -108,11 +108,11 @@ def appearances_of(
     """Return the appearance of N strips, shape (N, 8): log-odds, of shape (N,) [nats].
 
     A strip is looked at as the bright or the dark cable that it is likelier to be.
-    `cable_map`: the map of the frame, or `NO_MAP`.
+    `cable_map`: the map of the frame, a kept one, or `NO_MAP`.
     """
     count = len(states)
     found = np.empty(count)
-    measured = measured_cables(states, count, scan, model, scan.points_across)
+    measured = measured_cables(states, scan, model)
     crossings, profile = room_for_crossings(), np.empty((2, PROFILE))
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
     stretch_signs = np.empty(STRETCHES)

@@ -83,9 +83,6 @@ class CableMeasures(NamedTuple):
     ----------
     log_ratios : FloatArray
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2) [nats].
-    weaker_border_mean : FloatArray
-        Mean log-likelihood ratio per point of the weaker border, summed over the classes of its
-        strength, not tempered, shape (N, 2) [nats].
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     border_means : FloatArray
@@ -97,7 +94,6 @@ class CableMeasures(NamedTuple):
     """
 
     log_ratios: FloatArray
-    weaker_border_mean: FloatArray
     visible_lengths: FloatArray
     border_means: FloatArray
     reversed: IndexArray
@@ -107,7 +103,6 @@ class CableMeasures(NamedTuple):
 def allocate_measures(count: int) -> CableMeasures:
     """Return uninitialised arrays for N cables."""
     return CableMeasures(
-        np.empty((count, 2)),
         np.empty((count, 2)),
         np.empty(count),
         np.empty((count, 2, 2)),
@@ -178,7 +173,7 @@ class BorderLikelihoodRatio:
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
         """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""
-        return float(self.measure(state[None, :], image).weaker_border_mean.max())
+        return float(self.measure(state[None, :], image).border_means[0].min(axis=1).max())
 
     def model_for(self, image: WorkingImage) -> RatioModel:
         """Return the model for a frame."""
@@ -189,7 +184,7 @@ class BorderLikelihoodRatio:
 
 @compiled
 def _measure_all(states: FloatArray, scan: ScanInputs, model: RatioModel) -> CableMeasures:
-    return measured_cables(states, len(states), scan, model, scan.points_across)
+    return measured_cables(states, scan, model)
 
 
 @compiled
@@ -198,12 +193,10 @@ def _marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> Flo
 
 
 @compiled_part
-def measured_cables(
-    states: FloatArray, count: int, scan: ScanInputs, model: RatioModel, expected: float
-) -> CableMeasures:
-    """Measure the first of some states; `expected` is that of `fill_measures`."""
-    measured = allocate_measures(count)
-    fill_measures(states, 0, count, scan, model, expected, measured)
+def measured_cables(states: FloatArray, scan: ScanInputs, model: RatioModel) -> CableMeasures:
+    """Measure cables, shape (N, 8), whose borders should run through the picture."""
+    measured = allocate_measures(len(states))
+    fill_measures(states, 0, len(states), scan, model, scan.points_across, measured)
     return measured
 
 
@@ -288,7 +281,6 @@ def _combine_borders(
         ratio, left, right = _log_ratio_over_strengths(sums, polarity * CLASSES, tempering, shares)
         measured.log_ratios[cable, polarity] = ratio
         points = tempering * longest
-        measured.weaker_border_mean[cable, polarity] = min(left, right) / points
         measured.border_means[cable, polarity, 0] = left / points
         measured.border_means[cable, polarity, 1] = right / points
 
@@ -318,13 +310,14 @@ def border_clearness(states: FloatArray, scan: ScanInputs, model: RatioModel) ->
     """
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
-    measured = measured_cables(states, count, scan, model, ONE_POINT)
+    measured = allocate_measures(count)
+    fill_measures(states, 0, count, scan, model, ONE_POINT, measured)
     for row in range(count):
         shown = min(measured.visible_lengths[row] / scan.points_across, 1.0)
         clear.shown[row], clear.clearness[row] = shown, -math.inf
         for polarity in range(2):
-            weaker = measured.weaker_border_mean[row, polarity]
-            clear.clearness[row] = max(clear.clearness[row], weaker)
+            left, right = measured.border_means[row, polarity]
+            clear.clearness[row] = max(clear.clearness[row], min(left, right))
     return clear
 
 

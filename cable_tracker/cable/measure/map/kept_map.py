@@ -16,7 +16,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_overlap
-from cable_tracker.cable.measure.map.map_borders import MapBorders, blend_of
+from cable_tracker.cable.measure.map.map_borders import MapBorders
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 
@@ -57,7 +57,9 @@ class KeptMap:
 
     def smoothed(self, borders: MapBorders) -> MapBorders:
         """Return where this map and a new one, which shows `borders`, show those of the cable."""
-        return blend_of(self.borders, borders, math.exp(-self.seconds / BORDERS_TIME))
+        kept = math.exp(-self.seconds / BORDERS_TIME)
+        both = zip(self.borders, borders, strict=True)
+        return MapBorders(*(kept * old + (1.0 - kept) * new for old, new in both))
 
     def moved_to(self, pose: FloatArray) -> CableMap:
         """Return the map as it lies when the centreline of the cable has come to that of a pose.

@@ -128,12 +128,6 @@ def map_borders(
     return MapBorders(widening, left_rim, right_rim)
 
 
-def blend_of(before: MapBorders, found: MapBorders, kept: float) -> MapBorders:
-    """Return means of both, `kept` (0 to 1) of those before."""
-    means = (kept * old + (1.0 - kept) * new for old, new in zip(before, found, strict=True))
-    return MapBorders(*means)
-
-
 @compiled_part
 def _widening(state: FloatArray, cable_map: CableMap) -> float:
     """Return how much wider than a strip a map shows it [px]; see `MapBorders`."""

@@ -17,7 +17,7 @@ from cable_tracker.cable.measure.map.cable_map import (
     SMALLEST_AREA,
     CableMap,
     cable_map_of,
-    map_match,
+    map_overlap,
     strip_shares,
 )
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, STATE_SIZE, WIDTH
@@ -105,7 +105,7 @@ def refine_strip(cable_map: CableMap, strip: FloatArray) -> None:
     steps = FIRST_STEPS.copy()
     steps[DISTANCE] *= cable_map.cell
     steps[WIDTH] *= cable_map.cell
-    best = map_match(strip, cable_map).overlap
+    best = map_overlap(strip, cable_map)
     for _ in range(HALVINGS + 1):
         for _ in range(TRIES):
             before = best
@@ -124,7 +124,7 @@ def _try_step(
     """Change one number of a strip if its overlap grows, and return the overlap."""
     kept = strip[column]
     strip[column] += step
-    overlap = map_match(strip, cable_map).overlap
+    overlap = map_overlap(strip, cable_map)
     if overlap > best and abs(strip[SKEW]) <= MOST_SKEW and strip[WIDTH] >= 0.5 * cable_map.cell:
         return overlap
     strip[column] = kept

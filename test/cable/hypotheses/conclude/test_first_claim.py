@@ -17,8 +17,8 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
     MOST_MAPPED,
     UNLIKE_A_CABLE,
     USUAL_WIDTH,
-    claim_score_by_borders,
     claim_score_by_map,
+    claim_score_by_width,
     is_new_clear,
     leading_evidence,
     needed_clearness,
@@ -68,7 +68,7 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     hypotheses = initial_belief(leader[None], 0.9).hypotheses
     hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped)
     by_borders = needed_clearness(width, PARAMETERS, 1.0)
-    by_borders -= claim_score_by_borders(hypotheses, PARAMETERS, 1.0)
+    by_borders -= claim_score_by_width(hypotheses, PARAMETERS, 1.0)
     by_map = PARAMETERS.evidence_to_find - claim_score_by_map(hypotheses)
     needed = min(by_borders, by_map) if is_mapped else by_borders
     for clearness in (needed - 1e-6, needed + 1e-6):
@@ -83,7 +83,7 @@ def test_better_looks_are_never_worth_less_and_within_limits(appearance, other, 
 
     def worth(of):
         looked_at = hypotheses._replace(appearance=of)
-        return claim_score_by_borders(looked_at, PARAMETERS, 1.0), claim_score_by_map(looked_at)
+        return claim_score_by_width(looked_at, PARAMETERS, 1.0), claim_score_by_map(looked_at)
 
     (low, low_mapped), (high, high_mapped) = (worth(each) for each in sorted((appearance, other)))
     assert APPEARANCE_SHARE * LEAST_APPEARANCE - 1e-9 <= low <= high

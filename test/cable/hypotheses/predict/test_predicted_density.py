@@ -53,7 +53,7 @@ def states_at(*poses) -> np.ndarray:
 
 def densities_at(predicted, states) -> DensityValues:
     densities = empty_densities(len(states))
-    fill_densities(states, 0, len(states), predicted, densities)
+    fill_densities(states, len(states), predicted, densities)
     return densities
 
 
