@@ -157,11 +157,8 @@ class TargetTrackerNode(CameraNode):
         metres = self._instruments.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
         clouds = [tracker.particles for tracker in self._group.trackers]
-        place, base, factory = (
-            self._instruments.camera_place,
-            self._instruments.base_frame,
-            self._factory,
-        )
+        place, base = self._instruments.camera_place, self._instruments.base_frame
+        factory = self._factory
         make = partial(target_messages, factory, header, ms=milliseconds)
         makers = [
             make(estimate, cloud, metres=partial(target_facts, told, place))

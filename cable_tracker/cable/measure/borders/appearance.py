@@ -15,8 +15,9 @@ With a map of the frame (`cable_map`), how well the strip matches it says more t
 The weights were fitted on simulated worlds to tune on (`tune_*`, seeds 0 to 39): a conditional
 logit model of which of the strips of a frame is the cable, or none. With these, neither the
 likelihood ratio of a strip nor the share of points at which its border is the strongest edge adds
-anything. The weight of continuity was chosen on pictures of real ground, on which a float lies that
-ends in the picture.
+anything. A fourth number, how smooth the inside is, was among them then; it has been left out
+since, and the others kept. The weight of continuity was chosen on pictures of real ground, on which
+a float lies that ends in the picture.
 """
 
 from __future__ import annotations
