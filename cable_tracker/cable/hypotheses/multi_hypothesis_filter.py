@@ -56,6 +56,11 @@ from cable_tracker.cable.hypotheses.prediction import (
     Predictor,
     with_map_in_birth_density,
 )
+from cable_tracker.cable.hypotheses.propose.map_evidence import (
+    NOTHING_EXPECTED,
+    ExpectedOverlap,
+    expected_overlap,
+)
 from cable_tracker.cable.hypotheses.propose.proposal_config import (
     beside_a_known_cable,
     proposal_config,
@@ -64,10 +69,10 @@ from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInput
 from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
-from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE, PriorPresence
+from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.map.cable_map import CableMap, beside_expected
+from cable_tracker.cable.measure.map.cable_map import CableMap
 from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.map.map_borders import map_borders
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -173,14 +178,18 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = prediction.prior.is_known
         looks = self._looks_at_map(belief, is_known=is_known)
-        cable_map = _map_of_frame(belief, image, prediction.prior, looks=looks)
+        expected = prediction.prior.expected[0]
+        cable_map = image.cable_map if looks else belief.map_moved_to(expected)
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
         births = prediction.density.births
         counts = sample_counts(
             self._parameters, prediction.existence, births, len(detections), self._refined
         )
-        inputs = self._inputs(belief, prediction, counts, image, detections, cable_map)
+        against = NOTHING_EXPECTED
+        if is_known:
+            against = expected_overlap(cable_map, expected, is_kept=not looks)
+        inputs = self._inputs(belief, prediction, counts, image, detections, cable_map, against)
         config = self._known_config if is_known else self._config
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(conclusion.hypotheses.clusters.masses):
@@ -213,6 +222,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         image: WorkingImage,
         detections: FloatArray,
         cable_map: CableMap,
+        against: ExpectedOverlap,
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
         ancestor_count = len(prediction.density.rates)
@@ -228,6 +238,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             scan=image.scan,
             model=self._observation.model_for(image),
             cable_map=cable_map,
+            expected_overlap=against,
             polarity=polarity_prior(belief.p_bright),
             reference_angle=prediction.reference_angle,
             # Each is as likely as the others: their weights are in the density.
@@ -241,16 +252,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
         return belief_summary(belief, self._parameters, image.frame_scale)
-
-
-def _map_of_frame(
-    belief: Belief, image: WorkingImage, prior: PriorPresence, *, looks: bool
-) -> CableMap:
-    """Return the map that strips are held against: that of the frame, or the kept one."""
-    expected = prior.expected[0]
-    if not looks:
-        return belief.map_moved_to(expected)
-    return beside_expected(image.cable_map, expected) if prior.is_known else image.cable_map
 
 
 def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:

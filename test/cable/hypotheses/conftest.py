@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.propose.map_evidence import NOTHING_EXPECTED
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
@@ -31,6 +32,7 @@ def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
             scan=scan,
             model=model.model_for(image),
             cable_map=NO_MAP,
+            expected_overlap=NOTHING_EXPECTED,
             polarity=polarity,
             reference_angle=0.0,
             ancestors=NOTHING,

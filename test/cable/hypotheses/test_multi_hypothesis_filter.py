@@ -562,18 +562,18 @@ def strip_map(state):
 def test_strips_are_held_against_the_expected_one_where_a_cable_is_known(
     strip, monkeypatch, is_given
 ):
-    maps, conclude = [], multi_hypothesis_filter.draw_and_conclude
+    frames, conclude = [], multi_hypothesis_filter.draw_and_conclude
 
     def draw_and_conclude(sample, inputs, counts, config, prior):
-        maps.append((inputs.cable_map, prior.expected[0]))
+        frames.append((inputs.expected_overlap, prior.expected[0]))
         return conclude(sample, inputs, counts, config, prior)
 
     monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", draw_and_conclude)
     before = belief_before(is_given=is_given, kept_map=None)
     make_filter().step(before, strip, FRAME, NO_DETECTIONS)
-    ((held_against, expected),) = maps
+    ((against, expected),) = frames
     overlap = map_overlap(expected, strip.cable_map) if is_given else -np.inf
-    assert held_against.expected == overlap
+    assert against == (np.inf, overlap)
 
 
 def test_a_map_is_kept_no_longer_than_the_interval(strip):

@@ -76,7 +76,7 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 
     The strips that are like hypotheses are shared out among them.
     """
-    noise, image_size, unit = inputs.noise, config.image_size, config.unit
+    noise, image_size, scale = inputs.noise, config.image_size, config.frame_scale
     count = len(states)
     background = empty_background(count)
     if count == 0:
@@ -87,18 +87,18 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
     kinds = 0
     for row in range(len(noise.anywhere)):
         _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[kinds])
-        kinds += _is_of_use_for_any(strips[kinds], states, image_size, unit)
+        kinds += _is_of_use_for_any(strips[kinds], states, image_size, scale)
     total, ends = kinds, np.empty(count, np.int64)
     for row in range(count * share):
         index = row // share
         _place_like(states[index], noise, row, config.limits, image_size, strips[total])
-        total += _is_beside(strips[total], states[index], image_size, unit)
+        total += _is_beside(strips[total], states[index], image_size, scale)
         ends[index] = total
     ratios = _ratios_of(strips, total, inputs)
     first = kinds
     for index in range(count):
         background.means[index], background.deviations[index] = _moments(
-            strips, ratios, kinds, states[index], unit
+            strips, ratios, kinds, states[index], scale
         )
         for row in range(first, ends[index]):
             background.alike[index] = max(background.alike[index], ratios[row])
@@ -115,37 +115,37 @@ def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatA
 
 @compiled_loop
 def _is_of_use_for_any(
-    strip: FloatArray, means: FloatArray, image_size: tuple[float, float], unit: float
+    strip: FloatArray, means: FloatArray, image_size: tuple[float, float], scale: float
 ) -> bool:
     """Tell whether a strip may be a cable, and at least one hypothesis shares no border with it."""
     apart = False
     for index in range(len(means)):
-        apart = apart or not is_within_shared_border_limits(strip, means[index], unit)
+        apart = apart or not is_within_shared_border_limits(strip, means[index], scale)
     return apart and not borders_cross_inside(strip, image_size)
 
 
 @compiled_loop
 def _is_beside(
-    strip: FloatArray, mean: FloatArray, image_size: tuple[float, float], unit: float
+    strip: FloatArray, mean: FloatArray, image_size: tuple[float, float], scale: float
 ) -> bool:
     """Tell whether a strip may be a cable, and does not lie on a hypothesis."""
     return (
         abs(strip[DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
         and not borders_cross_inside(strip, image_size)
-        and not is_within_shared_border_limits(strip, mean, unit)
+        and not is_within_shared_border_limits(strip, mean, scale)
     )
 
 
 @compiled_loop
-def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, unit: float) -> bool:
+def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, scale: float) -> bool:
     """Tell whether any border of a strip is within both limits of any border of a hypothesis.
 
     Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
-    have shape (8,); `unit`: pixels of the frame per pixel at the reference width.
+    have shape (8,); `scale`: pixels of the frame per pixel at the reference width.
     """
     wrapped, sign = relative_direction(strip[ANGLE], mean[ANGLE])
     offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
-    nearest = SHARED_OFFSET * unit
+    nearest = SHARED_OFFSET * scale
     for side in (-1.0, 1.0):
         for other in (-1.0, 1.0):
             own, its = offset + 0.5 * side * strip[WIDTH], 0.5 * other * mean[WIDTH]
@@ -158,12 +158,12 @@ def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, unit: fl
 
 @compiled_loop
 def _moments(
-    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, unit: float
+    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, scale: float
 ) -> tuple[float, float]:
     """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
     for row in range(count):
-        if not is_within_shared_border_limits(strips[row], mean, unit):
+        if not is_within_shared_border_limits(strips[row], mean, scale):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.propose.map_evidence import MapWeights
 from cable_tracker.cable.hypotheses.propose.rounds import annealing_power, widening_in
-from cable_tracker.cable.hypotheses.propose.sample import MapWeights
 from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
@@ -56,7 +56,7 @@ class ProposalConfig(NamedTuple):
         Limits of the correction of the groups' weights.
     same_hypothesis_radii : FloatArray
         `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
-    unit : float
+    frame_scale : float
         Pixels of the frame per pixel at the reference width.
     is_known : bool
         Whether a cable is known: then borders count whole, and appearance does not.
@@ -74,7 +74,7 @@ class ProposalConfig(NamedTuple):
     widenings: FloatArray
     evidence_limits: EvidenceLimits
     same_hypothesis_radii: FloatArray
-    unit: float
+    frame_scale: float
     is_known: bool
     map_weights: MapWeights
 
@@ -101,7 +101,7 @@ def proposal_config(
             parameters.thin_width * scale,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
-        unit=scale,
+        frame_scale=scale,
         is_known=False,
         map_weights=SEARCH_MAP,
     )

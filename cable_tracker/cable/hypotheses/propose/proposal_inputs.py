@@ -7,6 +7,7 @@ from typing import NamedTuple
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
+from cable_tracker.cable.hypotheses.propose.map_evidence import ExpectedOverlap
 from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
 from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
@@ -27,6 +28,8 @@ class ProposalInputs(NamedTuple):
     cable_map : CableMap
         The map of the frame; beside a clear known cable the kept one, moved along; `NO_MAP` without
         either.
+    expected_overlap : ExpectedOverlap
+        What overlaps with this map are held against.
     polarity : PolarityPrior
         Probability that a cable is brighter than the bottom.
     reference_angle : float
@@ -44,6 +47,7 @@ class ProposalInputs(NamedTuple):
     scan: ScanInputs
     model: RatioModel
     cable_map: CableMap
+    expected_overlap: ExpectedOverlap
     polarity: PolarityPrior
     reference_angle: float
     ancestors: IndexArray

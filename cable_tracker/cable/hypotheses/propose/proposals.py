@@ -25,6 +25,7 @@ from cable_tracker.cable.hypotheses.propose.candidates import (
     CANDIDATE_SHARE,
     likeliest_strips,
 )
+from cable_tracker.cable.hypotheses.propose.map_evidence import map_log_ratio
 from cable_tracker.cable.hypotheses.propose.peaks import (
     Peaks,
     add_detection_density,
@@ -40,7 +41,6 @@ from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInput
 from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     fill_log_likelihoods,
-    fill_map_log_ratios,
     importance_log_weights,
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
@@ -215,7 +215,10 @@ def _measure(
         inputs.scan.points_across,
         sample.measured,
     )
-    fill_map_log_ratios(sample, start, stop, inputs.cable_map, config.map_weights)
+    for row in range(start, stop):
+        sample.map_log_ratios[row] = map_log_ratio(
+            sample.states[row], inputs.cable_map, inputs.expected_overlap, config.map_weights
+        )
     fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)
 
 

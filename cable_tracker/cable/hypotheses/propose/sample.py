@@ -21,26 +21,10 @@ from cable_tracker.cable.measure.borders.polarity_prior import (
     PolarityPrior,
     marginal_log_ratio,
 )
-from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_overlap
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_loop, compiled_part
-
-
-class MapWeights(NamedTuple):
-    """How much a map counts in the likelihood [nats per nat].
-
-    Attributes
-    ----------
-    overlap : float
-        Weight of the overlap of a strip with the map.
-    lacking : float
-        Weight of what it lacks, besides, to the overlap of the expected strip.
-    """
-
-    overlap: float
-    lacking: float
 
 
 class Sample(NamedTuple):
@@ -82,21 +66,6 @@ def empty_sample(count: int) -> Sample:
         np.empty(count),
         np.empty(count),
     )
-
-
-@compiled_loop
-def fill_map_log_ratios(
-    sample: Sample, start: int, stop: int, cable_map: CableMap, weights: MapWeights
-) -> None:
-    """Fill in what the map says from `start` to `stop`, 0 for `NO_MAP`."""
-    for row in range(start, stop):
-        sample.map_log_ratios[row] = 0.0
-        if is_worked_out(cable_map):
-            overlap = map_overlap(sample.states[row], cable_map)
-            lacking = max(cable_map.expected - overlap, 0.0)
-            sample.map_log_ratios[row] = (
-                weights.overlap * min(overlap, cable_map.enough) - weights.lacking * lacking
-            )
 
 
 @compiled_loop

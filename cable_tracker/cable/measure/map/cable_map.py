@@ -40,11 +40,6 @@ class CableMap(NamedTuple):
         Coordinates of the centre of the first cell in the image frame, y up [px].
     cell : float
         Side of a cell [px].
-    enough : float
-        Overlap beyond which more is no better [nats], infinite in the map of a frame itself.
-    expected : float
-        Overlap of the strip that is expected [nats]: to match less well counts for more than to
-        match better. -inf where none is.
     """
 
     probabilities: Image
@@ -54,8 +49,6 @@ class CableMap(NamedTuple):
     left: float
     top: float
     cell: float
-    enough: float
-    expected: float
 
 
 @compiled
@@ -76,8 +69,6 @@ def cable_map_of(probabilities: Image, left: float, top: float, cell: float) -> 
         left=left,
         top=top,
         cell=cell,
-        enough=np.inf,
-        expected=-np.inf,
     )
 
 
@@ -89,8 +80,6 @@ NO_MAP = CableMap(
     left=0.0,
     top=0.0,
     cell=1.0,
-    enough=np.inf,
-    expected=-np.inf,
 )
 """The map of a frame of which none was worked out."""
 
@@ -142,13 +131,6 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
 def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
     """Return the overlap of a strip (4 or more,) with a map; see `MapMatch`."""
     return map_match(state, cable_map).overlap
-
-
-def beside_expected(cable_map: CableMap, state: FloatArray) -> CableMap:
-    """Return a map of which strips are held against the one that is expected, (4 or more,)."""
-    if not is_worked_out(cable_map):
-        return cable_map
-    return cable_map._replace(expected=map_overlap(state, cable_map))
 
 
 @compiled

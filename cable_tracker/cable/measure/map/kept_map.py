@@ -2,8 +2,7 @@
 
 The network takes several times as long as the rest of a frame in which the cable is clear. So it
 looks only now and then, and what it said of the strip, of its borders and of what lies beside it
-stays true for a moment, but for how the cable has moved since. How exactly is not known: a strip
-that matches the moved map nearly as well as the expected one is as good, and borders decide.
+stays true for a moment, but for how the cable has moved since.
 """
 
 from __future__ import annotations
@@ -15,13 +14,10 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, map_overlap
+from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of
 from cable_tracker.cable.measure.map.map_borders import MapBorders
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
-
-SLACK = 1.0
-"""How much less than that of the expected strip an overlap may be that is as good [nats]."""
 
 LONGEST_KEPT = 1.0
 """Age from which on a map says nothing any more [s]."""
@@ -82,9 +78,7 @@ class KeptMap:
             borderMode=cv2.BORDER_REPLICATE,
         )
         cells = np.asarray(probabilities, np.float32)
-        moved = cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
-        as_good = map_overlap(pose, moved) - SLACK
-        return moved._replace(enough=as_good, expected=as_good)
+        return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
 
 
 def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:
