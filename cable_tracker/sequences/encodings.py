@@ -24,17 +24,6 @@ from cable_tracker.sequences.pictures.picture_header import (
     read_picture_header,
 )
 
-__all__ = [
-    "ENCODINGS",
-    "MAX_PIXELS",
-    "check_image",
-    "check_layout",
-    "decode_bgr",
-    "decode_grey",
-    "decode_picture_file",
-    "raw_from_array",
-]
-
 _SMALLEST_BAYER = 3
 _UNIT_LIMIT = 1.5
 _COMPRESSED_KINDS = ("JPEG", "PNG")

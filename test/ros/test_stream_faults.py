@@ -23,9 +23,9 @@ from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes import tracker_node
-from cable_tracker.sequences.encodings import MAX_PIXELS
 from cable_tracker.sequences.messages import cable_messages
 from cable_tracker.sequences.messages.cable import read_state
+from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
 
 pytestmark = pytest.mark.slow
 

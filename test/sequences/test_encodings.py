@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import (
     ENCODINGS,
-    MAX_PIXELS,
     check_image,
     check_layout,
     decode_bgr,
@@ -22,6 +21,7 @@ from cable_tracker.sequences.encodings import (
     raw_from_array,
 )
 from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
 
 HEIGHT, WIDTH = 6, 8
 CHANNELS = {
