@@ -93,6 +93,10 @@ class TimedTask:
         times = f"{begin} {time.time()} {time.process_time() - processor}"
         (folder / TIMES).write_text(times, encoding="utf-8")
 
+    def is_own_name(self, name: str) -> bool:
+        """Tell whether the survey writes a file of this name, or it is that of the times."""
+        return name == TIMES or self.task.is_own_name(name)
+
 
 class Span(NamedTuple):
     """When a task began and ended, and the processor time of its process between [s]."""
