@@ -25,6 +25,9 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 
+from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
+from cable_tracker.marked_page import read_marked_page
+
 PAGE = Path(__file__).with_name("evaluation.md")
 METHODS = ("default", "thesis", "hough", "segmentation", "lsd", "texture")
 
@@ -91,7 +94,6 @@ def main() -> None:
     parser.add_argument("--keep", action="store_true", help="take results that lie there")
     parser.add_argument("--rows", action="store_true", help="leave the other methods' rows")
     chosen = parser.parse_args()
-    page = PAGE.read_text(encoding="utf-8")
     for block in BLOCKS:
         if chosen.block and block.name not in chosen.block:
             continue
@@ -113,23 +115,14 @@ def main() -> None:
         shown = ["--source strip.mp4 --truth strip.txt"] if source else []
         command = " ".join(["cable-tracker evaluate", *shown, *arguments])
         text = text_of(block, command, folder / "summary.csv")
-        before, old, after = parts_about(page, block)
-        page = before + (with_rows(old, text) if chosen.rows else text) + after
-    PAGE.write_text(page, encoding="utf-8")
+        page = read_marked_page(PAGE, f"<!-- {block.name} -->", f"<!-- end of {block.name} -->")
+        page.write(PAGE, with_rows(page.content, text) if chosen.rows else text)
 
 
 def evaluate(arguments: Sequence[str], folder: Path) -> None:
     """Run `cable-tracker evaluate`."""
     command = [str(Path(sys.executable).with_name("cable-tracker")), "evaluate"]
     subprocess.run([*command, *arguments, "--output", str(folder), "--force"], check=True)
-
-
-def parts_about(page: str, block: Block) -> tuple[str, str, str]:
-    """Return the page up to a block, the block's text, and the page from its end on."""
-    begin, end = f"<!-- {block.name} -->\n", f"<!-- end of {block.name} -->"
-    before, rest = page.split(begin)
-    text, after = rest.split(end)
-    return before + begin, text, end + after
 
 
 def with_rows(old: str, new: str) -> str:
@@ -165,7 +158,7 @@ def text_of(block: Block, command: str, summary: Path) -> str:
         for measure in block.measures:
             columns = [(sequence, measure) for sequence in sequences]
             parts.append(f"{measure.title}:\n\n" + table_of(rows, methods, columns, sequences))
-    return "\n" + "\n".join(parts) + "\n"
+    return "\n\n" + "\n".join(parts) + "\n"
 
 
 def table_of(
@@ -175,13 +168,11 @@ def table_of(
     titles: Sequence[str],
 ) -> str:
     """Return a table with a row for each method; a column is of a sequence and a measure."""
-    lines = [f"| method | {' | '.join(titles)} |", f"|---|{'---|' * len(titles)}"]
-    for method in methods:
-        cells = [
-            told(rows[sequence, method, measure.name], measure) for sequence, measure in columns
-        ]
-        lines.append(f"| `{method}` | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+    lines = tuple(
+        (f"`{method}`", *(told(rows[name, method, each.name], each) for name, each in columns))
+        for method in methods
+    )
+    return table_markdown(ResultTable(("method", *titles), lines)) + "\n"
 
 
 def read_summary(path: Path) -> dict[Key, tuple[str, str]]:

@@ -11,22 +11,17 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from cable_tracker.marked_page import read_marked_page
+
 PAGE = Path(__file__).with_name("targets.md")
 BEGIN, END = "<!-- targets -->", "<!-- end of targets -->"
 
 
-def written(page: str, table: str) -> str:
-    """Return the page with a table, without its title, in its block."""
-    before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    _, _, body = table.partition("\n")
-    return f"{before}{BEGIN}\n{body.strip()}\n{END}{after}"
-
-
 def main(folder: str) -> None:
-    """Write the table of a folder into the page."""
+    """Write the table of a folder, without its title, into the page."""
     table = (Path(folder) / "table.md").read_text(encoding="utf-8")
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), table), encoding="utf-8")
+    _, _, body = table.partition("\n")
+    read_marked_page(PAGE, BEGIN, END).write(PAGE, f"\n{body.strip()}\n")
 
 
 if __name__ == "__main__":

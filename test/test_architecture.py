@@ -26,6 +26,7 @@ MAY_IMPORT = {
     "folder_lock": set(),
     "printable": set(),
     "atomic_output": {"folder_lock"},
+    "marked_page": set(),
     "stamps": set(),
     "libraries": set(),
     "resources": set(),
@@ -59,7 +60,7 @@ MAY_IMPORT = {
     },
     "benchmark": {
         "contour", "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
-        "tracking", "particle_filter",
+        "tracking", "particle_filter", "marked_page",
     },
     "example_controller": set(),
     "ros": {

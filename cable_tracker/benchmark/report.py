@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
-from cable_tracker.atomic_output import write_bytes
 from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
-from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
+from cable_tracker.marked_page import MarkedPage, read_marked_page
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 """First and last line of the part of a page that a benchmark writes."""
@@ -265,7 +264,7 @@ def check_page(path: Path) -> None:
         There is a file without such a place.
     """
     if path.exists():
-        _around(path)
+        read_marked_page(path, BEGIN, END)
 
 
 def write_page(path: Path, content: str) -> None:
@@ -276,21 +275,6 @@ def write_page(path: Path, content: str) -> None:
     OutputError
         The page has no such place, or cannot be written.
     """
-    before, after = _around(path) if path.exists() else ("", "\n")
-    text = f"{before}{BEGIN}\n\n{content}\n{END}{after}"
-    write_bytes(path, text.encode())
-
-
-def _around(path: Path) -> Sequence[str]:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be read as a page; choose another name") from error
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise OutputError(
-            f"{path}: has no place for the tables; add the lines {BEGIN} and {END}, or choose"
-            " another name"
-        )
-    return before, after
+    new = MarkedPage(BEGIN, "", f"{END}\n")
+    page = read_marked_page(path, BEGIN, END) if path.exists() else new
+    page.write(path, f"\n\n{content}\n")
