@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -27,6 +27,9 @@ from cable_tracker.simulation.worlds.world import World
 
 THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 """Scenarios like the sequences of the thesis."""
+
+STRIP_FRAMES = 10
+"""Number of frames of a crisp strip."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +87,7 @@ class SimulatedSequence(ABC):
     Attributes
     ----------
     name : str
-        A key of the table that it stands in.
+        Name of the sequence; a key of the table that it stands in, if there is one.
     limit : int or None
         Number of frames used from the beginning; None: all.
     """
@@ -167,27 +170,21 @@ class WorldSequence(SimulatedSequence):
 
 
 @dataclass(frozen=True, slots=True)
-class StripSequence:
-    """A crisp strip on a plain ground; each seed is another one.
+class StripSequence(SimulatedSequence):
+    """A crisp strip on a plain ground."""
 
-    Attributes
-    ----------
-    length : int
-        Number of frames.
-    """
-
-    length: int = 10
     name: str = "strip"
-    description: str = "a crisp strip on a plain ground"
 
-    def frame_count(self) -> int | None:
-        """Return the number of frames."""
-        return self.length
+    @property
+    def description(self) -> str:
+        """Description of the strip."""
+        return "a crisp strip on a plain ground"
 
-    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
-        """Draw the strip of a seed."""
-        for item in simulate_strip(seed, self.length):
-            yield _judged(item.frame, decode_grey(item.frame.image), item.visibility)
+    def _whole_count(self) -> int:
+        return STRIP_FRAMES
+
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        return simulate_strip(seed, STRIP_FRAMES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,19 +287,32 @@ def available_sequences(
     RecordingError
         None of them can be drawn here.
     """
-    chosen: dict[str, EvaluationSequence] = {}
-    left_out: dict[str, str] = {}
-    for pattern in names or SCENARIOS:
-        for sequence in simulated_sequences([pattern], limit):
-            reason = "" if sequence.name == pattern else _why_not_drawn(sequence)
-            if reason:
-                left_out[sequence.name] = reason
-            else:
-                chosen[sequence.name] = sequence
-    if not chosen:
+    sequences, left_out = _parted(simulated_sequences(names, limit), named=names)
+    if not sequences:
         raise RecordingError(next(iter(left_out.values())))
-    kept_out = {name: reason for name, reason in left_out.items() if name not in chosen}
-    return tuple(chosen.values()), kept_out
+    return sequences, left_out
+
+
+def available_worlds(
+    worlds: Iterable[World], limit: int | None = None
+) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+    """Return the worlds that can be drawn here, and why each other one cannot, by its name.
+
+    `limit`: number of frames used of each.
+    """
+    return _parted([WorldSequence(world.name, limit) for world in worlds])
+
+
+def _parted(
+    sequences: Sequence[EvaluationSequence], named: Sequence[str] = ()
+) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+    """Return the sequences that can be drawn here or are `named`, and the reasons for the others.
+
+    The reasons are by name of the sequence.
+    """
+    reasons = {each.name: _why_not_drawn(each) for each in sequences if each.name not in named}
+    left_out = {name: reason for name, reason in reasons.items() if reason}
+    return tuple(each for each in sequences if each.name not in left_out), left_out
 
 
 def _why_not_drawn(sequence: EvaluationSequence) -> str:
@@ -314,19 +324,6 @@ def _why_not_drawn(sequence: EvaluationSequence) -> str:
     return ""
 
 
-def available_worlds(
-    worlds: Iterable[World], limit: int | None = None
-) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
-    """Return the worlds that can be drawn here, and notes about the others.
-
-    `limit`: number of frames used of each.
-    """
-    sequences: list[EvaluationSequence] = []
-    notes = []
-    for world in worlds:
-        sequence = WorldSequence(world.name, limit)
-        if reason := _why_not_drawn(sequence):
-            notes.append(f"`{world.name}` is left out: {reason}")
-        else:
-            sequences.append(sequence)
-    return tuple(sequences), tuple(notes)
+def left_out_notes(left_out: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a note in Markdown about each sequence left out; `left_out`: reasons by name."""
+    return tuple(f"`{name}` is left out: {reason}" for name, reason in left_out.items())

@@ -14,6 +14,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
     available_worlds,
+    left_out_notes,
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation_rows import (
@@ -120,8 +121,8 @@ def cold_ablation(seeds: tuple[int, ...], limit: int | None = None) -> AblationE
     `limit`: number of frames used of each world; None: all.
     """
     rows = tuple(row.name for row in TAKEN_AWAY.rows)
-    worlds, notes = available_worlds(worlds_of(Split.REPORT), limit)
-    return AblationExperiment(seeds, rows, worlds, Start.RANDOM, notes)
+    worlds, left_out = available_worlds(worlds_of(Split.REPORT), limit)
+    return AblationExperiment(seeds, rows, worlds, Start.RANDOM, left_out_notes(left_out))
 
 
 def _headings(sequences: Sequence[str]) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
     available_worlds,
+    left_out_notes,
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
@@ -127,9 +128,9 @@ def reported_coverage(seeds: tuple[int, ...], limit: int | None = None) -> Cover
     `limit`: number of frames used of each; None: all.
     """
     with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
-    worlds, notes = available_worlds(with_cable, limit)
+    worlds, left_out = available_worlds(with_cable, limit)
     groups = (
-        SequenceGroup("all `report_*` with a cable", worlds, notes),
+        SequenceGroup("all `report_*` with a cable", worlds, left_out_notes(left_out)),
         SequenceGroup("S1 to S6", simulated_sequences(THESIS_SEQUENCES, limit)),
     )
     return CoverageExperiment(seeds, groups)

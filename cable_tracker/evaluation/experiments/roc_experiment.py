@@ -11,7 +11,11 @@ import numpy as np
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.campaign import Campaign
-from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, available_worlds
+from cable_tracker.evaluation.evaluation_sequences import (
+    EvaluationSequence,
+    available_worlds,
+    left_out_notes,
+)
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
@@ -134,7 +138,8 @@ class RocExperiment(CampaignExperiment):
 
 def reported_roc(seeds: tuple[int, ...], limit: int | None = None) -> RocExperiment:
     """Return the experiment on the worlds to report on; `limit`: frames used of each, None: all."""
-    return RocExperiment(seeds, *available_worlds(worlds_of(Split.REPORT), limit))
+    worlds, left_out = available_worlds(worlds_of(Split.REPORT), limit)
+    return RocExperiment(seeds, worlds, left_out_notes(left_out))
 
 
 def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:

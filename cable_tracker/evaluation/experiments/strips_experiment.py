@@ -68,7 +68,7 @@ class StripsExperiment(CampaignExperiment):
                 rows.append((method, f"{low:g} to {high:g}", *_cells(inside)))
             rows.append((method, "all", *_cells(runs)))
         return ExperimentResult(
-            f"Crisp strips found within {self.sequence.length} frames of a cold start",
+            f"Crisp strips found within {self.sequence.frame_count()} frames of a cold start",
             (ResultTable(HEADINGS, tuple(rows)),),
         )
 

@@ -108,7 +108,7 @@ def test_the_cold_ablation_tells_of_claims_without_a_cable(monkeypatch):
         "cable_tracker.evaluation.experiments.ablation.available_worlds",
         lambda worlds, limit: (
             simulated_sequences(("S3", "no_cable"), limit),
-            ("`x` is left out",),
+            {"x": "it cannot be drawn"},
         ),
     )
     cold = dataclasses.replace(cold_ablation((1,), 3), rows=("default",))
@@ -116,4 +116,4 @@ def test_the_cold_ablation_tells_of_claims_without_a_cable(monkeypatch):
     assert "false tracking [%]" in table.headings
     assert table.headings[-2:] == ("S3: frames lost [%]", "no_cable: frames lost [%]")
     assert table.rows[0][-1] == "–"
-    assert table.notes[-1] == "`x` is left out"
+    assert table.notes[-1] == "`x` is left out: it cannot be drawn"
