@@ -11,7 +11,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -23,8 +22,8 @@ from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
+from cable_tracker.visualisation.figure_files import figure_png, with_faint_grid
 from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
-from cable_tracker.visualisation.plots import with_faint_grid
 
 DOTS_PER_INCH = 130
 NOMINAL = np.linspace(0.02, 0.98, 49)
@@ -72,11 +71,8 @@ def as_svg(figure: Figure) -> str:
 
 def as_png(figure: Figure) -> bytes:
     """Return a figure as PNG."""
-    FigureCanvasAgg(figure)
-    buffer = io.BytesIO()
     with _calm_style():
-        figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
-    return buffer.getvalue()
+        return figure_png(figure, DOTS_PER_INCH)
 
 
 def style_of(place: int) -> tuple[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,26 +10,23 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
 from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
+from cable_tracker.visualisation.figure_files import with_faint_grid, write_figure
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
 
 LARGEST_COUNT = 10_000
 """A longer recording is thinned out to at most this many frames: a plot cannot show more."""
-
-DOTS_PER_INCH = 110
 
 SHADED_STATUSES = (TrackingStatus.INITIALISING.value, TrackingStatus.LOST.value, REFUSED)
 
@@ -100,20 +96,6 @@ def plot_estimates(
     write_figure(path, figure)
 
 
-def write_figure(path: Path, figure: Figure) -> None:
-    """Write a figure as PNG; a failure leaves no file behind.
-
-    Raises
-    ------
-    OutputError
-        The file cannot be written.
-    """
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
-    write_bytes(path, buffer.getvalue())
-
-
 def _series(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> _Series:
     first = rows[0].stamp
     times = np.array([(row.stamp - first) / NANOSECONDS for row in rows])
@@ -155,7 +137,7 @@ def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
 def _draw(series: _Series) -> Figure:
     knows_presence = bool(np.isfinite(series.presence).any())
     count = POSE_SIZE + knows_presence
-    figure = Figure(figsize=(11.0, 0.1 + PANEL_HEIGHT * count), dpi=DOTS_PER_INCH)
+    figure = Figure(figsize=(11.0, 0.1 + PANEL_HEIGHT * count))
     axes: list[Axes] = list(figure.subplots(count, 1, sharex=True))
     low, high = float(series.times.min()), float(series.times.max())
     shaded = [status for status in SHADED_STATUSES if status in series.statuses]
@@ -204,14 +186,6 @@ def _draw_presence(axis: Axes, series: _Series) -> None:
     axis.set_ylim(-4, 104)
     axis.set_ylabel("presence [%]")
     with_faint_grid(axis)
-
-
-def with_faint_grid(axis: Axes) -> None:
-    """Give a panel a faint grid behind its lines, and no frame above and at the right."""
-    axis.grid(color="0.9", linewidth=0.6)
-    axis.set_axisbelow(True)
-    for side in ("top", "right"):
-        axis.spines[side].set_visible(False)
 
 
 def _bridged(times: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
 from cable_tracker.metric.frames import rotation_in_plane
+from cable_tracker.visualisation.figure_files import write_figure
 from cable_tracker.visualisation.palette import (
     AMBER,
     BLACK,
@@ -26,7 +27,6 @@ from cable_tracker.visualisation.palette import (
     dark,
     to_bgr,
 )
-from cable_tracker.visualisation.plots import DOTS_PER_INCH, write_figure
 
 MODE_COLOURS: dict[str, Colour] = {
     "WAITING": AMBER,
@@ -63,7 +63,7 @@ def plot_way(
     OutputError
         The file cannot be written.
     """
-    figure = Figure(figsize=(11.0, 4.2), dpi=DOTS_PER_INCH)
+    figure = Figure(figsize=(11.0, 4.2))
     axis = figure.subplots()
     if burial is not None:
         axis.axvspan(burial.start, burial.end, color=SAND, alpha=0.8, lw=0, label="sand")
@@ -92,7 +92,7 @@ def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> N
     OutputError
         The file cannot be written.
     """
-    figure = Figure(figsize=(11.0, 6.6), dpi=DOTS_PER_INCH)
+    figure = Figure(figsize=(11.0, 6.6))
     axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1)))
     times = _column(rows, "time")
     for axis in axes:
