@@ -151,15 +151,14 @@ def _rows_of(
 
 
 def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
-    """Return the cells of `HEADINGS` but for the name, over all claimed and visible frames.
+    """Return the cells of `HEADINGS` but for the name, over all frames of some dives.
 
     Parameters
     ----------
     traces : sequence of Trace
-        The frames of one dive each.
+        The frames of one dive each in which a visible cable is claimed; there may be none.
     """
-    dives = [trace.where(trace.claimed & trace.visible) for trace in traces]
-    dives = [dive for dive in dives if len(dive)]
+    dives = [trace for trace in traces if len(trace)]
     errors = np.concatenate([np.empty((0, POSE_SIZE)), *(dive.errors for dive in dives)])
     squares = [nees(dive.errors, dive.covariances) for dive in dives]
     pooled = np.concatenate([np.empty(0), *squares])
