@@ -11,6 +11,7 @@ from cable_tracker.cable.model.state import POSE_COMPONENTS
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics
 from cable_tracker.evaluation.metrics.initialisation import StartOutcome
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics
+from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import Spread, spread_of
 
 
@@ -38,7 +39,15 @@ class MetricSpec:
     @property
     def heading(self) -> str:
         """Name and unit, for a table's column."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return self._with_unit(self.name)
+
+    @property
+    def title(self) -> str:
+        """Label and unit, for a table's column or a table of its own."""
+        return self._with_unit(self.label)
+
+    def _with_unit(self, text: str) -> str:
+        return f"{text} [{self.unit}]" if self.unit else text
 
 
 def _error_specs(
@@ -124,6 +133,7 @@ METRIC_TABLE: tuple[MetricSpec, ...] = (
 METRICS_BY_NAME: Mapping[str, MetricSpec] = {spec.name: spec for spec in METRIC_TABLE}
 
 
-def metric_spread(spec: MetricSpec, runs: Iterable[RunMetrics]) -> Spread:
-    """Summarise one number over several runs."""
-    return spread_of(spec.read(run) for run in runs)
+def metric_spread(name: str, results: Iterable[RunResult]) -> Spread:
+    """Summarise one number over several runs; `name` is a key of `METRICS_BY_NAME`."""
+    read = METRICS_BY_NAME[name].read
+    return spread_of(read(result.metrics) for result in results)

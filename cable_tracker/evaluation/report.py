@@ -269,7 +269,7 @@ GOOD_WHEN_LARGE = (
 
 
 def _cell(spec: MetricSpec, results: Iterable[RunResult]) -> Cell:
-    cell = make_cell(metric_spread(spec, (result.metrics for result in results)), spec.unit)
+    cell = make_cell(metric_spread(spec.name, results), spec.unit)
     return Cell(cell.text, cell.detail) if spec.name in GOOD_WHEN_LARGE else cell
 
 
@@ -299,8 +299,7 @@ def _matrix(results: Sequence[RunResult], spec: MetricSpec) -> TableView:
         for sequence in sequences_of(results)
         if _is_known(chosen(results, sequence=sequence), spec)
     )
-    unit = f" [{spec.unit}]" if spec.unit else ""
-    title = f"{spec.label[0].upper()}{spec.label[1:]}{unit}"
+    title = f"{spec.title[0].upper()}{spec.title[1:]}"
     return TableView(title, "sequence", tuple((method, "") for method in methods), rows)
 
 

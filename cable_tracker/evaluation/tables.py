@@ -69,9 +69,9 @@ def summary_csv(results: Sequence[RunResult]) -> str:
 def _summary_rows(results: Sequence[RunResult]) -> Iterable[Sequence[str]]:
     for sequence in sequences_of(results):
         for method in methods_of(results):
-            runs = [run.metrics for run in chosen(results, sequence=sequence, method=method)]
+            runs = chosen(results, sequence=sequence, method=method)
             for spec in METRIC_TABLE:
-                spread = metric_spread(spec, runs)
+                spread = metric_spread(spec.name, runs)
                 numbers = (
                     spread.mean,
                     spread.standard_error,

@@ -28,7 +28,7 @@ from cable_tracker.evaluation.experiments.ablation_rows import (
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.methods import ConfiguredFilter
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
+from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import spread_of
@@ -126,11 +126,10 @@ def cold_ablation(seeds: tuple[int, ...], limit: int | None = None) -> AblationE
 
 
 def _headings(sequences: Sequence[str]) -> tuple[str, ...]:
-    specs = [METRICS_BY_NAME[name] for name in MEAN_METRICS]
-    labels = [f"{spec.label} [{spec.unit}]" if spec.unit else spec.label for spec in specs]
     return (
         "row", "frames lost [%]", "± [%]", "lost more than", "by [%]", "± of that [%]",
-        *labels, *(f"{name}: frames lost [%]" for name in sequences),
+        *(METRICS_BY_NAME[name].title for name in MEAN_METRICS),
+        *(f"{name}: frames lost [%]" for name in sequences),
     )  # fmt: skip
 
 
@@ -175,12 +174,8 @@ def mean_and_error(losses: Losses, sequences: Sequence[str]) -> tuple[float, flo
 
 
 def _mean_cell(metric: str, runs: Sequence[RunResult]) -> str:
-    spec = METRICS_BY_NAME[metric]
-    means = [
-        _mean(spec.read(run.metrics) for run in chosen(runs, sequence=name))
-        for name in sequences_of(runs)
-    ]
-    return format_number(_mean(means), spec.unit)
+    means = (metric_spread(metric, chosen(runs, sequence=name)).mean for name in sequences_of(runs))
+    return format_number(_mean(means), METRICS_BY_NAME[metric].unit)
 
 
 def _note(row: AblationRow, table: AblationTable) -> str:

@@ -152,11 +152,10 @@ class MotionExperiment:
         return tuple(each for each in self.settings if with_faults or not each.is_broken)
 
     def _table(self, name: str, by_setting: dict[MotionSetting, list[RunResult]]) -> ResultTable:
-        specs = [METRICS_BY_NAME[metric] for metric in METRICS]
         headings = (
             "setting", "odometry", "runs", "frames lost", "without odometry", "frames lost [%]",
             *(f"{each.name}: frames lost [%]" for each in self.sequences),
-            *(f"{spec.label} [{spec.unit}]" for spec in specs),
+            *(METRICS_BY_NAME[metric].title for metric in METRICS),
         )  # fmt: skip
         rows = tuple(
             self._row(setting, runs, _without_odometry(setting, runs, by_setting))
@@ -207,11 +206,9 @@ def _lost_frames(runs: Sequence[RunResult]) -> int:
 
 
 def _metric_text(metric: str, runs: Sequence[RunResult]) -> str:
-    spec = METRICS_BY_NAME[metric]
-    return median_and_range(metric_spread(spec, [run.metrics for run in runs]), spec.unit)
+    return median_and_range(metric_spread(metric, runs), METRICS_BY_NAME[metric].unit)
 
 
 def _mean_of_medians(metric: str, groups: Sequence[Sequence[RunResult]]) -> str:
-    spec = METRICS_BY_NAME[metric]
-    medians = (metric_spread(spec, [run.metrics for run in group]).median for group in groups)
-    return format_number(spread_of(medians).mean, spec.unit)
+    medians = (metric_spread(metric, group).median for group in groups)
+    return format_number(spread_of(medians).mean, METRICS_BY_NAME[metric].unit)

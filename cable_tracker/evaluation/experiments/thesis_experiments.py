@@ -86,17 +86,16 @@ class SequenceExperiment(CampaignExperiment):
             "useful", "wrong_claims", "longest_loss", "rmse_d", "rmse_alpha", "rmse_w", "rmse_beta",
             "silence", "ms",
         )  # fmt: skip
-        specs = [METRICS_BY_NAME[name] for name in names]
-        units = tuple(f"{s.label} [{s.unit}]" for s in specs)
+        titles = (METRICS_BY_NAME[name].title for name in names)
         rows = []
         for sequence in sequences_of(results):
             for method in self.methods:
-                runs = [run.metrics for run in chosen(results, sequence=sequence, method=method)]
-                cells = (format_number(metric_spread(s, runs).mean, s.unit) for s in specs)
+                runs = chosen(results, sequence=sequence, method=method)
+                cells = (_mean_cell(name, runs) for name in names)
                 rows.append((sequence, method, str(len(runs)), *cells))
         return ExperimentResult(
             "Sequences followed from their true beginning (thesis, section 5.2.3); means over runs",
-            (ResultTable(("sequence", "method", "runs", *units), tuple(rows)),),
+            (ResultTable(("sequence", "method", "runs", *titles), tuple(rows)),),
             tuple(_sequence_picture(chosen(results, sequence=s)) for s in sequences_of(results)),
         )
 
@@ -264,10 +263,11 @@ class SpeedExperiment:
         results = [result for seed in self.seeds for result in self._run(settings, seed, advance)]
         by_setting = {setting: chosen(results, method=setting.name) for setting in settings}
         rows = tuple(_speed_row(setting, runs) for setting, runs in by_setting.items())
+        times = {each: metric_spread("ms", runs).mean for each, runs in by_setting.items()}
         curves = {
             f"{taps} px": (
                 [float(n) for n in self.particles],
-                [_mean("ms", by_setting[_SpeedSetting(n, taps)]) for n in self.particles],
+                [times[_SpeedSetting(n, taps)] for n in self.particles],
             )
             for taps in self.taps
         }
@@ -289,11 +289,10 @@ class SpeedExperiment:
         return run_together(runs, frames, self.sequence.name, lambda: advance(1))
 
 
-def _mean(metric: str, results: Sequence[RunResult]) -> float:
-    return metric_spread(METRICS_BY_NAME[metric], [run.metrics for run in results]).mean
+def _mean_cell(metric: str, results: Sequence[RunResult]) -> str:
+    return format_number(metric_spread(metric, results).mean, METRICS_BY_NAME[metric].unit)
 
 
 def _speed_row(setting: _SpeedSetting, results: Sequence[RunResult]) -> tuple[str, ...]:
-    metrics = ("ms", "ms_p95", "lost", "rmse_d")
-    numbers = (format_number(_mean(m, results), METRICS_BY_NAME[m].unit) for m in metrics)
+    numbers = (_mean_cell(metric, results) for metric in ("ms", "ms_p95", "lost", "rmse_d"))
     return str(setting.particles), str(setting.taps), *numbers
