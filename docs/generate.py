@@ -6,7 +6,7 @@ Run by `make docs`; a test sees to it that the files are up to date.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -41,7 +41,7 @@ from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_prese
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
-from cable_tracker.tracking.parameter_table import ParameterSpec, parameter_table
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -98,22 +98,15 @@ def cell(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value) or "(empty)"
 
 
-def filter_table() -> str:
-    """Return the table of the filter's parameters, with the values of all presets."""
-    lines = [f"| name | {' | '.join(TITLES)} | unit | range | meaning |", "|---" * 7 + "|"]
-    for spec in PARAMETER_TABLE:
-        values = [cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES]
-        lines.append(row(spec, *values))
-    return "\n".join(lines) + "\n"
-
-
-def target_table() -> str:
-    """Return the table of a target filter's parameters, with the values of all presets."""
-    names = list(TARGET_PRESETS)
-    lines = [f"| name | {' | '.join(names)} | unit | range | meaning |", "|---" * 8 + "|"]
-    for spec in parameter_table(TargetParameters):
-        values = [cell(TARGET_PRESETS[name].as_mapping()[spec.name]) for name in names]
-        lines.append(row(spec, *values))
+def preset_table(specs: Iterable[ParameterSpec], presets: Mapping[str, ParameterSet]) -> str:
+    """Return the table of a filter's parameters, with the values of all presets."""
+    columns = {name: values.as_mapping() for name, values in presets.items()}
+    lines = [
+        f"| name | {' | '.join(columns)} | unit | range | meaning |",
+        "|---" * (len(columns) + 4) + "|",
+    ]
+    for spec in specs:
+        lines.append(row(spec, *(cell(values[spec.name]) for values in columns.values())))
     return "\n".join(lines) + "\n"
 
 
@@ -130,27 +123,42 @@ def node_table(specs: Iterable[ParameterSpec]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def node_section(
+    title: str, start: Sequence[ParameterSpec], runtime: Sequence[ParameterSpec] = ()
+) -> str:
+    """Return the section of a node: parameters that are read at start, and those that may change.
+
+    There need be none that may change.
+    """
+    text = f"\n## {title}\n\nRead at start only:\n\n{node_table(start)}"
+    return f"{text}\nMay be changed while it runs:\n\n{node_table(runtime)}" if runtime else text
+
+
 def parameters_page() -> str:
     """Return docs/parameters.md."""
-    parts = [INTRODUCTION, filter_table()]
-    for title, start, runtime in (
-        ("The node `tracker` besides", TRACKER_START_PARAMETERS, TRACKER_RUNTIME_PARAMETERS),
-        ("The node `replay`", REPLAY_START_PARAMETERS, REPLAY_RUNTIME_PARAMETERS),
-    ):
-        parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
-        parts += ["\nMay be changed while it runs:\n\n", node_table(runtime)]
-    for title, start in (
-        ("The node `simulator`", SIMULATOR_PARAMETERS),
-        ("The node `controller`, an example", CONTROLLER_PARAMETERS),
-        ("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
-        ("The node `follower`, an example", FOLLOWER_PARAMETERS),
-    ):
-        parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
-    parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]
-    parts += ["\n## The node `target_tracker` besides\n\nRead at start only:\n\n"]
-    parts += [node_table(TARGET_START_PARAMETERS), "\nMay be changed while it runs:\n\n"]
-    parts += [node_table(TARGET_RUNTIME_PARAMETERS)]
-    return "".join(parts)
+    presets = {name: PRESETS[name] for name in TITLES}
+    return "".join(
+        (
+            INTRODUCTION,
+            preset_table(PARAMETER_TABLE, presets),
+            node_section(
+                "The node `tracker` besides", TRACKER_START_PARAMETERS, TRACKER_RUNTIME_PARAMETERS
+            ),
+            node_section("The node `replay`", REPLAY_START_PARAMETERS, REPLAY_RUNTIME_PARAMETERS),
+            node_section("The node `simulator`", SIMULATOR_PARAMETERS),
+            node_section("The node `controller`, an example", CONTROLLER_PARAMETERS),
+            node_section("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
+            node_section("The node `follower`, an example", FOLLOWER_PARAMETERS),
+            "\n## The filter of targets\n\n",
+            TARGET_INTRODUCTION,
+            preset_table(parameter_table(TargetParameters), TARGET_PRESETS),
+            node_section(
+                "The node `target_tracker` besides",
+                TARGET_START_PARAMETERS,
+                TARGET_RUNTIME_PARAMETERS,
+            ),
+        )
+    )
 
 
 API = (
