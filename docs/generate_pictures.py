@@ -9,7 +9,7 @@ true borders drawn as dashes in the second of each pair; and what docs/loop.md s
 from __future__ import annotations
 
 import shutil
-from itertools import islice, pairwise
+from itertools import islice
 from pathlib import Path
 
 import av
@@ -17,13 +17,11 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.geometry import project_borders, segment_inside
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, simulate_scenario
-from cable_tracker.tracking.image_frame import image_to_pixel
+from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
+from cable_tracker.visualisation.overlay import draw_overlay
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "images"
@@ -34,24 +32,7 @@ LOOP_PLOTS = {"way.png": "loop_way.png", "cross_track.png": "loop_error.png"}
 LOOP_FRAMES = (700, 1600)
 COLUMNS = 6
 GAP = 4
-TRUTH_COLOUR = (60, 160, 255)
 QUALITY = 72
-SIXTEENTHS = 4
-
-
-def draw_truth(picture: Image, truth: CableState) -> None:
-    """Draw both true borders as dashes."""
-    borders = project_borders(truth.to_array()[None, :])
-    for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True):
-        ends = segment_inside(float(angle), float(offset), SCENARIO_SIZE)
-        if ends is None:
-            continue
-        low, high = image_to_pixel(np.array(ends), SCENARIO_SIZE)
-        count = max(int(np.hypot(*(high - low)) / 6), 1)
-        stops = np.rint(16 * (low + np.linspace(0, 1, count + 1)[:, None] * (high - low)))
-        for first, second in list(pairwise(stops))[::2]:
-            start, end = ((int(x), int(y)) for x, y in (first, second))
-            cv2.line(picture, start, end, TRUTH_COLOUR, 1, cv2.LINE_AA, SIXTEENTHS)
 
 
 def label(picture: Image, text: str) -> None:
@@ -65,9 +46,9 @@ def label(picture: Image, text: str) -> None:
 def cell(name: str, simulated: SimulatedFrame, *, with_truth: bool) -> Image:
     """Return one picture of the sheet."""
     frame = simulated.frame
-    picture = cv2.cvtColor(decode_grey(frame.image).astype(np.uint8), cv2.COLOR_GRAY2BGR)
-    if with_truth and frame.truth is not None:
-        draw_truth(picture, frame.truth)
+    truth = frame.truth if with_truth else None
+    grey = decode_grey(frame.image)
+    picture = draw_overlay(grey, state=None, status="", truth=truth, legend=False)
     label(picture, f"{name}  frame {frame.index}  {100 * simulated.visibility:.0f} % visible")
     return cv2.copyMakeBorder(picture, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=(40, 40, 40))
 
