@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from cable_tracker.cable.model.state import CableState
 
+DEFAULT_FRAME_ID = "camera"
+"""Coordinate frame of images whose recording names none."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawImage:
@@ -68,7 +71,7 @@ class Frame:
     image : RawImage or CompressedImage
         The pixels as they were recorded; see `encodings.decode_grey`.
     frame_id : str
-        Coordinate frame named in the header, or "camera".
+        Coordinate frame named in the header, or `DEFAULT_FRAME_ID`.
     truth : CableState or None
         True state of the cable, if the recording is labelled.
     received : int or None
@@ -79,7 +82,7 @@ class Frame:
     index: int
     stamp: int
     image: RawImage | CompressedImage
-    frame_id: str = "camera"
+    frame_id: str = DEFAULT_FRAME_ID
     truth: CableState | None = None
     received: int | None = None
 

@@ -13,7 +13,7 @@ from weakref import WeakSet
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
-from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, CompressedImage, Frame, RawImage
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class UnreadableFrame:
     index: int
     stamp: int
     reason: str
-    frame_id: str = "camera"
+    frame_id: str = DEFAULT_FRAME_ID
     truth: CableState | None = None
     received: int | None = None
 

@@ -29,7 +29,7 @@ from cable_tracker.sequences.bags.video_stream import (
     read_packet,
 )
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, Frame
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, stamp_or_received
@@ -39,7 +39,6 @@ from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
 
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
-_DEFAULT_FRAME = "camera"
 _HEADER_ROOM = 4096
 """Beginning of a message in which its header must end [bytes]."""
 
@@ -262,10 +261,10 @@ class BagSource(Source):
 
     @property
     def camera_frame(self) -> str:
-        """`frame_id` of the first image; "camera" if it names none."""
+        """`frame_id` of the first image; `DEFAULT_FRAME_ID` if it names none."""
         with closing(self._read(0)) as items:
             first = next((item for item in items if isinstance(item, Frame)), None)
-        return first.frame_id if first is not None else "camera"
+        return first.frame_id if first is not None else DEFAULT_FRAME_ID
 
     def _header(self, message: StoredMessage) -> MessageHeader | None:
         """Read the header without unpacking the picture; also a CompressedVideo begins like one."""
@@ -281,7 +280,7 @@ class BagSource(Source):
                 elif ahead is None:
                     ahead = self._first_ahead()
                 frame_id = header.frame_id if header is not None else ""
-                yield _StoredPicture(message, message.time + ahead, frame_id or _DEFAULT_FRAME)
+                yield _StoredPicture(message, message.time + ahead, frame_id or DEFAULT_FRAME_ID)
 
     def _first_ahead(self) -> int:
         """Return what the first stamp is ahead of its reception [ns]; 0 if there is none.
@@ -398,7 +397,7 @@ class BagSource(Source):
             content = self._deserialise(message)
             image = read_compressed_image(content) if self.compressed else read_image(content)
             stamp = stamp_or_received(content, picture.stamp)
-            frame_id = content.header.frame_id or _DEFAULT_FRAME
+            frame_id = content.header.frame_id or DEFAULT_FRAME_ID
             return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001

@@ -17,6 +17,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.sequences.bags.bag_storage import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
 from cable_tracker.sequences.bags.typestores import add_definition
+from cable_tracker.sequences.frame import DEFAULT_FRAME_ID
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, nanoseconds_of
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
@@ -106,7 +107,7 @@ def read_packet(message: Message, received: int) -> Packet:
     count = int(getattr(message, "pts", 0))
     told = nanoseconds_of(time)
     stamp = told if is_told(told) else received
-    return Packet(stamp, str(frame_id) or "camera", coding, data, received, count)
+    return Packet(stamp, str(frame_id) or DEFAULT_FRAME_ID, coding, data, received, count)
 
 
 class StreamDecoder:
