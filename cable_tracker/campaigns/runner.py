@@ -26,7 +26,7 @@ from cable_tracker.campaigns.folder_tasks import (
 )
 from cable_tracker.campaigns.result_tasks import ResultTask, run_and_keep
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
-from cable_tracker.errors import CableTrackerError, ParameterError, write_failure
+from cable_tracker.errors import CableTrackerError, ParameterError, one_line, write_failure
 from cable_tracker.libraries import one_thread
 
 PROGRESS = "cable_tracker progress"
@@ -276,7 +276,7 @@ def _outcome(ended: _Ended, name: str, root: Path) -> tuple[Outcome, int]:
 
 
 def _unexpected(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+    return f"{type(error).__name__}: {one_line(error)}"
 
 
 def _result_in_worker(
