@@ -77,15 +77,9 @@ def pair_lines(
         usable = scores >= minimum_score
     else:
         usable = (scores >= REGION_SHARE * minimum_score) & region.admits(states)
-    return ranked_detections(states[usable], scores[usable])
-
-
-def ranked_detections(states: FloatArray, scores: FloatArray) -> list[Detection]:
-    """Return cables (N, 8) with scores (N,) as detections, best first."""
-    order = np.argsort(-scores, kind="stable")[:MOST_DETECTIONS]
-    return [
-        Detection(CableState.from_array(states[index]), float(scores[index])) for index in order
-    ]
+    states, scores = states[usable], scores[usable]
+    best = np.argsort(-scores, kind="stable")[:MOST_DETECTIONS]
+    return [Detection(CableState.from_array(states[each]), float(scores[each])) for each in best]
 
 
 @compiled
