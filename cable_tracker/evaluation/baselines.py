@@ -8,7 +8,6 @@ seeds 100 to 109 and on nothing else; other seeds are for reporting.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,39 +27,28 @@ from cable_tracker.tracking.succession import FrameMark, succession
 USUAL_WIDTH = 0.1
 """Share of the image width that w is given as while nothing is known."""
 
+HITS_TO_TRACK = 3
+"""Consecutive frames with a fitting detection after which a cable is claimed."""
 
-@dataclass(frozen=True, slots=True)
-class BaselineSettings:
-    """Rules of a `DetectorTracker`.
+MISSES_TO_FORGET = 2
+"""Consecutive frames without one after which a cable that is not claimed yet is forgotten."""
 
-    Attributes
-    ----------
-    hits_to_track : int
-        Consecutive frames with a fitting detection after which a cable is claimed.
-    misses_to_forget : int
-        Consecutive frames without one after which a cable that is not claimed yet is forgotten.
-    misses_to_lose : int
-        Consecutive frames without one after which a claimed cable is given up.
-    gate : float
-        Largest squared Mahalanobis distance of a fitting detection; 18.5 is the 99.9 % quantile of
-        chi squared with four degrees of freedom.
-    region_sigmas : float
-        Half size of the region of interest in standard deviations of the prediction.
-    region_distance, region_angle, region_width : float
-        Smallest half size of the region of interest [px at the reference width, deg].
-    maximum_gap : float
-        A longer pause between frames starts the search anew [s].
-    """
+MISSES_TO_LOSE = 10
+"""Consecutive frames without one after which a claimed cable is given up."""
 
-    hits_to_track: int = 3
-    misses_to_forget: int = 2
-    misses_to_lose: int = 10
-    gate: float = 18.5
-    region_sigmas: float = 3.0
-    region_distance: float = 20.0
-    region_angle: float = 10.0
-    region_width: float = 15.0
-    maximum_gap: float = 5.0
+GATE = 18.5
+"""Largest squared Mahalanobis distance of a fitting detection: the 99.9 % quantile of chi squared
+with four degrees of freedom."""
+
+REGION_SIGMAS = 3.0
+"""Half size of the region of interest in standard deviations of the prediction."""
+
+REGION_DISTANCE, REGION_ANGLE, REGION_WIDTH = 20.0, 10.0, 15.0
+"""Smallest half sizes of the region of interest [px at the reference width, deg, px at the
+reference width]."""
+
+MAXIMUM_GAP = 5.0
+"""A longer pause between frames starts the search anew [s]."""
 
 
 class DetectorTracker:
@@ -72,19 +60,11 @@ class DetectorTracker:
         Looks at every frame: at the region of interest while a cable is claimed, else everywhere.
     noise : KalmanNoise
         Process noise of the cable, and measurement noise of the detector.
-    settings : BaselineSettings
-        Thresholds for claiming and giving up, and size of the region of interest.
     """
 
-    def __init__(
-        self,
-        detector: CableDetector,
-        noise: KalmanNoise,
-        settings: BaselineSettings = BaselineSettings(),
-    ) -> None:
+    def __init__(self, detector: CableDetector, noise: KalmanNoise) -> None:
         self._detector = detector
         self._noise = noise
-        self._settings = settings
         self._filter: CableKalmanFilter | None = None
         self._prior: CableState | None = None
         self._status = TrackingStatus.INITIALISING
@@ -127,7 +107,7 @@ class DetectorTracker:
         """
         check_frame(image)
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)
-        step = succession(self._frame, frame, self._settings.maximum_gap)
+        step = succession(self._frame, frame, MAXIMUM_GAP)
         if step.event:
             self._forget(TrackingStatus.INITIALISING)
         self._frame = frame
@@ -145,7 +125,7 @@ class DetectorTracker:
             self._forget(TrackingStatus.INITIALISING)
             self._filter = CableKalmanFilter.start(self._prior, self._noise, image_width)
             # As good as claimed: one hit confirms, and all misses of a claimed cable are allowed.
-            self._hits = self._settings.hits_to_track - 1
+            self._hits = HITS_TO_TRACK - 1
             self._status = TrackingStatus.TRACKING
             self._prior = None
         elif self._filter is not None:
@@ -171,14 +151,13 @@ class DetectorTracker:
         return detections[0]
 
     def _region(self, belief: CableKalmanFilter) -> SearchRegion:
-        settings = self._settings
         scale = pixel_scale(belief.image_width)
-        sigmas = settings.region_sigmas * np.sqrt(np.diag(belief.covariance)[:POSE_SIZE])
+        sigmas = REGION_SIGMAS * np.sqrt(np.diag(belief.covariance)[:POSE_SIZE])
         return SearchRegion(
             state=belief.state,
-            distance=max(float(sigmas[StateColumn.DISTANCE]), settings.region_distance * scale),
-            angle=max(float(sigmas[StateColumn.ANGLE]), math.radians(settings.region_angle)),
-            width=max(float(sigmas[StateColumn.WIDTH]), settings.region_width * scale),
+            distance=max(float(sigmas[StateColumn.DISTANCE]), REGION_DISTANCE * scale),
+            angle=max(float(sigmas[StateColumn.ANGLE]), math.radians(REGION_ANGLE)),
+            width=max(float(sigmas[StateColumn.WIDTH]), REGION_WIDTH * scale),
         )
 
     def _best_fitting(
@@ -189,7 +168,7 @@ class DetectorTracker:
         for detection in detections:
             squared = belief.squared_distance(detection.state)
             merit = detection.score * math.exp(-squared / (2 * POSE_SIZE))
-            if squared <= self._settings.gate and merit > highest:
+            if squared <= GATE and merit > highest:
                 best, highest = detection, merit
         return best
 
@@ -198,11 +177,11 @@ class DetectorTracker:
         self._hits = self._hits + 1 if hit else 0
         self._misses = 0 if hit else self._misses + 1
         if self._status is TrackingStatus.TRACKING:
-            if self._misses >= self._settings.misses_to_lose:
+            if self._misses >= MISSES_TO_LOSE:
                 self._forget(TrackingStatus.LOST)
-        elif self._hits >= self._settings.hits_to_track:
+        elif self._hits >= HITS_TO_TRACK:
             self._status = TrackingStatus.TRACKING
-        elif self._misses >= self._settings.misses_to_forget:
+        elif self._misses >= MISSES_TO_FORGET:
             self._forget(self._status)
 
     def _estimate(self, found: Detection | None, event: str) -> CableEstimate:

@@ -9,7 +9,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.baselines import BaselineSettings, DetectorTracker
+from cable_tracker.evaluation.baselines import MISSES_TO_LOSE, DetectorTracker
 from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -39,9 +39,9 @@ def seen(*states: CableState) -> list[Detection]:
     return [Detection(state, 0.9 - 0.1 * rank) for rank, state in enumerate(states)]
 
 
-def tracker(*answers, prior=None, **rules):
+def tracker(*answers, prior=None):
     detector = Script(list(answers))
-    method = DetectorTracker(detector, NOISE, BaselineSettings(**rules))
+    method = DetectorTracker(detector, NOISE)
     if prior is not None:
         method.initialise(prior)
     return method, detector
@@ -83,16 +83,18 @@ def test_the_status_is_tracking_from_a_prior_that_the_detector_confirms():
 
 
 def test_many_misses_in_a_row_lose_the_cable_and_it_is_found_again():
-    answers = [seen(CABLE)] + [[]] * 4 + [seen(FAR)] * 3
-    method, detector = tracker(*answers, prior=CABLE, misses_to_lose=4)
-    assert statuses(run(method, 8)) == [HAVE, HAVE, HAVE, HAVE, GONE, GONE, GONE, HAVE]
-    assert [region is None for region in detector.regions] == [False] * 5 + [True] * 3
+    answers = [seen(CABLE)] + [[]] * MISSES_TO_LOSE + [seen(FAR)] * 3
+    method, detector = tracker(*answers, prior=CABLE)
+    expected = [HAVE] * MISSES_TO_LOSE + [GONE, GONE, GONE, HAVE]
+    assert statuses(run(method, len(answers))) == expected
+    regions = [region is None for region in detector.regions]
+    assert regions == [False] * (MISSES_TO_LOSE + 1) + [True] * 3
 
 
 def test_a_hit_between_misses_keeps_the_cable():
-    answers = [seen(CABLE), [], [], [], seen(CABLE), [], [], []]
-    method, _ = tracker(*answers, prior=CABLE, misses_to_lose=4)
-    assert statuses(run(method, 8)) == [HAVE] * 8
+    answers = ([seen(CABLE)] + [[]] * (MISSES_TO_LOSE - 1)) * 2
+    method, _ = tracker(*answers, prior=CABLE)
+    assert statuses(run(method, len(answers))) == [HAVE] * len(answers)
 
 
 def test_the_region_follows_the_prediction_and_grows_with_misses():
