@@ -15,6 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from estimate_reader import read_estimates
 from rich.console import Console
 from rosbags.highlevel import AnyReader
 
@@ -33,7 +34,6 @@ from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation.scenarios import catalogue as scenarios
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.simulation.scenarios.scenario_dive import (

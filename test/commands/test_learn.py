@@ -3,13 +3,13 @@ import shutil
 from pathlib import Path
 
 import pytest
+from estimate_reader import read_estimates
 
 from cable_tracker.cable.measure.borders.response_table import is_table, load_table
 from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence
-from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from estimate_reader import read_estimates
 
 from cable_tracker import cli
 from cable_tracker.commands.survey import parse_datum
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.tables.estimates import read_estimates
 
 pytestmark = pytest.mark.slow
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import sqlite3
 import struct
@@ -40,7 +39,6 @@ from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.labels.sequence_file import Label, read_labels, write_labels
 from cable_tracker.sequences.pictures.image_folder import load_picture
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.tables.estimates import EstimateRow, read_estimates, write_estimates
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -417,30 +415,6 @@ def check_start(start: TargetStart) -> None:
         assert start.mask((48, 64), 1.0).shape == (48, 64)
 
 
-def run_estimates(data: bytes) -> None:
-    """A table of estimates: what is read is written again the same."""
-    csv.field_size_limit()
-    with as_file(data, "estimates.csv") as path:
-        try:
-            rows = read_estimates(path)
-        except RecordingError:
-            return
-        write_estimates(path, rows)
-        read_estimates(path)
-
-
-def estimates_seeds() -> dict[str, bytes]:
-    """Return a table with a claim and without."""
-    state = CableState(1.0, 0.1, 30.0, 0.01)
-    rows = [
-        EstimateRow(0, STAMP, "INITIALISING", None, None, 400.0, 0.5, 0.1, 3, 4.0),
-        EstimateRow(1, STAMP + 1, "TRACKING", state, (1.0, 0.1, 1.0, 0.1), 99.0, 0.9, 1.0, 1, 4.0),
-    ]
-    with as_file(b"", "seed.csv") as path:
-        write_estimates(path, rows)
-        return {"table": path.read_bytes()}
-
-
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         "picture": Target(run_picture, picture_seeds),
@@ -468,6 +442,5 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
                 "outline": np.array([[3.0, 4.0], [30.0, 5.0], [20.0, 40.0]]).tobytes(),
             },
         ),
-        "estimates": Target(run_estimates, estimates_seeds),
     }
 )

@@ -6,6 +6,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+from estimate_reader import read_estimates
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
@@ -13,7 +14,7 @@ from cable_tracker.offline import result_folder, results
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.tables.estimates import EstimateRow, read_estimates
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.visualisation.video import VideoWriter
 
 NAMES = {"estimates.csv", "overlay.webm", "overlay.png", "estimates.png", "bag"}

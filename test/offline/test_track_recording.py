@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from estimate_reader import read_estimates
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.cable.model.initial_state import GivenState
@@ -19,7 +20,6 @@ from cable_tracker.offline.track_recording import (
 )
 from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.tables.estimates import read_estimates
 
 EVERY_TOPIC = {
     "/state",

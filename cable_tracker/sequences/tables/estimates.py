@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState
-from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.stamps import NANOSECONDS
 
@@ -18,12 +16,6 @@ HEADER = (
     "n_eff", "presence", "evidence", "hypotheses", "ms",
     "offset", "heading", "sigma_offset", "sigma_heading", "no_metres", "event",
 )  # fmt: skip
-
-CLAIM_SIZE = STATE_SIZE + 4
-"""Columns that are empty where no cable is claimed: the state, and its standard deviations."""
-
-METRES_SIZE = 4
-"""Columns that are empty where the cable is not known in metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,13 +94,6 @@ def format_stamp(stamp: int) -> str:
     return f"{sign}{abs(stamp) // NANOSECONDS}.{abs(stamp) % NANOSECONDS:09d}"
 
 
-def parse_stamp(text: str) -> int:
-    """Read seconds written by `format_stamp` back as nanoseconds, exactly."""
-    whole, _, fraction = text.partition(".")
-    magnitude = abs(int(whole)) * NANOSECONDS + int(fraction.ljust(9, "0")[:9])
-    return -magnitude if whole.startswith("-") else magnitude
-
-
 def _format_number(value: float | None) -> str:
     return "" if value is None else repr(value)
 
@@ -120,7 +105,7 @@ def _format_row(row: EstimateRow) -> list[str]:
     sigma: Sequence[float | None] = row.sigma if row.sigma is not None else (None,) * 4
     ms = "" if row.ms is None else f"{row.ms:.3f}"
     belief = (row.n_eff, row.presence, row.evidence, row.hypotheses)
-    metres: Sequence[float | None] = (None,) * METRES_SIZE
+    metres: Sequence[float | None] = (None,) * 4
     if row.metres is not None:
         known = row.metres
         metres = (known.offset, known.heading, known.sigma_offset, known.sigma_heading)
@@ -134,59 +119,3 @@ def _format_row(row: EstimateRow) -> list[str]:
 def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
     """Write the table; numbers read back are equal to the last bit (`ms`: to the microsecond)."""
     write_csv(path, HEADER, map(_format_row, rows))
-
-
-def _parse_row(fields: Sequence[str]) -> EstimateRow:
-    *others, no_metres, event = fields
-    *numbers, hypotheses, ms = others[3:-METRES_SIZE]
-    metres = [float(text) for text in others[-METRES_SIZE:] if text]
-    values = [float(text) if text else None for text in numbers]
-    present = [value for value in values[:CLAIM_SIZE] if value is not None]
-    claimed = len(present) == CLAIM_SIZE
-    n_eff, presence, evidence = values[CLAIM_SIZE:]
-    return EstimateRow(
-        frame=int(fields[0]),
-        stamp=parse_stamp(fields[1]),
-        status=fields[2],
-        state=CableState(*present[:STATE_SIZE]) if claimed else None,
-        sigma=(present[-4], present[-3], present[-2], present[-1]) if claimed else None,
-        n_eff=n_eff,
-        presence=presence,
-        evidence=evidence,
-        hypotheses=int(hypotheses) if hypotheses else None,
-        ms=float(ms) if ms else None,
-        metres=RowMetres(*metres) if len(metres) == METRES_SIZE else None,
-        no_metres=no_metres,
-        event=event,
-    )
-
-
-def read_estimates(path: Path) -> list[EstimateRow]:
-    """Read a table written by `write_estimates`.
-
-    Raises
-    ------
-    RecordingError
-        The file is missing or is no such table; the message names the line.
-    """
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            lines = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(
-            f"{path}: cannot be read as a table of estimates ({error}); track again"
-        ) from error
-    if not lines or tuple(lines[0]) != HEADER:
-        raise RecordingError(
-            f"{path}: line 1 is not the header of a table of estimates with the columns"
-            f" {','.join(HEADER)}; tables of older versions lack some: track the recording again"
-        )
-    rows = []
-    for number, fields in enumerate(lines[1:], start=2):
-        try:
-            rows.append(_parse_row(fields))
-        except (ValueError, IndexError) as error:
-            raise RecordingError(
-                f"{path}: line {number} is no estimate ({error}); track the recording again"
-            ) from error
-    return rows

@@ -5,6 +5,7 @@ import time
 import cv2
 import numpy as np
 import pytest
+from estimate_reader import read_estimates
 from watched_session import Watched
 
 from cable_tracker.cable.model.initial_state import GivenState
@@ -26,7 +27,6 @@ from cable_tracker.offline.track_recording import (
 )
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.pictures.shown_levels import DARK
-from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status import WARMING_UP
 

@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from estimate_reader import read_estimates
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import cli
 from cable_tracker.offline.results import BAG
-from cable_tracker.sequences.tables.estimates import read_estimates
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 
