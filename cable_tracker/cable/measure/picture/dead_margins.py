@@ -12,12 +12,12 @@ FLAT = 3.0
 BRIGHTEST = 24
 """Bars are black: a flat bottom beside a strip is none [grey levels]."""
 
-OUTERMOST_SHARE, LATER_SHARE = 0.9, 0.5
-"""Minimum share of one grey level in the outermost line of a margin, and in each further line:
-captions may be written on it."""
+PLAIN_SHARE, CAPTIONED_SHARE = 0.9, 0.5
+"""Minimum share of one grey level in plain lines of a margin, and in those on which captions are
+written, or that compression has changed beside them."""
 
-FEWEST_LINES = 2
-"""Thinner margins are left."""
+FEWEST_PLAIN_LINES = 2
+"""Margins with fewer plain lines are left."""
 
 LARGEST_SHARE = 0.25
 """What is flat beyond this share of the picture, from one side, is no margin but the scene."""
@@ -48,13 +48,15 @@ def without_dead_margins(frame: Image) -> Image:
 def dead_lines(lines: Image) -> int:
     """Return how many of the first lines (L, n) are to be filled."""
     outermost = lines[0]
-    if np.count_nonzero(outermost <= BRIGHTEST) < OUTERMOST_SHARE * len(outermost):
+    if np.count_nonzero(outermost <= BRIGHTEST) < PLAIN_SHARE * len(outermost):
         return 0
     most, level = int(LARGEST_SHARE * len(lines)), float(np.median(outermost))
-    count, share = 0, OUTERMOST_SHARE
+    count, plain = 0, 0
     while count <= most:
         apart = np.abs(lines[count].astype(np.float32) - level)
-        if np.count_nonzero(apart <= FLAT) < share * lines.shape[1]:
+        of_one_level = np.count_nonzero(apart <= FLAT)
+        if of_one_level < CAPTIONED_SHARE * lines.shape[1]:
             break
-        count, share = count + 1, LATER_SHARE
-    return count + BESIDE if FEWEST_LINES <= count <= most else 0
+        count += 1
+        plain += of_one_level >= PLAIN_SHARE * lines.shape[1]
+    return count + BESIDE if plain >= FEWEST_PLAIN_LINES and count <= most else 0

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
@@ -39,6 +40,22 @@ def test_what_is_written_on_a_bar_does_not_hide_it(live, rng):
     barred[:20] = 0
     barred[6:14, 30:80] = 255 * (rng.random((8, 50)) < 0.5)
     assert dead_lines(barred) == 20 + BESIDE
+
+
+def test_a_compressed_caption_at_the_very_edge_does_not_hide_a_bar(live):
+    """Compression in blocks of 8 px spreads what is written to the outermost line."""
+    barred = live.copy()
+    barred[:24] = 6
+    cv2.putText(barred, "KP 23.417", (2, 10), cv2.FONT_HERSHEY_SIMPLEX, 0.35, 230)
+    _, packed = cv2.imencode(".jpg", barred, (cv2.IMWRITE_JPEG_QUALITY, 60))
+    shown = cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE)
+    assert np.ptp(shown[0].astype(int)) > 10
+    assert dead_lines(shown) == 24 + BESIDE
+
+
+def test_a_dark_bottom_that_is_nowhere_plain_is_no_margin(rng):
+    dark = np.clip(rng.normal(8.0, 4.0, (120, 160)), 0, 255).astype(np.uint8)
+    assert without_dead_margins(dark) is dark
 
 
 def test_a_flat_bottom_beside_a_strip_is_no_margin():
