@@ -243,15 +243,10 @@ class World:
     def listen(self, kind: Any, topic: str) -> list[Any]:
         """Return a list that grows with every message on a topic."""
         heard: list[Any] = []
-
-        # A plain function: rclpy wants to see a callback's signature, and `append` has none.
-        def hear(message: Any) -> None:
-            heard.append(message)
-
         profile = QoSProfile(
             history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
         )
-        self.me.create_subscription(kind, topic, hear, profile)
+        self.me.create_subscription(kind, topic, heard.append, profile)
         return heard
 
     @staticmethod

@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 from rclpy.context import Context
@@ -82,19 +83,13 @@ class Recorder(Node):  # type: ignore[misc]
         super().__init__("recorder", context=context, namespace=namespace)
         self._queues: dict[NodeTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
         for topic in self.RECORDED:
-            subscription(self, topic, self._keep(topic), qos.EVERYTHING, raw=True)
+            subscription(self, topic, partial(self._keep, topic), qos.EVERYTHING, raw=True)
         self._acknowledged = publisher(
             self, node_topics.STATE, qos.LATEST_RESULT, name=ACKNOWLEDGED
         )
 
-    def _keep(self, topic: NodeTopic) -> Callable[[bytes], None]:
-        queue = self._queues[topic]
-
-        # A plain function: rclpy wants to see a callback's signature, and `append` has none.
-        def keep(message: bytes) -> None:
-            queue.append(message)
-
-        return keep
+    def _keep(self, topic: NodeTopic, message: bytes) -> None:
+        self._queues[topic].append(message)
 
     def is_warming(self) -> bool:
         """Tell whether the tracker is compiling, and log it now and then."""

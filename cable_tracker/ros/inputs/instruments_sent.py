@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import partial
 
 from rclpy.node import Node
 
@@ -46,14 +47,13 @@ class InstrumentsSent:
         """Listen if the instruments are read reliably; `on_news` is called after each message."""
         if reliability != RELIABLE:
             return
-
-        # A plain function: rclpy wants to see a callback's signature.
-        def taken(message: Message) -> None:
-            self.take(message)
-            on_news()
-
         profile = qos.instrument_input(reliability)
+        taken = partial(self._take_and_tell, on_news)
         subscription(node, node_topics.INSTRUMENTS_SENT, taken, profile)
+
+    def _take_and_tell(self, on_news: Callable[[], None], message: Message) -> None:
+        self.take(message)
+        on_news()
 
     def take(self, message: Message) -> None:
         """Take how much a replay has sent before a frame."""

@@ -132,14 +132,8 @@ class TargetTrackerNode(CameraNode):
         self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         for number, prefix in enumerate(self._prefixes):
             topic = node_topics.INITIAL_TARGET
-            self._take_starts(topic, self._marking(number), f"{prefix}{topic.name}")
-
-    def _marking(self, number: int) -> Any:  # noqa: ANN401
-        # A plain function: rclpy wants to see a callback's signature.
-        def take(message: Message) -> None:
-            self.on_initial_target(message, number)
-
-        return take
+            take = partial(self.on_initial_target, number=number)
+            self._take_starts(topic, take, f"{prefix}{topic.name}")
 
     def _decode(self, image: AnyImage) -> Image:
         """Return the picture in colour with the steps that its levels have, shape (H, W, 3)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Final
+from typing import Final
 
 from rclpy.node import Node
 
@@ -42,13 +42,11 @@ class ReleasedCommands:
         self._released = 0
         self._waiting: deque[Message] = deque(maxlen=KEPT)
         self._publisher = publisher(node, node_topics.COMMAND, qos.RESULTS, name=RELEASED)
+        subscription(node, node_topics.COMMAND, self._hear, qos.EVERYTHING)
 
-        # A plain function: rclpy wants to see a callback's signature.
-        def hear(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            self._waiting.append(message)
-
-        subscription(node, node_topics.COMMAND, hear, qos.EVERYTHING)
+    def _hear(self, message: Message) -> None:
+        self.heard += 1
+        self._waiting.append(message)
 
     def release(self, recorded: int) -> None:
         """Hand on what has waited long enough.

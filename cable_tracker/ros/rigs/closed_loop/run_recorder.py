@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, TypeVar
 
 from rclpy.context import Context
@@ -59,13 +60,11 @@ class RunRecorder(Node):  # type: ignore[misc]
 
     def _record(self, topic: NodeTopic, keep: Callable[[int, Message], None]) -> None:
         """Call `keep` with stamp [ns] and message for all that comes on a topic."""
+        subscription(self, topic, partial(self._hear, keep), qos.EVERYTHING)
 
-        # A plain function: rclpy wants to see a callback's signature.
-        def hear(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            keep(stamp_of(message.header), message)
-
-        subscription(self, topic, hear, qos.EVERYTHING)
+    def _hear(self, keep: Callable[[int, Message], None], message: Message) -> None:
+        self.heard += 1
+        keep(stamp_of(message.header), message)
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:
