@@ -28,6 +28,9 @@ WARM_UP_FRAMES = 4
 WARM_UP_STEP = 40_000_000
 """Size of the frames for `warm_up` [px], how many, and the time between them [ns]."""
 
+WARM_UP_PARTICLES = 200
+"""Number of particles of `warm_up`; compilation does not depend on it."""
+
 
 def make_tracker(parameters: TrackerParameters) -> CableTracker:
     """Return a tracker with the detector that its parameters name.
@@ -50,7 +53,8 @@ def warm_up(parameters: TrackerParameters) -> None:
     ParameterError
         The response table cannot be read.
     """
-    tracker = make_tracker(parameters)
+    count = min(parameters.particle_count, WARM_UP_PARTICLES)
+    tracker = make_tracker(parameters.replaced({"particle_count": count}))
     frame = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH), 60, np.uint8)
     frame[:, WARM_UP_WIDTH // 2 - 20 : WARM_UP_WIDTH // 2 + 20] = 160
     for number in range(1, WARM_UP_FRAMES + 1):

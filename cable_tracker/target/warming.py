@@ -13,8 +13,8 @@ FRAMES = 3
 STEP = 40_000_000
 """Size of the frames [px], how many, and the time between them [ns]."""
 
-ENOUGH = 60
-"""Particles: how many there are is all the same to the compiler."""
+WARM_UP_PARTICLES = 60
+"""Number of particles of a warm-up; compilation does not depend on it."""
 
 WATER, TARGET = (90, 80, 40), (30, 30, 200)
 """Colours [blue, green, red]."""
@@ -25,7 +25,7 @@ def warm_up_target(parameters: TargetParameters) -> None:
 
     The first time on a machine takes some seconds or more; later the machine code is on disk.
     """
-    few = parameters.replaced({"particle_count": min(parameters.particle_count, ENOUGH)})
+    few = parameters.replaced({"particle_count": min(parameters.particle_count, WARM_UP_PARTICLES)})
     picture = np.full((HEIGHT, WIDTH, 3), WATER, np.uint8)
     picture[90:150, 120:200] = TARGET
     for frame in (picture, np.ascontiguousarray(picture[..., 2])):

@@ -37,9 +37,6 @@ from cable_tracker.sequences.messages.cable_messages import cable_messages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 
-WARM_UP_PARTICLES = 200
-"""Number of particles of a warm-up; compilation does not depend on it."""
-
 
 class TrackerNode(CameraNode):
     """Wraps a `CableTracker`.
@@ -123,9 +120,7 @@ class TrackerNode(CameraNode):
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._tracker.parameters
-        count = min(parameters.particle_count, WARM_UP_PARTICLES)
-        few = parameters.replaced({"particle_count": count})
-        return WarmUp(parameters.words(), partial(warm_up, few))
+        return WarmUp(parameters.words(), partial(warm_up, parameters))
 
     def _subscribe_more(self) -> None:
         self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
