@@ -10,8 +10,7 @@ from contextlib import ExitStack
 from cable_tracker.errors import CableTrackerError, RecordingError
 from cable_tracker.gui.session.followers.choice import make_follower, open_for
 from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.session.session import AnyStart
-from cable_tracker.gui.session.snapshot_feed import SnapshotFeed
+from cable_tracker.gui.session.session import AnyStart, Session
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
@@ -27,8 +26,8 @@ LARGEST_DELAY = 0.1
 """A player that is behind by more does not catch up [s]."""
 
 
-class RecordingSession(SnapshotFeed):
-    """Tracks a recording in a thread of its own; a `Session` that can be played.
+class RecordingSession(Session):
+    """Tracks a recording in a thread of its own, and can be played.
 
     Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
     Going back to a frame that was tracked before under the same parameters gives the same belief

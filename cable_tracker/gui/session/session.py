@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol, TypeAlias
+from contextlib import suppress
+from typing import TypeAlias
 
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.gui.session.snapshot import AnySnapshot
@@ -18,8 +21,10 @@ Listener: TypeAlias = Callable[[AnySnapshot], None]
 """Told of every new snapshot, in the session's own thread: it must not take long."""
 
 
-class Session(Protocol):
-    """Interface of all sessions. Methods may be called from any thread, and may block.
+class Session(ABC):
+    """Keeps the newest snapshot, hands each on to all that listen, and takes commands.
+
+    Methods may be called from any thread, and may block.
 
     Attributes
     ----------
@@ -35,25 +40,45 @@ class Session(Protocol):
     subject: Subject
     table: Sequence[ParameterSpec]
 
+    def __init__(self) -> None:
+        self._latest: AnySnapshot | None = None
+        self._listeners: list[Listener] = []
+        self._listening = threading.Lock()
+
     @property
     def latest(self) -> AnySnapshot | None:
         """The newest snapshot."""
-        ...
-
-    @property
-    def trouble(self) -> str:
-        """Trouble that keeps frames from coming: damage, a node that is gone. Empty without any."""
-        ...
-
-    @property
-    def is_enabled(self) -> bool:
-        """Whether the tracker takes frames."""
-        ...
+        return self._latest
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Tell a listener of every snapshot from now on; returns the function that ends it."""
-        ...
+        with self._listening:
+            self._listeners.append(listener)
 
+        def end() -> None:
+            with self._listening, suppress(ValueError):
+                self._listeners.remove(listener)
+
+        return end
+
+    def _publish(self, snapshot: AnySnapshot) -> None:
+        self._latest = snapshot
+        with self._listening:
+            listeners = tuple(self._listeners)
+        for listener in listeners:
+            listener(snapshot)
+
+    @property
+    @abstractmethod
+    def trouble(self) -> str:
+        """Trouble that keeps frames from coming: damage, a node that is gone. Empty without any."""
+
+    @property
+    @abstractmethod
+    def is_enabled(self) -> bool:
+        """Whether the tracker takes frames."""
+
+    @abstractmethod
     def parameters(self) -> Mapping[str, ParameterValue]:
         """Return the values in force, by name.
 
@@ -62,8 +87,8 @@ class Session(Protocol):
         CableTrackerError
             They cannot be had.
         """
-        ...
 
+    @abstractmethod
     def change(self, values: Mapping[str, object]) -> None:
         """Change parameters, all of them or none.
 
@@ -74,20 +99,19 @@ class Session(Protocol):
         RosError
             The node does not answer.
         """
-        ...
 
+    @abstractmethod
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from what the user says."""
-        ...
 
+    @abstractmethod
     def reset(self) -> None:
         """Forget everything."""
-        ...
 
+    @abstractmethod
     def enable(self, wanted: bool) -> None:
         """Let the tracker take frames, or not."""
-        ...
 
+    @abstractmethod
     def close(self) -> None:
         """End all threads and connections."""
-        ...

@@ -24,9 +24,8 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.session import AnyStart, Session
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot
-from cable_tracker.gui.session.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
@@ -63,8 +62,8 @@ def _make_window_node(context: Context) -> Node:
     return Node("cable_tracker_window", context=context)
 
 
-class LiveSession(SnapshotFeed):
-    """Watches the node `tracker` in a namespace; implements `gui.session.Session`.
+class LiveSession(Session):
+    """Watches the node `tracker` in a namespace.
 
     The node may come later, go, and come again. Its topics are found on the graph, by what the node
     publishes and subscribes to: remapped ones too.

@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 from socket_end import Browser
+from stub_session import StubSession
 
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.tracking.picture_feed import PictureFeed
@@ -20,22 +21,12 @@ async def picture_at(browser):
     return unpack(await asyncio.wait_for(browser.received.get(), TIMEOUT))
 
 
-class Shown:
-    """What the feed asks of a session."""
-
-    def __init__(self):
-        self.latest = None
-        self._listeners = []
-
-    def listen(self, listener):
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+class Shown(StubSession):
+    """Shows black pictures."""
 
     def show(self, number, **given):
         given = {"image": np.zeros((24, 32), np.uint8), "status": "TRACKING"} | given
-        self.latest = CableSnapshot(number, number, number * 40_000_000, **given)
-        for listener in self._listeners:
-            listener(self.latest)
+        self.tell(CableSnapshot(number, number, number * 40_000_000, **given))
 
 
 @pytest.fixture

@@ -12,12 +12,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from stub_session import StubSession
 from tracking_page import PICTURE, TrackingPage
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, GuiError, RosError
-from cable_tracker.gui.session.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.tracking.commands import SPEEDS
 from cable_tracker.sequences.source import open_source
 from cable_tracker.tracking.parameter_files import (
@@ -442,16 +442,11 @@ def test_parameters_that_are_not_known_are_not_saved(answer):
     with pytest.raises(GuiError, match="no recording is open"):
         result_of(page._text_to_save())
 
-    class Silent(SnapshotFeed):
-        name = "/boat/tracker"
-
+    class Silent(StubSession):
         def parameters(self):
             if isinstance(answer, Exception):
                 raise answer
             return answer
-
-        def close(self):
-            pass
 
     desk.watch(Silent())
     with pytest.raises(CableTrackerError, match=r"has not answered|has told no"):
