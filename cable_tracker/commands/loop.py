@@ -11,8 +11,6 @@ from types import ModuleType
 from typing import Annotated, Any
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.folder_tasks import MARKER
@@ -30,6 +28,7 @@ from cable_tracker.commands.console.terminal import (
     console,
     print_facts,
     print_files,
+    print_table,
     progress_bar,
 )
 from cable_tracker.commands.options.campaigns import (
@@ -339,32 +338,24 @@ def verdict_on(summary: LoopSummary) -> str:
 
 
 def _print_runs(outcomes: Sequence[LoopOutcome]) -> None:
-    table = _narrow_table(("method", "seed", *RUN_HEADINGS.values()), "closed loops")
-    for outcome in outcomes:
-        summary = outcome.summary
-        cells = ["failed"] if summary is None else [
-            _cell(name, getattr(summary, name)) for name in RUN_HEADINGS
-        ]  # fmt: skip
-        table.add_row(outcome.method, str(outcome.seed), *cells)
-    console.print(table)
+    rows = ((each.method, str(each.seed), *_cells_of(each.summary)) for each in outcomes)
+    headings = ("method", "seed", *RUN_HEADINGS.values())
+    print_table("closed loops", headings, rows, left=(0,), narrow=True)
     for outcome in outcomes:
         if outcome.failure:
             console.print(f"{outcome.method}, seed {outcome.seed}: {outcome.failure}")
 
 
+def _cells_of(summary: LoopSummary | None) -> list[str]:
+    if summary is None:
+        return ["failed"]
+    return [_cell(name, getattr(summary, name)) for name in RUN_HEADINGS]
+
+
 def _print_totals(totals: Sequence[MethodTotals]) -> None:
     title = f"by method; kept: not lost for good; goal: RMS of {GOAL:g} m; way, RMS: medians"
-    table = _narrow_table(tuple(TOTAL_HEADINGS.values()), title)
-    for each in totals:
-        table.add_row(*(_cell(name, getattr(each, name)) for name in TOTAL_HEADINGS))
-    console.print(table)
-
-
-def _narrow_table(headings: Sequence[str], title: str) -> Table:
-    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
-    for number, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if number else "left", no_wrap=not number)
-    return table
+    rows = ([_cell(name, getattr(each, name)) for name in TOTAL_HEADINGS] for each in totals)
+    print_table(title, TOTAL_HEADINGS.values(), rows, left=(0,), narrow=True)
 
 
 def _cell(name: str, value: object) -> str:

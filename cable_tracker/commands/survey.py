@@ -216,4 +216,4 @@ def _print_routes(result: SurveyResult) -> None:
             ", ".join(route.recordings),
         ))  # fmt: skip
     headings = ("", "length [m]", "median sigma [m]", "events", "recordings")
-    print_table("routes", headings, rows, left=("", "recordings"))
+    print_table("routes", headings, rows, left=(0, 4))

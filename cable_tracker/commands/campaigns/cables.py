@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 
-from rich.table import Table
-
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.console.machine import machine, typed_command
@@ -16,6 +14,7 @@ from cable_tracker.commands.console.terminal import (
     console,
     messages,
     print_files,
+    print_table,
     progress_bar,
 )
 from cable_tracker.commands.options.campaigns import with_whole_paths
@@ -120,7 +119,7 @@ def evaluate_cables(
                 methods=_descriptions(campaign),
                 sequences={each.name: each.description for each in campaign.sequences},
             )
-    _print_table(summary_table(results, PRINTED_METRICS))
+    _print(summary_table(results, PRINTED_METRICS))
     _say_refusals(results)
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
     print_files(output, (REPORT, *(name for name, _ in CSV_FILES)))
@@ -141,12 +140,8 @@ def _say_refusals(results: Sequence[RunResult]) -> None:
         messages.print(f"note: {method} on {sequence}: {refusal_words(result)}", soft_wrap=True)
 
 
-def _print_table(view: TableView) -> None:
+def _print(view: TableView) -> None:
     """Print a table of the report on the terminal."""
-    table = Table(title="means over all runs")
-    table.add_column(view.corner, no_wrap=True)
-    for label, unit in view.headings:
-        table.add_column(f"{label} [{unit}]" if unit else label, justify="right")
-    for name, cells in view.rows:
-        table.add_row(name, *(cell.text for cell in cells))
-    console.print(table)
+    labels = (f"{label} [{unit}]" if unit else label for label, unit in view.headings)
+    rows = ((name, *(cell.text for cell in cells)) for name, cells in view.rows)
+    print_table("means over all runs", (view.corner, *labels), rows, left=(0,), narrow=True)

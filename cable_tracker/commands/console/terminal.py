@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TypeVar
+from types import MappingProxyType
+from typing import Any, TypeVar
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -22,6 +24,11 @@ AnyFrame = TypeVar("AnyFrame")
 
 console = Console(markup=False, highlight=False)
 messages = Console(stderr=True, markup=False, highlight=False)
+
+NARROW: Mapping[str, Any] = MappingProxyType(
+    {"box": SIMPLE_HEAD, "pad_edge": False, "collapse_padding": True}
+)
+"""Settings of a table with many columns."""
 
 
 @contextmanager
@@ -56,12 +63,31 @@ def counted(frames: Iterable[AnyFrame], progress: Progress) -> Iterator[AnyFrame
 
 
 def print_table(
-    title: str, headings: Sequence[str], rows: Iterable[Iterable[str]], left: Container[str] = ()
+    title: str,
+    headings: Iterable[str],
+    rows: Iterable[Iterable[str]],
+    left: Container[int] = (),
+    *,
+    narrow: bool = False,
 ) -> None:
-    """Print a table; columns whose headings are in `left` are flush left, the others right."""
-    table = Table(title=title)
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading in left else "right")
+    """Print a table.
+
+    Parameters
+    ----------
+    left : container of int
+        Numbers of the columns that are flush left; the others are flush right.
+    narrow : bool
+        Leave out frames and margins, and keep each cell of the columns of `left` on one line.
+    """
+    table = Table(title=title, **(NARROW if narrow else {}))
+    for number, heading in enumerate(headings):
+        is_left = number in left
+        table.add_column(
+            heading,
+            justify="left" if is_left else "right",
+            no_wrap=narrow and is_left,
+            overflow="fold",
+        )
     for row in rows:
         table.add_row(*row)
     console.print(table)
@@ -77,12 +103,7 @@ def say_left_out(reasons: Mapping[str, str]) -> None:
 
 def print_facts(title: str, facts: Iterable[tuple[str, str]]) -> None:
     """Print a table of names and values without headings."""
-    table = Table(title=title)
-    table.add_column("")
-    table.add_column("", justify="right")
-    for name, value in facts:
-        table.add_row(name, value)
-    console.print(table)
+    print_table(title, ("", ""), facts, left=(0,))
 
 
 def print_files(folder: Path, names: Iterable[str]) -> None:

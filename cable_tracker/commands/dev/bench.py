@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.atomic_output import output_file
 from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, TIMED_PRESETS
@@ -28,7 +27,7 @@ from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_be
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.ros_part import need_ros
-from cable_tracker.commands.console.terminal import advance, console, progress_bar
+from cable_tracker.commands.console.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable
 
@@ -86,7 +85,7 @@ def bench(  # noqa: PLR0917
     if markdown is not None:
         write_page(markdown, result_markdown(result))
     for table in tables_of(result):
-        console.print(_for_terminal(table))
+        _print(table)
     console.print(circumstances_text(result.circumstances), soft_wrap=True)
     for path in filter(None, (output, markdown)):
         console.print(f"  {path}", soft_wrap=True)
@@ -135,10 +134,9 @@ def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
     return tuple(timings)
 
 
-def _for_terminal(shown: ResultTable) -> Table:
-    table = Table(title=shown.title)
-    for heading in shown.headings:
-        table.add_column(heading.replace("`", ""), overflow="fold")
-    for row in shown.rows:
-        table.add_row(*(cell.replace("`", "") for cell in row))
-    return table
+def _print(table: ResultTable) -> None:
+    """Print a table of the page without its marks of code."""
+    headings, *rows = (
+        [cell.replace("`", "") for cell in row] for row in (table.headings, *table.rows)
+    )
+    print_table(table.title, headings, rows, left=range(len(headings)))

@@ -106,7 +106,7 @@ def _print_variances(variances: dict[str, FloatArray]) -> None:
     for name, row in variances.items():
         d, alpha, w, beta = (f"{variance:.4g}" for variance in row)
         rows.append((name, w, beta, d, alpha))
-    print_table("variance of the steps from frame to frame", headings, rows, left=headings[:1])
+    print_table("variance of the steps from frame to frame", headings, rows, left=(0,))
     console.print(
         "recording: its own px, from one of its frames to the next; parameters: px of a picture of"
         f" {REFERENCE_WIDTH:.0f} px width, per frame of {1.0 / REFERENCE_RATE:g} s, as"

@@ -108,7 +108,7 @@ def _print(record: SoakRecord) -> None:
         (name, str(count), str(record.recoveries[name]))
         for name, count in sorted(record.faults.items())
     )
-    print_table("faults", ("class", "injected", "recovered"), faults, left=("class",))
+    print_table("faults", ("class", "injected", "recovered"), faults, left=(0,))
     windows = []
     for each in record.latency_windows():
         times = (f"{ms:.1f}" for ms in (each.median, each.percentile_99, each.longest))
