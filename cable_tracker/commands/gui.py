@@ -132,7 +132,7 @@ def gui(  # noqa: PLR0917
         vehicle=vehicle,
     )
     listening = server.listen_on(host, port)
-    desk = desks.TrackingDesk(None, request, parameters)
+    desk = desks.TrackingDesk(request, parameters)
     if ros is not None:
         live = need_ros("clients.live_session")
         desk.watch(live.LiveTargetSession(ros) if target else live.LiveSession(ros))

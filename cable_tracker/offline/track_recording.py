@@ -12,7 +12,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages, report_metres, row_metres
@@ -34,9 +34,7 @@ from cable_tracker.visualisation.overlay import draw_estimate
 TRUTH = "truth"
 
 
-def given_state_for(
-    source: Source, init: str, limits: PairLimits = DEFAULT_LIMITS
-) -> GivenState | None:
+def given_state_for(source: Source, init: str, limits: PairLimits) -> GivenState | None:
     """Return what is given by `truth`, a detector's name, or `d,alpha,w,beta`; None by `random`.
 
     Parameters
@@ -122,7 +120,7 @@ def track_recording(
     frames: Iterable[Frame],
     tracker: CableTracker,
     results: ResultFolder,
-    metres: RecordedMetres | None = None,
+    metres: RecordedMetres | None,
 ) -> RecordingError | None:
     """Track all frames of a recording and collect the results.
 

@@ -55,7 +55,7 @@ def track_target(
     frames: Iterable[Frame],
     tracker: TargetTracker,
     results: TargetFolder,
-    sight: RecordedSight | None = None,
+    sight: RecordedSight | None,
 ) -> RecordingError | None:
     """Follow the target through a recording, and collect the results.
 

@@ -34,16 +34,16 @@ def pixel_scale(image_width: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpec:
-    """One row of the table.
+    """One row of a table of parameters, a filter's or a node's.
 
     Attributes
     ----------
     name : str
-        Name in YAML files, on the node and in `TrackerParameters`.
+        Name in YAML files and on the node, and of the field of a `ParameterSet`.
     kind : type
         bool, int, float or str.
     default : ParameterValue
-        Value in the preset `default`.
+        Value where none is given; for a filter, that of the preset `default`.
     unit : str
         Unit, for people; empty for pure numbers.
     meaning : str

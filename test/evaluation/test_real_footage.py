@@ -11,6 +11,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.offline.track_recording import given_state_for
@@ -32,7 +33,7 @@ def track(
     labels = FOOTAGE / truth if truth else None
     tracker = make_tracker(TrackerParameters())
     with open_source(FOOTAGE / name, truth=labels) as source:
-        given = given_state_for(source, init)
+        given = given_state_for(source, init, DEFAULT_LIMITS)
         if given is not None:
             tracker.initialise(given)
         return [

@@ -172,7 +172,7 @@ def test_parameters_of_a_target_are_changed_all_or_none(watch):
 
 
 def test_a_desk_of_targets_opens_recordings_of_targets(target_dive, first_box):
-    desk = TrackingDesk(None, RecordingRequest(target_dive), PARAMETERS)
+    desk = TrackingDesk(RecordingRequest(target_dive), PARAMETERS)
     try:
         assert set(desk.references) == {"default", "thesis", "docking", "diver"}
         desk.open(RecordingRequest(target_dive, init=words(first_box)))

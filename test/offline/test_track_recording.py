@@ -11,6 +11,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults
@@ -45,7 +46,7 @@ def track(tmp_path):
         if given is not None:
             tracker.initialise(given)
         with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
-            damage = track_recording(recording.frames(), tracker, results)
+            damage = track_recording(recording.frames(), tracker, results, None)
         return results.path, damage
 
     return run
@@ -62,7 +63,7 @@ def messages_of(folder) -> dict[str, list]:
 
 def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
     recording = make_recording()
-    folder, damage = track(recording, given=given_state_for(recording, "truth"))
+    folder, damage = track(recording, given=given_state_for(recording, "truth", DEFAULT_LIMITS))
     assert damage is None
     rows = read_estimates(folder / ESTIMATES)
     assert [row.frame for row in rows] == list(range(12))
@@ -77,7 +78,7 @@ def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
 
 def test_bag_and_table_say_the_same(track, make_recording, dive):
     recording = make_recording()
-    folder, _ = track(recording, given=given_state_for(recording, "truth"))
+    folder, _ = track(recording, given=given_state_for(recording, "truth", DEFAULT_LIMITS))
     messages = messages_of(folder)
     for index, row in enumerate(read_estimates(folder / ESTIMATES)):
         state = messages["/state"][index]
@@ -157,11 +158,13 @@ def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recordi
 
 def test_where_to_start(make_recording, dive):
     recording = make_recording()
-    assert given_state_for(recording, "random") is None
-    assert given_state_for(recording, "1,0.5,30,0").state == CableState(1.0, 0.5, 30.0, 0.0)
+    assert given_state_for(recording, "random", DEFAULT_LIMITS) is None
+    assert given_state_for(recording, "1,0.5,30,0", DEFAULT_LIMITS).state == CableState(
+        1.0, 0.5, 30.0, 0.0
+    )
     truth = dive[0].truth
     expected = CableState(truth.distance, truth.angle, truth.width, truth.skew)
-    given = given_state_for(recording, "truth")
+    given = given_state_for(recording, "truth", DEFAULT_LIMITS)
     assert given.state == expected
     assert given.is_certain
 
@@ -169,6 +172,6 @@ def test_where_to_start(make_recording, dive):
 def test_there_is_no_truth_to_start_from(make_recording, dive):
     unlabelled = [replace(dive[0], truth=None), *dive[1:]]
     with pytest.raises(ParameterError, match="no ground truth to start from"):
-        given_state_for(make_recording(unlabelled), "truth")
+        given_state_for(make_recording(unlabelled), "truth", DEFAULT_LIMITS)
     with pytest.raises(RecordingError, match="holds no frames"):
-        given_state_for(make_recording([]), "truth")
+        given_state_for(make_recording([]), "truth", DEFAULT_LIMITS)

@@ -17,8 +17,9 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, pair_limits
 from cable_tracker.errors import RecordingError
+from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
@@ -77,13 +78,14 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
             results = stack.enter_context(TableAndBag(folder))
 
             if over_ros:
-                nodes = cable_nodes(source.compressed, {"source": str(path)}, PARAMETERS, words)
-                damage = track_recording_over_ros(source.frames(), nodes, results)
+                vehicle, replay = recorded_vehicle(source), {"source": str(path)}
+                nodes = cable_nodes(source.compressed, replay, PARAMETERS, words, vehicle)
+                damage = track_recording_over_ros(source.frames(), nodes, results, vehicle)
             else:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:
                     tracker.initialise(given)
-                damage = track_recording(source.frames(), tracker, results)
+                damage = track_recording(source.frames(), tracker, results, None)
         return Outcome(results.rows, results.truths, folder / BAG, damage)
 
     return tracked
@@ -123,7 +125,7 @@ def test_a_simulated_dive_gives_the_same_table_and_the_same_messages(
 ) -> None:
     path = make_dive(8)
     with open_source(path) as source:
-        given = given_state_for(source, TRUTH)
+        given = given_state_for(source, TRUTH, DEFAULT_LIMITS)
     assert given is not None
     words = format_initial_state(given.state)
     ros, core = track(path, True, words), track(path, False, given=given)

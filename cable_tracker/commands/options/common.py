@@ -140,10 +140,10 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 def chosen_instruments(
-    camera_info: str | None = None,
-    altitude: str | None = None,
-    imu: str | None = None,
-    odometry: str | None = None,
+    camera_info: str | None,
+    altitude: str | None,
+    imu: str | None,
+    odometry: str | None,
     fix: str | None = NO_TOPIC,
 ) -> InstrumentChoice:
     """Return which topics the user named for the instruments; None: found by their type."""

@@ -54,11 +54,9 @@ class LabelDocument:
         Times of frames [ns], as far as they are known.
     """
 
-    def __init__(
-        self, labels: Labels | None = None, stamps: Mapping[int, int] | None = None
-    ) -> None:
-        self._labels: dict[int, FrameLabel] = dict(labels or {})
-        self.stamps: dict[int, int] = dict(stamps or {})
+    def __init__(self, labels: Labels, stamps: Mapping[int, int]) -> None:
+        self._labels: dict[int, FrameLabel] = dict(labels)
+        self.stamps: dict[int, int] = dict(stamps)
         self._undone: list[_Step] = []
         self._done: list[_Step] = []
 

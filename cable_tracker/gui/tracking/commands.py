@@ -116,14 +116,8 @@ def _apart(words: str, speed: float) -> float:
     return abs(math.log(SPEEDS[words] / speed))
 
 
-def command_player(player: RecordingSession, name: str, value: object = None) -> bool:
-    """Do what a key or a button of the transport bar says.
-
-    Returns
-    -------
-    bool
-        Whether the name is known.
-    """
+def command_player(player: RecordingSession, name: str, value: object = None) -> None:
+    """Do what a key or a button of the transport bar says; other names do nothing."""
     steps = {"forward": 1, "back": -1, "leap": LEAP, "leap_back": -LEAP}
     if name in steps:
         player.step(steps[name])
@@ -134,9 +128,6 @@ def command_player(player: RecordingSession, name: str, value: object = None) ->
         _seek(player, name, value)
     elif name in ("faster", "slower", "speed"):
         _change_speed(player, name, value)
-    else:
-        return False
-    return True
 
 
 def _seek(player: RecordingSession, name: str, value: object) -> None:

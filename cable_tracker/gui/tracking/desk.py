@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.recording_session import RecordingSession
@@ -35,11 +33,13 @@ class TrackingDesk:
     ----------
     request : RecordingRequest
         Settings with which recordings are opened from the page; its path is replaced.
-    parameters : TrackerParameters, TargetParameters or None
+    parameters : TrackerParameters or TargetParameters
         For the first recording that is opened from the page; they say what is followed there.
 
     Attributes
     ----------
+    session : Session or None
+        None until one is watched.
     feed : PictureFeed
         Pictures for all browsers.
     subject : Subject
@@ -50,21 +50,15 @@ class TrackingDesk:
         Changes with the session.
     """
 
-    def __init__(
-        self,
-        session: Session | None,
-        request: RecordingRequest | None = None,
-        parameters: ParameterSet | None = None,
-    ) -> None:
-        self.session = session
-        self.request = request if request is not None else RecordingRequest(Path())
-        self._parameters = parameters if parameters is not None else TrackerParameters()
-        self.subject = TARGET if isinstance(self._parameters, TargetParameters) else CABLE
+    def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
+        self.session: Session | None = None
+        self.request = request
+        self._parameters = parameters
+        self.subject = TARGET if isinstance(parameters, TargetParameters) else CABLE
         self.references: dict[str, Mapping[str, ParameterValue]] = {}
         self.references |= self.subject.references()
         self.version = 0
         self.feed = PictureFeed()
-        self.feed.watch(session)
         self._lock = threading.Lock()
 
     @property

@@ -52,7 +52,7 @@ class PictureFeed:
         self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
         self._thread.start()
 
-    def watch(self, session: Session | None) -> None:
+    def watch(self, session: Session) -> None:
         """Take the snapshots of this session from now on, and of no other."""
         self._end_listening()
         with self._condition:
@@ -60,9 +60,6 @@ class PictureFeed:
             self._history = TrackingHistory()
             self._arrivals.clear()
             self._snapshot = None
-        if session is None:
-            self._end_listening = _nothing
-            return
         self._end_listening = session.listen(partial(self._take, session))
         with self._condition:
             # One that has come meanwhile is newer.

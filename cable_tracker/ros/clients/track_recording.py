@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import TypeGuard, cast
+from typing import cast
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
@@ -33,7 +33,7 @@ def cable_nodes(
     replay: Mapping[str, ParameterValue],
     parameters: TrackerParameters,
     initial_state: str,
-    vehicle: RecordedVehicle | None = None,
+    vehicle: RecordedVehicle,
 ) -> LockstepNodes:
     """Return the nodes that track a cable.
 
@@ -47,8 +47,8 @@ def cable_nodes(
         Parameters of the filter.
     initial_state : str
         Where to start: `random`, a detector's name, or `d,alpha,w,beta`.
-    vehicle : RecordedVehicle or None
-        With its instruments; None: everything stays in pixels.
+    vehicle : RecordedVehicle
+        Vehicle of the recording, with its instruments.
     """
     start: dict[str, ParameterValue] = {"initial_state": initial_state}
     own = {**parameters.as_mapping(), **start, **_vehicle_parameters(vehicle)}
@@ -59,7 +59,7 @@ def track_recording_over_ros(
     frames: Iterable[Frame],
     nodes: LockstepNodes,
     results: ResultFolder,
-    vehicle: RecordedVehicle | None = None,
+    vehicle: RecordedVehicle,
 ) -> RecordingError | None:
     """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`.
 
@@ -67,10 +67,9 @@ def track_recording_over_ros(
     ----------
     frames, nodes, results
         See `track_in_lockstep`.
-    vehicle : RecordedVehicle or None
+    vehicle : RecordedVehicle
         The one that the nodes were made with.
     """
-    in_metres = _wants_metres(vehicle)
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_truth(results.bag, frame)
@@ -79,27 +78,21 @@ def track_recording_over_ros(
         cloud = None
         if node_topics.PARTICLES in recorded.messages:
             cloud = read_particles(recorded.read(node_topics.PARTICLES))
-        results.add(frame, _row(frame, recorded, state, in_metres=in_metres), cloud)
+        results.add(frame, _row(frame, recorded, state, in_metres=vehicle.wants_metres), cloud)
         return state
 
     return track_in_lockstep(frames, nodes, take)
 
 
-def _wants_metres(vehicle: RecordedVehicle | None) -> TypeGuard[RecordedVehicle]:
-    return vehicle is not None and vehicle.wants_metres
-
-
-def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:
-    if not _wants_metres(vehicle):
+def _vehicle_parameters(vehicle: RecordedVehicle) -> dict[str, ParameterValue]:
+    if not vehicle.wants_metres:
         return {}
     values = cast(dict[str, ParameterValue], vehicle.vehicle.values)
     # Without instruments nothing is sent that a frame could wait for.
     return {**values, **EVERY_MEASUREMENT} if vehicle.has_instruments else values
 
 
-def _row(
-    frame: Frame, recorded: RecordedFrame, state: Message, *, in_metres: bool = True
-) -> EstimateRow:
+def _row(frame: Frame, recorded: RecordedFrame, state: Message, *, in_metres: bool) -> EstimateRow:
     """Return the row of the table for an answered frame.
 
     The node always says why it has no metres. Without `in_metres` none are wanted: the row says

@@ -23,9 +23,9 @@ class FrameHold:
         Gets the frames, in the order in which they came.
     is_complete : callable
         Tells whether everything has come that belongs to a stamp [ns].
-    pass_over : callable or None
+    pass_over : callable
         Gets a frame instead of `use` that is late by more than its wait while a newer one is due:
-        what a tracker has no time for must not delay the rest. None: every frame is used.
+        what a tracker has no time for must not delay the rest.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class FrameHold:
         self,
         use: Callable[[CameraFrame], None],
         is_complete: Callable[[int], bool],
-        pass_over: Callable[[CameraFrame], None] | None = None,
+        pass_over: Callable[[CameraFrame], None],
     ) -> None:
         self._use = use
         self._is_complete = is_complete
@@ -78,7 +78,4 @@ class FrameHold:
         for newer in range(count - 1, -1, -1):
             frame, wait = self.held.popleft()
             is_late = newer and wait and time.perf_counter() - frame.arrival > 2.0 * wait
-            if is_late and self._pass_over is not None:
-                self._pass_over(frame)
-            else:
-                self._use(frame)
+            (self._pass_over if is_late else self._use)(frame)

@@ -234,7 +234,7 @@ class CameraNode(ProcessNode):
 
     def begin(self) -> None:
         """Offer the services and warm up; the camera is subscribed when that is done."""
-        give_way = None if self._answers_every_frame else self._give_way
+        give_way = self._answer if self._answers_every_frame else self._give_way
         self._hold = FrameHold(self._answer, self._instruments.has_all_of, give_way)
         self.create_service(Trigger, "~/reset", self.on_reset)
         self.create_service(SetBool, "~/enable", self.on_enable)

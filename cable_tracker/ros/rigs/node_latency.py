@@ -127,9 +127,7 @@ def cpu_seconds(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def measure_node(
-    trial: NodeTrial, advance: Callable[[int], None] = lambda count: None
-) -> NodeTiming:
+def measure_node(trial: NodeTrial, advance: Callable[[int], None]) -> NodeTiming:
     """Send frames to a tracker, to a node that only answers, and to a tracker in this process.
 
     The three take turns in blocks. `advance` is told of every frame of each.

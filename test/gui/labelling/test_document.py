@@ -21,6 +21,11 @@ frames = st.integers(0, 29)
 hand_labels = frame_labels.filter(lambda label: label.is_key)
 
 
+def document_of(labels):
+    """Return a document whose frames have no times."""
+    return LabelDocument(labels, {})
+
+
 def key(distance=0.0):
     return FrameLabel(CableState(distance, 0.1, 40.0))
 
@@ -31,7 +36,7 @@ def distances(document):
 
 @given(label_maps, frames, frame_labels)
 def test_undo_takes_an_edit_back_and_redo_does_it_again(labels, frame, label):
-    document = LabelDocument(labels)
+    document = document_of(labels)
     document.change(frame, {frame: label})
     edited = dict(document.labels)
     if document.can_undo:
@@ -44,7 +49,7 @@ def test_undo_takes_an_edit_back_and_redo_does_it_again(labels, frame, label):
 
 @given(label_maps, frames, frame_labels)
 def test_what_an_edit_returns_is_what_has_changed(labels, frame, label):
-    document = LabelDocument(labels)
+    document = document_of(labels)
     changes = document.change(frame, {frame: label})
     after = document.labels
     different = {n for n in {*labels, *after} if labels.get(n) != after.get(n)}
@@ -52,19 +57,19 @@ def test_what_an_edit_returns_is_what_has_changed(labels, frame, label):
 
 
 def test_nothing_to_undo_in_a_new_document():
-    document = LabelDocument({0: key()})
+    document = document_of({0: key()})
     assert document.undo() is None
     assert document.redo() is None
 
 
 def test_an_edit_that_changes_nothing_is_no_step():
-    document = LabelDocument({3: key()})
+    document = document_of({3: key()})
     assert document.change(3, {3: key()}) == {}
     assert not document.can_undo
 
 
 def test_a_new_edit_forgets_what_was_undone():
-    document = LabelDocument()
+    document = document_of({})
     document.change(0, {0: key(1.0)})
     document.undo()
     document.change(0, {0: key(2.0)})
@@ -72,7 +77,7 @@ def test_a_new_edit_forgets_what_was_undone():
 
 
 def test_strokes_of_a_held_key_are_one_step():
-    document = LabelDocument({4: key(0.0)})
+    document = document_of({4: key(0.0)})
     document.change(4, {4: key(1.0)})
     document.change(4, {4: key(2.0)}, merges=True)
     document.change(4, {4: key(3.0)}, merges=True)
@@ -81,7 +86,7 @@ def test_strokes_of_a_held_key_are_one_step():
 
 
 def test_strokes_on_another_frame_are_another_step():
-    document = LabelDocument({4: key(0.0), 5: key(0.0)})
+    document = document_of({4: key(0.0), 5: key(0.0)})
     document.change(4, {4: key(1.0)})
     document.change(5, {5: key(2.0)}, merges=True)
     document.undo()
@@ -89,7 +94,7 @@ def test_strokes_on_another_frame_are_another_step():
 
 
 def test_interpolation_fills_the_gap_at_a_frame():
-    document = LabelDocument({0: key(0.0), 4: key(40.0), 6: key(60.0)})
+    document = document_of({0: key(0.0), 4: key(40.0), 6: key(60.0)})
     document.interpolate(2, document.gaps_to_fill(2))
     assert distances(document) == pytest.approx(
         {0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0, 6: 60.0}
@@ -97,18 +102,18 @@ def test_interpolation_fills_the_gap_at_a_frame():
 
 
 def test_interpolation_fills_all_gaps():
-    document = LabelDocument({0: key(0.0), 2: key(20.0), 4: key(40.0)})
+    document = document_of({0: key(0.0), 2: key(20.0), 4: key(40.0)})
     document.interpolate(0, document.gaps_to_fill(None))
     assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
 
 
 def test_where_nothing_can_be_interpolated_it_is_said():
     with pytest.raises(ParameterError, match="nothing to interpolate"):
-        LabelDocument({0: key(), 5: WITHOUT_CABLE, 9: key()}).gaps_to_fill(3)
+        document_of({0: key(), 5: WITHOUT_CABLE, 9: key()}).gaps_to_fill(3)
 
 
 def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
-    document = LabelDocument({0: key(0.0), 4: key(40.0)})
+    document = document_of({0: key(0.0), 4: key(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
     document.change(4, {4: key(80.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 20.0, 2: 40.0, 3: 60.0, 4: 80.0})
@@ -117,14 +122,14 @@ def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
 
 
 def test_a_corrected_frame_becomes_a_key_frame_of_its_neighbours():
-    document = LabelDocument({0: key(0.0), 4: key(40.0)})
+    document = document_of({0: key(0.0), 4: key(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
     document.change(2, {2: key(100.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 50.0, 2: 100.0, 3: 70.0, 4: 40.0})
 
 
 def filled_document():
-    document = LabelDocument({0: key(0.0), 6: key(60.0)})
+    document = document_of({0: key(0.0), 6: key(60.0)})
     document.interpolate(0, document.gaps_to_fill(0))
     return document
 
@@ -149,7 +154,7 @@ def test_interpolated_labels_go_with_the_key_frame_that_ends_them(taken):
 
 def test_much_that_is_labelled_is_interpolated_and_edited_in_a_moment():
     filled_document()
-    document = LabelDocument({frame: key() for frame in range(0, 20_001, 10)})
+    document = document_of({frame: key() for frame in range(0, 20_001, 10)})
     begin = time.process_time()
     document.interpolate(0, document.gaps_to_fill(None))
     for stroke in range(10):
@@ -159,13 +164,13 @@ def test_much_that_is_labelled_is_interpolated_and_edited_in_a_moment():
 
 def test_interpolated_labels_elsewhere_stay_as_the_file_has_them():
     left = FrameLabel(CableState(1.0, 0.1, 40.0), Origin.INTERPOLATED)
-    document = LabelDocument({0: key(), 2: left, 5: WITHOUT_CABLE, 9: key()})
+    document = document_of({0: key(), 2: left, 5: WITHOUT_CABLE, 9: key()})
     document.change(9, {9: key(1.0)})
     assert document.labels[2] == left
 
 
 def test_replacing_all_labels_can_be_undone():
-    document = LabelDocument({0: key(1.0), 1: key(2.0)})
+    document = document_of({0: key(1.0), 1: key(2.0)})
     document.replace({1: key(3.0), 2: key(4.0)})
     assert distances(document) == {1: 3.0, 2: 4.0}
     document.undo()
@@ -177,7 +182,7 @@ class Editing(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.document = LabelDocument()
+        self.document = document_of({})
         self.history = [{}]
 
     def remember(self, changes):

@@ -11,6 +11,7 @@ from watched_session import Watched
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.recording_session import RecordingSession
@@ -64,13 +65,13 @@ def test_the_last_frame_is_found_where_the_recording_does_not_count_its_frames(w
     watched = watch()
     watched.at(0)
     watched.session._frames.source.frame_count = None
-    assert command_player(watched.session, "last")
+    command_player(watched.session, "last")
     assert watched.at(LAST).frame == LAST
     assert watched.session.frame_count == LAST + 1
 
 
 def start_from_truth(tracker, source):
-    given = given_state_for(source, "truth")
+    given = given_state_for(source, "truth", DEFAULT_LIMITS)
     assert given is not None
     tracker.initialise(given)
 
@@ -80,7 +81,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source.frames(), tracker, results)
+            track_recording(source.frames(), tracker, results, None)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch().play_to_the_end()
     assert [row.state for row in rows[1:]] == [played[row.frame].state for row in rows[1:]]
@@ -96,7 +97,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
         start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source.frames(), tracker, results, metres=metres)
+            track_recording(source.frames(), tracker, results, metres)
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()
     shown = [played[row.frame] for row in rows[1:]]

@@ -18,6 +18,7 @@ from tracking_page import PICTURE, TrackingPage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, GuiError, RosError
+from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.tracking.commands import SPEEDS
 from cable_tracker.sequences.source import open_source
 from cable_tracker.tracking.parameter_files import (
@@ -437,7 +438,7 @@ def result_of(coroutine):
 @pytest.mark.parametrize("answer", [RosError("the node has not answered"), {}])
 def test_parameters_that_are_not_known_are_not_saved(answer):
     window = pytest.importorskip("cable_tracker.gui.tracking.window")
-    desk = window.TrackingDesk(None)
+    desk = window.TrackingDesk(RecordingRequest(Path()), TrackerParameters())
     page = window.TrackingPage(desk)
     with pytest.raises(GuiError, match="no recording is open"):
         result_of(page._text_to_save())

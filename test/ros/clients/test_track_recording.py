@@ -58,7 +58,7 @@ def row_over_ros(estimate: CableEstimate | None, frame: Frame = FRAME) -> Estima
         state = make_state(factory, header, claimed, estimate.standard_deviations()[:4])
         report = make_report(factory, header, status, report_values(estimate, MILLISECONDS))
     messages = {node_topics.FRAME_REPORT: serialize_message(report)}
-    return _row(frame, RecordedFrame(messages, status), state)
+    return _row(frame, RecordedFrame(messages, status), state, in_metres=True)
 
 
 @pytest.mark.parametrize("status", list(TrackingStatus))

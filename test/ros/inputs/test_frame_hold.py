@@ -22,7 +22,7 @@ def frame(sec: int, age: float = 0.0) -> CameraFrame:
 def test_a_frame_waits_until_everything_of_its_time_has_come() -> None:
     used: list[CameraFrame] = []
     told: list[int] = []
-    hold = FrameHold(used.append, lambda stamp: stamp in told)
+    hold = FrameHold(used.append, lambda stamp: stamp in told, used.append)
     first = frame(1)
     hold.take(first, 3600.0)
     hold.release_if_due()
@@ -36,7 +36,7 @@ def test_a_frame_waits_until_everything_of_its_time_has_come() -> None:
 
 def test_a_frame_that_has_waited_long_enough_goes_on() -> None:
     used: list[CameraFrame] = []
-    hold = FrameHold(used.append, lambda stamp: False)
+    hold = FrameHold(used.append, lambda stamp: False, used.append)
     old = frame(1, age=10.0)
     hold.take(old, 5.0)
     assert used == [old]
@@ -45,7 +45,7 @@ def test_a_frame_that_has_waited_long_enough_goes_on() -> None:
 def test_a_frame_goes_on_waiting_when_the_next_one_comes() -> None:
     used: list[CameraFrame] = []
     told: list[int] = []
-    hold = FrameHold(used.append, lambda stamp: stamp in told)
+    hold = FrameHold(used.append, lambda stamp: stamp in told, used.append)
     frames = [frame(1), frame(2), frame(3)]
     for each in frames:
         hold.take(each, 3600.0)
@@ -60,7 +60,7 @@ def test_a_frame_goes_on_waiting_when_the_next_one_comes() -> None:
 
 def test_a_frame_that_does_not_wait_sends_those_before_it_on() -> None:
     used: list[CameraFrame] = []
-    hold = FrameHold(used.append, lambda stamp: False)
+    hold = FrameHold(used.append, lambda stamp: False, used.append)
     frames = [frame(1), frame(2), frame(3)]
     for each, wait in zip(frames, (3600.0, 3600.0, 0.0), strict=True):
         hold.take(each, wait)
@@ -69,7 +69,7 @@ def test_a_frame_that_does_not_wait_sends_those_before_it_on() -> None:
 
 def test_no_more_than_a_few_frames_are_held() -> None:
     used: list[CameraFrame] = []
-    hold = FrameHold(used.append, lambda stamp: False)
+    hold = FrameHold(used.append, lambda stamp: False, used.append)
     frames = [frame(sec) for sec in range(MOST_HELD + 2)]
     for each in frames:
         hold.take(each, 3600.0)
@@ -105,7 +105,7 @@ def test_frames_whose_instruments_come_together_are_all_used() -> None:
 def test_it_knows_when_the_first_frame_has_waited_long_enough(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    hold = FrameHold(lambda each: None, lambda stamp: False)
+    hold = FrameHold(lambda each: None, lambda stamp: False, lambda each: None)
     assert hold.seconds_until_due() == math.inf
     first, second = frame(1), frame(2)
     hold.take(first, 3600.0)

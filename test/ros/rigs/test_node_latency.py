@@ -46,7 +46,7 @@ def test_a_node_that_dies_ends_it_with_what_it_said(
 ) -> None:
     monkeypatch.setattr(node_latency, "format_initial_state", lambda state: "nonsense")
     with pytest.raises(RosError, match=r"the tracker node has died: error: .*initial state"):
-        measure_node(NodeTrial("thesis", preset("thesis"), shown, FRAMES))
+        measure_node(NodeTrial("thesis", preset("thesis"), shown, FRAMES), lambda count: None)
 
 
 def test_work_is_seen_in_the_time_of_the_processor() -> None:

@@ -54,7 +54,7 @@ class CableFollower(Follower):
         source: Source,
         init: str,
         parameters: TrackerParameters,
-        metres: RecordedMetres | None = None,
+        metres: RecordedMetres | None,
     ) -> None:
         self._source, self._init = source, init
         self._limits = pair_limits(parameters)

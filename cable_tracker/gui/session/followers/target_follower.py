@@ -53,7 +53,7 @@ class TargetFollower(Follower):
         init: str,
         parameters: TargetParameters,
         truth: BoxTruth,
-        sight: RecordedSight | None = None,
+        sight: RecordedSight | None,
     ) -> None:
         self._truth = truth
         self._start: StartText = parse_start_text(init)

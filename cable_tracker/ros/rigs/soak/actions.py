@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.ros.health.diagnostics import STALE_INPUT
 from cable_tracker.ros.rigs.soak.faults import REFUSED, Fault
-from cable_tracker.ros.rigs.soak.frames import FIRST_STAMP, REPLAYED_FRAMES
+from cable_tracker.ros.rigs.soak.frames import BEGINNING, REPLAYED_FRAMES
 from cable_tracker.ros.rigs.soak.rig import SoakRig
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.stamps import NANOSECONDS
@@ -91,7 +91,7 @@ def _clock_back(rig: SoakRig) -> None:
 def _clock_ahead(rig: SoakRig) -> None:
     rig.frames.stamp += FAR_AHEAD
     if rig.frames.stamp + FAR_AHEAD > END_OF_TIME:
-        rig.frames.stamp = FIRST_STAMP
+        rig.frames.stamp = BEGINNING
     _frame_at(rig, rig.frames.stamp)
 
 

@@ -22,7 +22,7 @@ from cable_tracker.ros.rigs.soak.checks import (
     state_is_finite,
 )
 from cable_tracker.ros.rigs.soak.record import SoakRecord
-from cable_tracker.ros.rigs.soak.soaked_node import CABLE_NODE, SoakedNode
+from cable_tracker.ros.rigs.soak.soaked_node import SoakedNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -66,7 +66,7 @@ class SoakCamera(Node):  # type: ignore[misc]
         context: Context,
         namespace: str,
         record: SoakRecord,
-        soaked: SoakedNode = CABLE_NODE,
+        soaked: SoakedNode,
     ) -> None:
         super().__init__("soak", context=context, namespace=namespace)
         self._soaked = soaked

@@ -16,7 +16,9 @@ from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.stamps import NANOSECONDS
 
-FIRST_STAMP = 1_700_000_000 * NANOSECONDS
+BEGINNING = 1_700_000_000 * NANOSECONDS
+"""Time before the first frame, and of the first one of a replay [ns]."""
+
 STEP = 40_000_000
 """Time between two frames [ns]."""
 
@@ -42,7 +44,7 @@ class SoakFrames:
 
     def __init__(self, frames: Sequence[Frame]) -> None:
         self.compressed = False
-        self.stamp = FIRST_STAMP
+        self.stamp = BEGINNING
         self._raw = frames
         self._jpegs = [in_format(frame, ImageFormat.JPEG) for frame in frames]
         self._factory = RclpyMessages()
@@ -91,5 +93,5 @@ class SoakFrames:
         path = folder / ("jpeg" if self.compressed else "raw")
         if not path.exists():
             some = enumerate(self._frames[:REPLAYED_FRAMES])
-            write_bag(path, (replace(each, stamp=FIRST_STAMP + n * STEP) for n, each in some))
+            write_bag(path, (replace(each, stamp=BEGINNING + n * STEP) for n, each in some))
         return path

@@ -46,7 +46,7 @@ def check_settings(settings: SoakSettings) -> None:
 def run_soak(
     frames: Sequence[Frame],
     settings: SoakSettings,
-    advance: Callable[[float], None] = lambda _share: None,
+    advance: Callable[[float], None],
 ) -> SoakRecord:
     """Feed frames to a tracker process over and over, and inject faults.
 

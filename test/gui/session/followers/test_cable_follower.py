@@ -45,17 +45,17 @@ def first_snapshot(follower, source):
 
 
 def test_a_run_starts_from_what_the_detector_sees_under_the_parameters_in_force(source):
-    follower = CableFollower(source, "hough", PARAMETERS)
+    follower = CableFollower(source, "hough", PARAMETERS, None)
     wide = first_snapshot(follower, source)
     follower.configure(THIN)
     thin = first_snapshot(follower, source)
-    fresh = CableFollower(source, "hough", PARAMETERS.replaced(THIN))
+    fresh = CableFollower(source, "hough", PARAMETERS.replaced(THIN), None)
     assert np.array_equal(thin.cloud, first_snapshot(fresh, source).cloud)
     assert np.median(thin.cloud[:, 2]) < 25.0 < np.median(wide.cloud[:, 2])
 
 
 def test_where_the_detector_sees_no_cable_any_more_it_is_said_and_the_run_goes_on(source):
-    follower = CableFollower(source, "hough", PARAMETERS)
+    follower = CableFollower(source, "hough", PARAMETERS, None)
     follower.configure(NONE_SO_WIDE)
     assert first_snapshot(follower, source).cloud is not None
     assert "hough sees no cable" in follower.trouble

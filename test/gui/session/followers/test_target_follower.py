@@ -16,7 +16,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 
 
 def test_one_that_is_remembered_does_not_keep_the_picture_of_its_frame():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth())
+    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
     follower.look(frame)
     remembered = follower.copy()
@@ -27,7 +27,7 @@ def test_one_that_is_remembered_does_not_keep_the_picture_of_its_frame():
 
 
 def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth())
+    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
     follower.look(frame)
     bad = replace(frame, index=1, image=replace(frame.image, encoding="nv12"))
@@ -39,7 +39,7 @@ def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
 
 
 def test_a_box_is_checked_against_the_last_picture_that_could_be_decoded():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth())
+    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
     follower.look(frame)
     with pytest.raises(FrameError):

@@ -25,7 +25,7 @@ from cable_tracker.ros.rigs.soak.faults import Fault
 from cable_tracker.ros.rigs.soak.record import SoakRecord
 from cable_tracker.ros.rigs.soak.rig import SoakSettings
 from cable_tracker.ros.rigs.soak.soak import check_settings, run_soak
-from cable_tracker.ros.rigs.soak.soaked_node import TARGET_NODE
+from cable_tracker.ros.rigs.soak.soaked_node import CABLE_NODE, TARGET_NODE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import make_particles
@@ -72,7 +72,7 @@ def test_a_target_tracker_keeps_its_promises():
         for index, each in enumerate(simulate_target("leaving", 1, 12, size=(80, 60)))
     ]
     settings = replace(SETTINGS, node="target_tracker", preset="default", frames=200)
-    record = run_soak(frames, settings)
+    record = run_soak(frames, settings, lambda share: None)
     assert record.breaches == []
     assert record.recoveries == record.faults
     assert record.faults.total() > 5
@@ -107,7 +107,7 @@ def test_every_rare_fault_is_survived(frames, monkeypatch):
         minutes=600.0, seed=2, fault_share=0.2, frames=FEW_FRAMES, preset="thesis", particles=50
     )
     monkeypatch.setattr(soak, "FULL_RATE_SHARE", 0.0)
-    record = run_soak(frames, settings)
+    record = run_soak(frames, settings, lambda share: None)
     assert left == []
     assert record.breaches == []
     assert {fault.value for fault in RARE} <= set(record.recoveries)
@@ -116,7 +116,7 @@ def test_every_rare_fault_is_survived(frames, monkeypatch):
 
 @pytest.fixture
 def camera(context: Any, namespace: str) -> Any:
-    camera = SoakCamera(context, namespace, SoakRecord())
+    camera = SoakCamera(context, namespace, SoakRecord(), CABLE_NODE)
     yield camera
     camera.close()
 
