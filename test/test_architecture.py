@@ -36,6 +36,7 @@ MAY_IMPORT = {
     "cable": {"tracking", "particle_filter"},
     "target": {"contour", "tracking", "particle_filter"},
     "node_parameter_tables": {"cable", "target", "tracking"},
+    "followed_kinds": {"node_parameter_tables", "cable", "target", "tracking"},
     "sequences": {"cable", "target", "tracking", "particle_filter"},
     "metric": {"sequences", "node_parameter_tables", "cable", "target", "tracking"},
     "detection": {"cable", "tracking"},
@@ -56,7 +57,7 @@ MAY_IMPORT = {
     },
     "gui": {
         "trackers", "offline", "evaluation", "detection", "visualisation", "metric",
-        "sequences", "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
+        "sequences", "followed_kinds", "cable", "target", "tracking", "particle_filter",
     },
     "benchmark": {
         "contour", "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
@@ -72,8 +73,8 @@ MAY_IMPORT = {
     },
     "commands": {
         "ros", "benchmark", "gui", "offline", "evaluation", "survey", "campaigns", "trackers",
-        "simulation", "detection", "metric", "sequences", "node_parameter_tables", "cable",
-        "target", "tracking", "resources",
+        "simulation", "detection", "metric", "sequences", "followed_kinds",
+        "node_parameter_tables", "cable", "target", "tracking", "resources",
     },
     "cli": {"commands"},
 }  # fmt: skip

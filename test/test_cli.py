@@ -20,12 +20,14 @@ from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import __version__, cli
-from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands import dev, parameters
 from cable_tracker.commands.console.results import folder_beside
 from cable_tracker.commands.options.common import parse_size
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError
+from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
@@ -113,14 +115,6 @@ def test_what_a_detector_says_is_claimed_like_any_other_find(command, bag):
 
     assert statuses("truth") == {"TRACKING"}
     assert statuses("hough") == {"INITIALISING"}
-
-
-def test_preset_parameter_file_and_seed_add_up(tmp_path):
-    file = tmp_path / "p.yaml"
-    file.write_text("particle_count: 77\nseed: 3\nimage_transport: raw\n")
-    parameters = chosen_parameters("thesis", read_parameter_file(file), 9)
-    assert (parameters.particle_count, parameters.seed, parameters.rate_damping) == (77, 9, 1.0)
-    assert chosen_parameters(None, {}, None) == TrackerParameters()
 
 
 def test_a_missing_recording_is_refused(command):
@@ -373,8 +367,8 @@ def test_parameters_are_printed_as_a_file_for_track(command, bag):
     outcome = command("parameters", "--preset", "thesis", "--format", "yaml")
     Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
     assert set(read_parameter_file(Path("thesis.yaml"))) == set(PARAMETERS_BY_NAME)
-    chosen = chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
-    assert chosen == chosen_parameters("thesis", {}, None)
+    _, chosen = chosen_parameters(CABLE, None, Path("thesis.yaml"), None, None)
+    assert chosen == PRESETS["thesis"]
 
 
 def test_help_and_version(command):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -27,7 +27,7 @@ from cable_tracker.commands.options.common import (
     print_notes,
     refuse_without_effect,
 )
-from cable_tracker.commands.options.parameters import chosen_parameters, chosen_start, chosen_target
+from cable_tracker.commands.options.parameters import chosen_parameters, chosen_start
 from cable_tracker.commands.options.serving import (
     DEFAULT_PORT,
     HostOption,
@@ -36,10 +36,10 @@ from cable_tracker.commands.options.serving import (
     need_gui,
 )
 from cable_tracker.errors import GuiError
+from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
-from cable_tracker.tracking.parameter_files import read_parameter_file
 from cable_tracker.tracking.parameter_table import ParameterSet
 
 
@@ -100,7 +100,6 @@ def gui(  # noqa: PLR0917
     desks = need_gui("tracking.desk")
     server = need_gui("web.server")
     requests = need_gui("session.recording_request")
-    subjects = need_gui("subject.subject")
     if ros is not None:
         of_recordings = {
             "--init": init, "--preset": preset_name, "--params": params, "--seed": seed,
@@ -113,12 +112,8 @@ def gui(  # noqa: PLR0917
         raise GuiError("--altitude-topic is for a cable; leave it out")
     altitude = NO_TOPIC if target else altitude_topic
     choice = chosen_instruments(camera_info_topic, altitude, imu_topic, odometry_topic)
-    subject = subjects.TARGET if target else subjects.CABLE
-    values = read_parameter_file(params, subject.node) if params is not None else {}
-    if preset_name is not None:
-        subject.preset(preset_name)
-    choose: Callable[..., ParameterSet] = chosen_target if target else chosen_parameters
-    parameters = choose(preset_name, values, seed)
+    kind: FollowedKind[ParameterSet] = TARGET if target else CABLE
+    values, parameters = chosen_parameters(kind, preset_name, params, None, seed)
     start = init or WAIT if target else chosen_start(init, values)
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),
@@ -142,7 +137,7 @@ def gui(  # noqa: PLR0917
     window.serve_tracking_window(
         desk,
         listening,
-        started=lambda: announce(listening.url, listening.ssh_line(), listening.token is None),
+        started=lambda: announce(listening),
     )
 
 

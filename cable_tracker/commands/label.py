@@ -61,7 +61,7 @@ def label(  # noqa: PLR0917
 
         def started() -> None:
             console.print(f"labels: {workspace.path}", soft_wrap=True)
-            announce(listening.url, listening.ssh_line(), listening.token is None)
+            announce(listening)
 
         window.LabelServer(workspace).run(listening, started)
         if workspace.is_changed:

@@ -38,9 +38,9 @@ from cable_tracker.commands.options.common import (
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
-from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
 def learn(  # noqa: PLR0917
@@ -108,8 +108,8 @@ def learn(  # noqa: PLR0917
         of_recordings = {"--unlabelled-is-empty": unlabelled_is_empty}
         refuse_without_effect(of_recordings, "can only do something for a recording")
     numbers = parse_seeds(seeds if seeds is not None else "0")
-    values = read_parameter_file(params) if params is not None else {}
-    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
+    named = preset_name.value if preset_name else None
+    _, parameters = chosen_parameters(CABLE, named, params, None, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
     say_left_out(left_out)

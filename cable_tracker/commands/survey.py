@@ -39,11 +39,11 @@ from cable_tracker.commands.options.common import (
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
+from cable_tracker.followed_kinds import CABLE
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, holds_survey, run_survey
 from cable_tracker.survey.frames.forward_pass import MOST_RATE, ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.survey.routes.events import Limits
-from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
 def survey(  # noqa: PLR0917
@@ -96,8 +96,8 @@ def survey(  # noqa: PLR0917
 
     Each recording is tracked forwards and smoothed backwards; dives over the same cable are merged.
     """
-    values = read_parameter_file(params) if params is not None else {}
-    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
+    named = preset_name.value if preset_name else None
+    _, parameters = chosen_parameters(CABLE, named, params, None, seed)
     forward = ForwardSettings(
         parameters=with_whole_paths(parameters),
         topic=topic,

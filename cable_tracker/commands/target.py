@@ -41,8 +41,9 @@ from cable_tracker.commands.options.common import (
     print_notes,
     print_taken_rate,
 )
-from cable_tracker.commands.options.parameters import chosen_target, target_values
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.followed_kinds import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
@@ -112,8 +113,8 @@ def target(  # noqa: PLR0917
     which direction and how far the target is. The same recording, parameters and seed give the
     same estimates, with --ros and without.
     """
-    values = target_values(params)
-    parameters = chosen_target(preset_name.value if preset_name else None, values, seed)
+    named = preset_name.value if preset_name else None
+    _, parameters = chosen_parameters(TARGET, named, params, None, seed)
     if init == DETECT:
         parameters = parameters.with_detector()
     start = _chosen_start(init)

@@ -58,10 +58,10 @@ from cable_tracker.commands.options.parameters import (
     ValueOption,
     chosen_parameters,
     chosen_start,
-    given_values,
 )
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
+from cable_tracker.followed_kinds import CABLE
 from cable_tracker.offline.advice import advice
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import WantedResults
@@ -109,8 +109,8 @@ def track(  # noqa: PLR0917
     vehicle moves. With ground truth, a table of errors is printed. The same recording, parameters
     and seed give the same estimates, with --ros and without.
     """
-    values = given_values(params, param)
-    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
+    named = preset_name.value if preset_name else None
+    values, parameters = chosen_parameters(CABLE, named, params, param, seed)
     folder = output if output is not None else folder_beside(source, "tracked")
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)

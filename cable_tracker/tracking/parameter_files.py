@@ -12,7 +12,6 @@ import yaml
 
 from cable_tracker.errors import ParameterError, one_line
 from cable_tracker.tracking.parameter_table import (
-    Parameters,
     ParameterSet,
     ParameterSpec,
     ParameterValue,
@@ -137,19 +136,6 @@ def _node_sections(
 
 def _is_for(node: str, section: str) -> bool:
     return section.rsplit("/", maxsplit=1)[-1] in {"**", node}
-
-
-def filter_parameters(
-    base: Parameters, values: dict[str, object], also_known: set[str]
-) -> Parameters:
-    """Apply the values of a file to a preset, passing over those that only the node knows.
-
-    Raises
-    ------
-    ParameterError
-        A name is neither the filter's nor in `also_known`, or a value is not acceptable.
-    """
-    return base.replaced({name: value for name, value in values.items() if name not in also_known})
 
 
 def format_parameter_file(parameters: ParameterSet, title: str) -> str:

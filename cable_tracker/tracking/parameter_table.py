@@ -193,6 +193,10 @@ class ParameterSet:
         """Return the values by name, in the order of the table."""
         return {spec.name: getattr(self, spec.name) for spec in parameter_table(type(self))}
 
+    def remarks(self) -> tuple[str, ...]:
+        """Say which values are accepted but hardly meant, one sentence each."""
+        return ()
+
     def words(self) -> tuple[str, ...]:
         """Return the values that have choices: they choose which code runs, numbers do not."""
         return tuple(

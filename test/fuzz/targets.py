@@ -27,7 +27,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
+from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.bags.video_stream import (
     DECODERS,
     DecodedPicture,
@@ -43,7 +43,6 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import (
-    filter_parameters,
     format_parameter_file,
     read_parameter_file,
 )
@@ -381,11 +380,10 @@ def run_metadata(data: bytes) -> None:
 
 def run_parameters(data: bytes) -> None:
     """A parameter file, and an initial state."""
-    known = {spec.name for spec in TRACKER_NODE_PARAMETERS}
     with as_file(data, "parameters.yaml") as path, suppress(ParameterError):
-        parameters = filter_parameters(TrackerParameters(), read_parameter_file(path), known)
+        parameters = CABLE.with_values("default", read_parameter_file(path))
         path.write_text(format_parameter_file(parameters, "again"), encoding="utf-8")
-        again = filter_parameters(TrackerParameters(), read_parameter_file(path), known)
+        again = CABLE.with_values("default", read_parameter_file(path))
         assert again == parameters
     with suppress(ParameterError):
         state = parse_initial_state(data.decode(errors="replace"))

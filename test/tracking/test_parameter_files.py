@@ -16,7 +16,6 @@ from cable_tracker.cable.parameters.parameters import (
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_files import (
-    filter_parameters,
     format_parameter_file,
     read_parameter_file,
     write_node_parameters,
@@ -54,7 +53,7 @@ def any_parameters(draw) -> TrackerParameters:
 @given(any_parameters())
 def test_what_is_written_is_read_back_exactly(written, parameters):
     path = written(format_parameter_file(parameters, "Any."))
-    again = filter_parameters(TrackerParameters(), read_parameter_file(path), set())
+    again = TrackerParameters().replaced(read_parameter_file(path))
     assert again == parameters
 
 
@@ -94,7 +93,7 @@ def test_the_values_of_a_node_are_read_back_with_their_types(tmp_path, value):
 def test_a_text_that_is_left_out_is_refused(written):
     values = read_parameter_file(written("response_table:\n"))
     with pytest.raises(ParameterError, match="response_table: None is not a word"):
-        filter_parameters(TrackerParameters(), values, set())
+        TrackerParameters().replaced(values)
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -107,7 +106,7 @@ def test_written_presets_are_whole_ros_parameter_files(written, name):
 @pytest.mark.parametrize("text", ["1e-5", "1E-5", "1.0e-05", "0.00001", "+1e-5"])
 def test_small_numbers_may_be_written_as_in_ros(written, text):
     values = read_parameter_file(written(f"epsilon: {text}\n"))
-    assert filter_parameters(TrackerParameters(), values, set()).epsilon == 1e-5
+    assert TrackerParameters().replaced(values).epsilon == 1e-5
 
 
 @pytest.mark.parametrize(
@@ -126,7 +125,7 @@ def test_what_is_no_number_for_ros_is_none_here_either(written, line):
     name, text = line.split(": ")
     assert values == {name: text}
     with pytest.raises(ParameterError, match=f"{name}: '{text}' is not a"):
-        filter_parameters(TrackerParameters(), values, set())
+        TrackerParameters().replaced(values)
 
 
 def test_other_whole_numbers_are_those_of_ros(written):
@@ -192,13 +191,6 @@ def test_a_file_for_other_nodes_only_is_refused(written):
 def test_namespaces_that_hold_themselves_end(written):
     values = read_parameter_file(written("ship: &ship\n  again: *ship\nseed: 3\n"))
     assert values["seed"] == 3
-
-
-def test_names_that_only_the_node_knows_are_passed_over():
-    values: dict[str, object] = {"seed": 5, "image_transport": "raw"}
-    assert filter_parameters(TrackerParameters(), values, {"image_transport"}).seed == 5
-    with pytest.raises(ParameterError, match="image_transport"):
-        filter_parameters(TrackerParameters(), values, set())
 
 
 @pytest.mark.parametrize(

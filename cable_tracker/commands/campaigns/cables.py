@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.console.machine import machine, typed_command
@@ -18,7 +19,7 @@ from cable_tracker.commands.console.terminal import (
     progress_bar,
 )
 from cable_tracker.commands.options.campaigns import with_whole_paths
-from cable_tracker.commands.options.parameters import chosen_parameters, given_values
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
@@ -32,6 +33,7 @@ from cable_tracker.evaluation.report import (
 )
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.tables import CSV_FILES
+from cable_tracker.followed_kinds import CABLE
 
 TITLE = "How well the cable is followed"
 
@@ -73,21 +75,23 @@ def tuned_filters(
     ParameterError
         A value is not acceptable, two files have one name, or a file is named like a method.
     """
-    more = given_values(None, words)
-    if table is not None:
-        more["response_table"] = str(table)
-    if not (files or more):
+    if not (files or words or table is not None):
         return ()
-    given = {file.stem: given_values(file, None) for file in files or ()} or {"tuned": {}}
+    given: dict[str, Path | None] = {file.stem: file for file in files or ()} or {"tuned": None}
     taken = sorted(set(given) & set(METHODS))
     if taken or len(given) < len(files or ()):
         raise ParameterError(
             f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
         )
-    return tuple(
-        ConfiguredFilter(name, with_whole_paths(chosen_parameters(None, values | more, None)))
-        for name, values in given.items()
-    )
+    return tuple(ConfiguredFilter(name, _tuned(file, words, table)) for name, file in given.items())
+
+
+def _tuned(file: Path | None, words: Sequence[str] | None, table: Path | None) -> TrackerParameters:
+    """Return the parameters that a file, single values and a response table make."""
+    _, parameters = chosen_parameters(CABLE, None, file, words, None)
+    if table is not None:
+        parameters = parameters.replaced({"response_table": str(table)})
+    return with_whole_paths(parameters)
 
 
 def evaluate_cables(

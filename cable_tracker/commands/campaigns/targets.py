@@ -19,7 +19,7 @@ from cable_tracker.commands.console.terminal import (
     print_files,
     progress_bar,
 )
-from cable_tracker.commands.options.parameters import chosen_target, target_values
+from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN
 from cable_tracker.evaluation.targets.comparison import (
@@ -30,6 +30,7 @@ from cable_tracker.evaluation.targets.comparison import (
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
 from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget
+from cable_tracker.followed_kinds import TARGET
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
 
@@ -74,7 +75,7 @@ def tuned_targets(files: Sequence[Path] | None) -> tuple[tuple[str, TargetParame
         name = file.stem
         if name in tuned or name in method_names():
             raise ParameterError(f"params: there are two methods {name!r}; rename {file}")
-        tuned[name] = chosen_target(None, target_values(file), None)
+        _, tuned[name] = chosen_parameters(TARGET, None, file, None, None)
     return tuple(tuned.items())
 
 

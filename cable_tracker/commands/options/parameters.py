@@ -1,43 +1,26 @@
-"""Parameters of the tracker from a preset, a file, and single values on the command line."""
+"""Parameters of a tracker from a preset, a file, and single values on the command line."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.console.terminal import messages
 from cable_tracker.errors import ParameterError
-from cable_tracker.node_parameter_tables import (
-    METRIC_PARAMETERS,
-    TARGET_METRIC_PARAMETERS,
-    TARGET_NODE_PARAMETERS,
-    TRACKER_NODE_PARAMETERS,
-)
-from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import target_preset
-from cable_tracker.tracking.parameter_files import (
-    filter_parameters,
-    parse_parameters,
-    read_parameter_file,
-)
-from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec, parameter_table
+from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, TARGET_METRIC_PARAMETERS
+from cable_tracker.tracking.parameter_files import parse_parameters, read_parameter_file
+from cable_tracker.tracking.parameter_table import Parameters, ParameterSet, preset_of
 
 OF_TARGETS = {"initial_target", "target_count", "target_size"}
 VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)} - OF_TARGETS
 TEXTS = {
     spec.name
-    for spec in (
-        *parameter_table(TrackerParameters),
-        *parameter_table(TargetParameters),
-        *TRACKER_NODE_PARAMETERS,
-        *TARGET_NODE_PARAMETERS,
-    )
+    for spec in (*CABLE.table, *TARGET.table, *CABLE.of_node, *TARGET.of_node)
     if spec.kind is str and not spec.choices
 }
 """Parameters whose value is any text, as that of a path."""
@@ -57,7 +40,7 @@ UNREAD = (
 READ_FROM_NODES = {"preset", "initial_state"}
 """Parameters of nodes beside the filter's that commands read too."""
 OF_NODES_ALONE = (
-    {spec.name for spec in (*TRACKER_NODE_PARAMETERS, *TARGET_NODE_PARAMETERS)}
+    {spec.name for spec in (*CABLE.of_node, *TARGET.of_node)}
     - READ_FROM_NODES
     - OF_TARGETS
     - VEHICLE_NAMES
@@ -94,69 +77,64 @@ def parse_value(word: str) -> tuple[str, object]:
     return name, parse_parameters(f"{name}: {text}", f"-p {word}").get(name)
 
 
-def given_values(file: Path | None, words: Iterable[str] | None) -> dict[str, object]:
-    """Return the values of a parameter file and of single words, which win.
-
-    Raises
-    ------
-    ParameterError
-        The file or a word cannot be read.
-    """
-    values = read_parameter_file(file) if file is not None else {}
-    single = dict(map(parse_value, words or ()))
-    unread = sorted(single.keys() & OF_NODES_ALONE)
-    if unread:
-        messages.print(f"note: {', '.join(unread)}: only nodes read this", soft_wrap=True)
-    return values | single
-
-
 def chosen_parameters(
-    preset_name: str | None, values: dict[str, object], seed: int | None
-) -> TrackerParameters:
-    """Combine preset, values of the user, and seed.
+    kind: FollowedKind[Parameters],
+    preset_name: str | None,
+    file: Path | None,
+    words: Iterable[str] | None,
+    seed: int | None,
+) -> tuple[dict[str, object], Parameters]:
+    """Combine preset, values of the user, and seed; notes say which of them do nothing.
 
     Parameters
     ----------
+    kind : FollowedKind
+        What is followed.
     preset_name : str or None
         Preset of the option `--preset`; one that stands among the values wins.
-    values : dict
-        Values of `given_values`, by name.
+    file : Path or None
+        Parameter file.
+    words : iterable of str or None
+        Single values as of `parse_value`, which win over those of the file.
     seed : int or None
         Seed of the option `--seed`, which wins over one among the values.
 
+    Returns
+    -------
+    dict, ParameterSet
+        Values of the file and the words by name, and the parameters of the filter.
+
     Raises
     ------
     ParameterError
-        There is no such preset, a name is unknown, or a value is not acceptable.
+        The file or a word cannot be read, there is no such preset, a name is unknown, or a value is
+        not acceptable.
     """
-    base = preset(_base_name(preset_name, values))
-    parameters = _tuned(base, values, seed, TRACKER_NODE_PARAMETERS)
+    values = read_parameter_file(file, kind.node) if file is not None else {}
+    single = dict(map(parse_value, words or ()))
+    _note(single.keys() & OF_NODES_ALONE, "only nodes read this")
+    values |= single
+    parameters = kind.with_values(_base_name(kind, preset_name, values), values)
+    for names, why in UNREAD:
+        _note(values.keys() & names, why)
+    if seed is not None:
+        parameters = parameters.replaced({"seed": seed})
     for remark in parameters.remarks():
         messages.print(f"note: {remark}", soft_wrap=True)
-    return parameters
+    return values, parameters
 
 
-def target_values(file: Path | None) -> dict[str, object]:
-    """Return what a parameter file says of the tracker of targets; nothing without a file.
-
-    Raises
-    ------
-    ParameterError
-        The file cannot be read.
-    """
-    return read_parameter_file(file, "target_tracker") if file is not None else {}
+def _note(names: set[str], why: str) -> None:
+    if names:
+        messages.print(f"note: {', '.join(sorted(names))}: {why}", soft_wrap=True)
 
 
-def chosen_target(
-    preset_name: str | None, values: dict[str, object], seed: int | None
-) -> TargetParameters:
-    """Combine preset, values and seed for a target; see `chosen_parameters`."""
-    base = target_preset(_base_name(preset_name, values))
-    return _tuned(base, values, seed, TARGET_NODE_PARAMETERS)
-
-
-def _base_name(option: str | None, values: dict[str, object]) -> str:
+def _base_name(
+    kind: FollowedKind[ParameterSet], option: str | None, values: Mapping[str, object]
+) -> str:
     """Return the preset to start from; values win over the option, which a note says."""
+    if option is not None:
+        preset_of(kind.presets, option)
     if "preset" not in values:
         return option or "default"
     named = str(values["preset"])
@@ -166,21 +144,6 @@ def _base_name(option: str | None, values: dict[str, object]) -> str:
             soft_wrap=True,
         )
     return named
-
-
-def _tuned(
-    base: Parameters,
-    values: dict[str, object],
-    seed: int | None,
-    of_node: Iterable[ParameterSpec],
-) -> Parameters:
-    """Return a preset with values and seed; notes say what of the node's does nothing here."""
-    parameters = filter_parameters(base, values, {spec.name for spec in of_node})
-    for names, words in UNREAD:
-        unread = sorted(values.keys() & names)
-        if unread:
-            messages.print(f"note: {', '.join(unread)}: {words}", soft_wrap=True)
-    return parameters if seed is None else parameters.replaced({"seed": seed})
 
 
 def chosen_start(init: str | None, values: dict[str, object]) -> str:

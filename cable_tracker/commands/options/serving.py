@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from importlib import import_module
 from types import ModuleType
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cable_tracker.commands.console.terminal import console, messages
 from cable_tracker.errors import GuiError
+
+if TYPE_CHECKING:  # NiceGUI may not be installed.
+    from cable_tracker.gui.web.server import Listening
 
 DEFAULT_PORT = 8080
 
@@ -39,11 +42,12 @@ def need_gui(name: str) -> ModuleType:
         ) from error
 
 
-def announce(url: str, ssh_line: str, is_local: bool) -> None:
+def announce(listening: Listening) -> None:
     """Say where the page is, and how to come there from another machine."""
-    console.print(f"open {url}", soft_wrap=True, highlight=False)
-    if is_local:
-        console.print(f"from another machine: {ssh_line}", soft_wrap=True, highlight=False)
+    console.print(f"open {listening.url}", soft_wrap=True, highlight=False)
+    if listening.token is None:
+        line = f"from another machine: {listening.ssh_line()}"
+        console.print(line, soft_wrap=True, highlight=False)
     else:
         messages.print(
             "warning: the page can be reached from other machines, and what it says is not"

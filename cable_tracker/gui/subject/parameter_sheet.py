@@ -14,7 +14,6 @@ from cable_tracker.gui.subject.parameter_groups import Groups, grouped
 from cable_tracker.gui.subject.subject import Subject
 from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
-    filter_parameters,
     format_values,
     parse_parameters,
     with_values,
@@ -102,11 +101,10 @@ def values_from_text(text: str | None, name: str, subject: Subject) -> dict[str,
         raise ParameterError(
             f"{name}: is too large for a file with parameters; choose another file"
         )
-    values = parse_parameters(text, name, subject.node)
-    of_node = {spec.name: spec for spec in subject.of_node}
+    values = parse_parameters(text, name, subject.kind.node)
+    of_node = {spec.name: spec for spec in subject.kind.of_node}
     try:
-        base = subject.preset(str(values.get("preset", "default")))
-        parameters = filter_parameters(base, values, set(of_node))
+        parameters = subject.kind.with_values(str(values.get("preset", "default")), values)
         named = values.keys() & of_node.keys()
         return parameters.as_mapping() | {
             each: of_node[each].coerce(values[each]) for each in sorted(named)
@@ -141,7 +139,7 @@ def write_parameter_file(path: Path, text: str, subject: Subject, *, overwrite: 
         if path.exists() and not overwrite:
             raise ExistingFileError(
                 f"{path}: exists already; save once more to change the parameters in it, or to"
-                f" replace it if it holds none of the {subject.node}"
+                f" replace it if it holds none of the {subject.kind.node}"
             )
         if path.exists():
             text = _changed(path, text, subject)
@@ -160,18 +158,18 @@ def _changed(path: Path, new: str, subject: Subject) -> str:
     GuiError
         It holds parameters of the node, and cannot be changed in place.
     """
-    defaults = {spec.name: spec.default for spec in subject.of_node}
+    defaults = {spec.name: spec.default for spec in subject.kind.of_node}
     try:
         with path.open(encoding="utf-8", newline="") as file:
             old = file.read()
-        parse_parameters(old, "", subject.node)
+        parse_parameters(old, "", subject.kind.node)
     except (ParameterError, UnicodeDecodeError):
         return new
     wanted = values_from_text(new, "", subject)
     try:
         before = defaults | values_from_text(old, "", subject)
         differing = {name: each for name, each in wanted.items() if each != before[name]}
-        text = with_values(old, differing, subject.node)
+        text = with_values(old, differing, subject.kind.node)
         after = defaults | values_from_text(text, "", subject)
     except (ParameterError, yaml.YAMLError) as error:
         raise _unchangeable(path) from error

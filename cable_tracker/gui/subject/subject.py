@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from cable_tracker import followed_kinds
 from cable_tracker.cable.model.state import COMPONENTS, POSE_SIZE
-from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
-from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.errors import ParameterError
+from cable_tracker.followed_kinds import FollowedKind
 from cable_tracker.gui.subject.parameter_groups import CABLE_GROUPS, TARGET_GROUPS, Groups
-from cable_tracker.node_parameter_tables import (
-    TARGET_NODE_PARAMETERS,
-    TARGET_RUNTIME_PARAMETERS,
-    TRACKER_NODE_PARAMETERS,
-    TRACKER_RUNTIME_PARAMETERS,
-)
-from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import TARGET_PRESETS
-from cable_tracker.tracking.parameter_table import (
-    ParameterSet,
-    ParameterSpec,
-    ParameterValue,
-    parameter_table,
-)
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 from cable_tracker.visualisation import palette
 from cable_tracker.visualisation.palette import Colour
 
@@ -40,10 +26,10 @@ class Subject:
 
     Attributes
     ----------
+    kind : FollowedKind
+        Its node, and the parameters of that.
     noun : str
         Noun for the subject.
-    node : str
-        Name of the node that follows it, and of its section in files.
     shape : str
         Shape that the user draws as a start: `line` or `box`.
     names, units : tuple of str
@@ -56,20 +42,12 @@ class Subject:
         The two components that the history shows.
     layers : tuple of LayerToggle
         Layers drawn on the picture.
-    parameters : type
-        Class of the filter's parameters.
-    table : tuple of ParameterSpec
-        The filter's parameters.
-    runtime, of_node : tuple of ParameterSpec
-        Parameters of the node: those that can be changed while it runs, and all.
-    presets : mapping
-        Presets by name.
     groups : Groups
         Groups of the parameters.
     """
 
+    kind: FollowedKind[ParameterSet]
     noun: str
-    node: str
     shape: str
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -77,46 +55,20 @@ class Subject:
     truths: int
     lanes: tuple[Lane, Lane]
     layers: tuple[LayerToggle, ...]
-    parameters: type[ParameterSet]
-    table: tuple[ParameterSpec, ...]
-    runtime: tuple[ParameterSpec, ...]
-    of_node: tuple[ParameterSpec, ...]
-    presets: Mapping[str, ParameterSet]
     groups: Groups
 
     def references(self) -> dict[str, dict[str, ParameterValue]]:
         """Return what values can be compared with: the presets, by name."""
-        return {name: each.as_mapping() for name, each in self.presets.items()}
-
-    def own_parameters(self, values: Mapping[str, ParameterValue]) -> ParameterSet:
-        """Return the parameters of the filter among the values of a session."""
-        known = {spec.name for spec in self.table}
-        return self.parameters().replaced(
-            {name: value for name, value in values.items() if name in known}
-        )
-
-    def preset(self, name: str) -> ParameterSet:
-        """Return a preset.
-
-        Raises
-        ------
-        ParameterError
-            There is none of this name.
-        """
-        if name not in self.presets:
-            raise ParameterError(
-                f"preset {name!r} is none of those of a {self.noun}: {' | '.join(self.presets)}"
-            )
-        return self.presets[name]
+        return {name: each.as_mapping() for name, each in self.kind.presets.items()}
 
     def session_table(self, *, is_live: bool) -> Sequence[ParameterSpec]:
         """Return what can be changed while it runs."""
-        return (*self.table, *self.runtime) if is_live else self.table
+        return (*self.kind.table, *self.kind.runtime) if is_live else self.kind.table
 
 
 CABLE = Subject(
+    kind=followed_kinds.CABLE,
     noun="cable",
-    node="tracker",
     shape="line",
     names=tuple(each.greek for each in COMPONENTS),
     units=tuple(each.unit for each in COMPONENTS),
@@ -132,17 +84,12 @@ CABLE = Subject(
         ("truth", "truth", palette.TRUTH, 1.0),
         ("picture", "picture", palette.GREY, 1.0),
     ),
-    parameters=TrackerParameters,
-    table=PARAMETER_TABLE,
-    runtime=TRACKER_RUNTIME_PARAMETERS,
-    of_node=TRACKER_NODE_PARAMETERS,
-    presets=PRESETS,
     groups=CABLE_GROUPS,
 )
 
 TARGET = Subject(
+    kind=followed_kinds.TARGET,
     noun="target",
-    node="target_tracker",
     shape="box",
     names=("x", "y", "scale", "angle", "v_x", "v_y"),
     units=("px", "px", "", "deg", "px/s", "px/s"),
@@ -157,10 +104,5 @@ TARGET = Subject(
         ("truth", "truth", palette.TRUTH, 1.0),
         ("picture", "picture", palette.GREY, 1.0),
     ),
-    parameters=TargetParameters,
-    table=parameter_table(TargetParameters),
-    runtime=TARGET_RUNTIME_PARAMETERS,
-    of_node=TARGET_NODE_PARAMETERS,
-    presets=TARGET_PRESETS,
     groups=TARGET_GROUPS,
 )

@@ -106,7 +106,8 @@ class TrackingDesk:
         """
         with self._lock:
             if self.session is not None:
-                self._parameters = self.subject.own_parameters(self.session.parameters())
+                values = self.session.parameters()
+                self._parameters = self.subject.kind.with_values("default", values)
             self.watch(RecordingSession(request, self._parameters))
             self.request = request
 

@@ -149,7 +149,7 @@ class SaveDialog(FormDialog):
     def __init__(self, text: Callable[[], Awaitable[str]], subject: Subject) -> None:
         self._text = text
         self._subject = subject
-        self._file_name = f"{subject.node}.yaml"
+        self._file_name = f"{subject.kind.node}.yaml"
         self._warned_of = ""
         super().__init__("Save the parameters as YAML for the node", "save on the server")
 

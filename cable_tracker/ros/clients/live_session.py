@@ -88,7 +88,7 @@ class LiveSession(Session):
     def __init__(self, namespace: str) -> None:
         super().__init__()
         place = ("/" + namespace.strip("/")).rstrip("/")
-        self.name = f"{place}/{self.subject.node}"
+        self.name = f"{place}/{self.subject.kind.node}"
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=True)
         self._status = ""
         self._heard = -math.inf
@@ -280,7 +280,7 @@ class LiveSession(Session):
         found = {
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
-            if name == self.subject.node
+            if name == self.subject.kind.node
         }
         return sorted(found - {self.name})
 

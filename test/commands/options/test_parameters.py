@@ -1,14 +1,21 @@
-from pathlib import Path
-
 import pytest
 
-from cable_tracker.commands.options.parameters import (
-    chosen_parameters,
-    chosen_target,
-    given_values,
-    parse_value,
-)
+from cable_tracker.commands.options.parameters import chosen_parameters, parse_value
 from cable_tracker.errors import ParameterError
+from cable_tracker.followed_kinds import CABLE, TARGET
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
+
+
+@pytest.fixture
+def choose(tmp_path):
+    """Return a function that combines a preset, the text of a file, single words and a seed."""
+    file = tmp_path / "mine.yaml"
+
+    def choose_from(kind, text="{}", words=(), *, preset_name=None, seed=None):
+        file.write_text(text)
+        return chosen_parameters(kind, preset_name, file, words, seed)[1]
+
+    return choose_from
 
 
 @pytest.mark.parametrize("equals", ["=", ":=", " = ", ":= "])
@@ -18,12 +25,14 @@ def test_a_value_is_given_as_to_the_command_or_as_to_the_node(equals):
 
 def test_values_are_read_as_in_a_parameter_file():
     words = ["loss_time=1", "detector:=none", "response_table=", "evidence_limit=1e6"]
-    assert given_values(None, words) == {
+    values, parameters = chosen_parameters(CABLE, None, None, words, None)
+    assert values == {
         "loss_time": 1,
         "detector": "none",
         "response_table": "",
         "evidence_limit": 1e6,
     }
+    assert values.items() <= parameters.as_mapping().items()
 
 
 @pytest.mark.parametrize("word", ["particle_count", "=3", ":=3", ""])
@@ -32,17 +41,10 @@ def test_a_word_without_name_or_sign_is_refused(word):
         parse_value(word)
 
 
-def test_values_on_the_command_line_win_over_those_of_the_file(tmp_path):
-    file = Path(tmp_path / "mine.yaml")
-    file.write_text("preset: thesis\nparticle_count: 200\nseed: 3\n")
-    chosen = chosen_parameters(None, given_values(file, ["particle_count=300"]), None)
+def test_values_on_the_command_line_win_over_those_of_the_file(choose):
+    text = "preset: thesis\nparticle_count: 200\nseed: 3\n"
+    chosen = choose(CABLE, text, ["particle_count=300"])
     assert (chosen.particle_count, chosen.seed, chosen.filter) == (300, 3, "bootstrap")
-
-
-def filter_of(tmp_path, preset_name, in_file, words) -> str:
-    file = tmp_path / "mine.yaml"
-    file.write_text(in_file)
-    return chosen_parameters(preset_name, given_values(file, words), None).filter
 
 
 @pytest.mark.parametrize(
@@ -58,74 +60,90 @@ def filter_of(tmp_path, preset_name, in_file, words) -> str:
     ],
 )
 def test_of_presets_that_of_p_wins_over_that_of_the_file_and_that_over_the_option(
-    tmp_path, preset_name, in_file, words, chosen
+    choose, preset_name, in_file, words, chosen
 ):
-    assert filter_of(tmp_path, preset_name, in_file, words) == chosen
+    assert choose(CABLE, in_file, words, preset_name=preset_name).filter == chosen
 
 
-def test_a_preset_of_targets_in_a_file_wins_over_the_option():
-    assert chosen_target("default", {"preset": "thesis"}, None) == chosen_target("thesis", {}, None)
+def test_a_preset_of_targets_in_a_file_wins_over_the_option(choose):
+    chosen = choose(TARGET, "preset: thesis", preset_name="default")
+    assert chosen == TARGET_PRESETS["thesis"]
 
 
-def test_an_option_that_another_preset_wins_over_is_noted(tmp_path, capsys):
-    filter_of(tmp_path, "thesis", "preset: thesis", [])
+@pytest.mark.parametrize("kind", [CABLE, TARGET])
+@pytest.mark.parametrize("in_file", ["{}", "preset: thesis"])
+def test_an_option_that_names_no_preset_is_refused_whether_it_counts_or_not(choose, kind, in_file):
+    with pytest.raises(ParameterError, match="preset: 'dusk' is none of default"):
+        choose(kind, in_file, preset_name="dusk")
+
+
+def test_an_option_that_another_preset_wins_over_is_noted(choose, capsys):
+    choose(CABLE, "preset: thesis", preset_name="thesis")
     assert "note" not in capsys.readouterr().err
-    filter_of(tmp_path, "thesis", "preset: default", [])
+    choose(CABLE, "preset: default", preset_name="thesis")
     noted = capsys.readouterr().err.replace("\n", " ")
     assert "the preset default is used, which the parameters name, not --preset thesis" in noted
 
 
-@pytest.mark.parametrize("choose", [chosen_parameters, chosen_target])
-def test_the_option_for_the_seed_wins_over_all_other_seeds(choose, tmp_path):
-    file = tmp_path / "mine.yaml"
-    file.write_text("seed: 3\n")
-    values = given_values(file, ["seed=4"])
-    assert [choose(None, values, seed).seed for seed in (None, 5)] == [4, 5]
+def test_preset_file_and_seed_add_up(choose):
+    text = "particle_count: 77\nseed: 3\nimage_transport: raw\n"
+    chosen = choose(CABLE, text, preset_name="thesis", seed=9)
+    assert (chosen.particle_count, chosen.seed, chosen.rate_damping) == (77, 9, 1.0)
 
 
-def test_what_only_nodes_read_is_noted_on_the_command_line_alone(capsys, tmp_path):
-    file = tmp_path / "node.yaml"
-    file.write_text("input_timeout: 2.0\n")
-    given_values(file, ["initial_state=random"])
+@pytest.mark.parametrize("kind", [CABLE, TARGET])
+def test_where_nothing_is_given_it_is_the_default(kind):
+    assert chosen_parameters(kind, None, None, None, None) == ({}, kind.presets["default"])
+
+
+@pytest.mark.parametrize("kind", [CABLE, TARGET])
+def test_the_option_for_the_seed_wins_over_all_other_seeds(choose, kind):
+    seeds = [choose(kind, "seed: 3", ["seed=4"], seed=seed).seed for seed in (None, 5)]
+    assert seeds == [4, 5]
+
+
+def test_what_only_nodes_read_is_noted_on_the_command_line_alone(choose, capsys):
+    choose(CABLE, "input_timeout: 2.0", ["initial_state=random"])
     assert not capsys.readouterr().err
-    given_values(file, ["input_timeout=2.0", "image_transport=raw"])
+    choose(CABLE, "input_timeout: 2.0", ["input_timeout=2.0", "image_transport=raw"])
     assert "note: image_transport, input_timeout: only nodes read this" in capsys.readouterr().err
 
 
-def test_unknown_names_are_refused():
+def test_unknown_names_are_refused(choose):
     with pytest.raises(ParameterError, match="unknown parameter wdith"):
-        chosen_parameters(None, given_values(None, ["wdith=3"]), None)
+        choose(CABLE, words=["wdith=3"])
 
 
 @pytest.mark.parametrize(
-    ("values", "note"),
+    ("word", "note"),
     [
-        ({"initial_width_maximum": 300.0}, "raise width_maximum too"),
-        ({"initial_width_minimum": 2.0}, "lower width_minimum too"),
+        ("initial_width_maximum=300.0", "raise width_maximum too"),
+        ("initial_width_minimum=2.0", "lower width_minimum too"),
     ],
 )
-def test_a_search_for_what_is_not_followed_is_noted(capsys, values, note):
-    chosen_parameters(None, values, None)
+def test_a_search_for_what_is_not_followed_is_noted(choose, capsys, word, note):
+    choose(CABLE, words=[word])
     assert note in capsys.readouterr().err
 
 
-def test_a_search_within_the_limits_is_not_noted(capsys):
-    chosen_parameters(None, {"initial_width_maximum": 160.0, "initial_width_minimum": 8.0}, None)
+def test_a_search_within_the_limits_is_not_noted(choose, capsys):
+    choose(CABLE, words=["initial_width_maximum=160.0", "initial_width_minimum=8.0"])
     assert "note" not in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("choose", [chosen_parameters, chosen_target])
-def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(choose, capsys):
-    plain = choose(None, {}, None)
-    assert choose(None, {"image_transport": "compressed"}, None) == plain
+@pytest.mark.parametrize("kind", [CABLE, TARGET])
+def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(
+    choose, kind, capsys
+):
+    plain = choose(kind)
+    assert choose(kind, "image_transport: compressed") == plain
     assert "note" not in capsys.readouterr().err
-    assert choose(None, {"camera_pitch": 70.0}, None) == plain
+    assert choose(kind, "camera_pitch: 70.0") == plain
     assert "camera_pitch: only nodes read" in capsys.readouterr().err.replace("\n", " ")
 
 
-def test_where_a_target_is_said_to_begin_for_a_node_is_noted(capsys):
-    values = {"initial_target": "1,2,30,40", "target_size": 0.4}
-    assert chosen_target(None, values, None) == chosen_target(None, {}, None)
+def test_where_a_target_is_said_to_begin_for_a_node_is_noted(choose, capsys):
+    assert choose(TARGET, "initial_target: 1,2,30,40\ntarget_size: 0.4") == choose(TARGET)
     assert "initial_target, target_size: only nodes" in capsys.readouterr().err.replace("\n", " ")
 
 
