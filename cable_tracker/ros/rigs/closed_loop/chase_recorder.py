@@ -4,23 +4,43 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from itertools import islice
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.context import Context
 
+from cable_tracker.arrays import Image
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
 from cable_tracker.ros.messages.announced_topics import target_topics
-from cable_tracker.ros.rigs.closed_loop.run_recorder import RunRecorder, listen_to_the_end
+from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    Heard,
+    RunRecorder,
+    listen_to_the_end,
+)
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.video import VideoWriter
 
 
-class ChaseRecorder(RunRecorder):
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenOverlay:
+    """Picture of a frame for the video.
+
+    Attributes
+    ----------
+    stamp : int
+        Time of the frame [ns].
+    picture : Image or None
+        The tracker's overlay, BGR, uint8, shape (H, W, 3); None of a frame that it refused.
+    """
+
+    stamp: int
+    picture: Image | None
+
+
+class ChaseRecorder(RunRecorder[SeenOverlay]):
     """Keeps what is true and what is told of every frame.
 
     Parameters
@@ -31,23 +51,18 @@ class ChaseRecorder(RunRecorder):
         Namespace of the nodes.
     """
 
+    RECORDED = (
+        node_topics.TRUE_TARGET,
+        node_topics.STATE,
+        node_topics.RELATIVE_POSE,
+        node_topics.TARGET_REPORT,
+        node_topics.TARGET_OVERLAY,
+    )
+    PICTURE = node_topics.TARGET_OVERLAY
+    SENT = frozenset({node_topics.TRUE_TARGET})
+
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__("chase_recorder", context, namespace)
-        self.truths: dict[int, Any] = {}
-        self.states: dict[int, Any] = {}
-        self.places: dict[int, Any] = {}
-        self.reports: dict[int, Any] = {}
-        self.overlays: list[Any] = []
-        self._open: list[int] = []
-        self._recorded = 0
-        for topic, kept in (
-            (node_topics.TRUE_TARGET, self.truths),
-            (node_topics.STATE, self.states),
-            (node_topics.RELATIVE_POSE, self.places),
-            (node_topics.TARGET_REPORT, self.reports),
-        ):
-            self._record(topic, kept.__setitem__)
-        self._record(node_topics.TARGET_OVERLAY, lambda _, each: self.overlays.append(each))
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""
@@ -59,32 +74,26 @@ class ChaseRecorder(RunRecorder):
             and told.has_readers(1, node_topics.TARGET_REPORT, node_topics.TARGET_OVERLAY)
         )
 
-    def is_answered(self) -> bool:
-        """Tell whether all that is told about the frames that have come has come, too."""
-        return all(self._is_answered(stamp) for stamp in self.truths)
-
-    def release(self) -> None:
-        """Let the simulator go on when all about the frames sent has been recorded."""
-        known = self._recorded + len(self._open)
-        self._open += islice(self.truths, known, None)
-        still_open = [stamp for stamp in self._open if not self._is_answered(stamp)]
-        self._recorded += len(self._open) - len(still_open)
-        self._open = still_open
-        self._commands.release(self._recorded)
-
-    def _is_answered(self, stamp: int) -> bool:
-        if stamp not in self.states or stamp not in self.reports:
+    def _is_complete(self, frame: Heard) -> bool:
+        if node_topics.TRUE_TARGET not in frame or node_topics.TARGET_REPORT not in frame:
             return False
-        announced = target_topics(self.reports[stamp])
-        return stamp in self.places or node_topics.RELATIVE_POSE not in announced
+        announced = target_topics(frame[node_topics.TARGET_REPORT])
+        return all(topic in frame for topic in announced if topic in self.RECORDED)
+
+    def _seen(self, stamp: int, frame: Heard) -> SeenOverlay:
+        overlay = frame.get(node_topics.TARGET_OVERLAY)
+        known = overlay is not None
+        return SeenOverlay(stamp, decode_bgr(read_compressed_image(overlay)) if known else None)
 
     def rows(self) -> list[ChaseRow]:
         """Return the table of the run."""
-        stamps = sorted(self.truths.keys() & self.states.keys())
+        needed = {node_topics.TRUE_TARGET, node_topics.STATE}
+        stamps = sorted(s for s, frame in self._frames.items() if frame.keys() >= needed)
         return [self._row(stamp, stamps[0]) for stamp in stamps]
 
     def _row(self, stamp: int, first: int) -> ChaseRow:
-        truth, told = self.truths[stamp].pose, self.places.get(stamp)
+        frame = self._frames[stamp]
+        truth, told = frame[node_topics.TRUE_TARGET].pose, frame.get(node_topics.RELATIVE_POSE)
         true = _vector(truth.pose.position)
         distance = math.hypot(*true)
         known, sigma, off = math.nan, math.nan, math.nan
@@ -104,7 +113,7 @@ class ChaseRecorder(RunRecorder):
             time=(stamp - first) / NANOSECONDS,
             distance=distance,
             is_visible=float(truth.covariance[0]) == 0.0,
-            is_claimed=bool(self.states[stamp].position),
+            is_claimed=bool(frame[node_topics.STATE].position),
             range=known,
             range_sigma=sigma,
             off=off,
@@ -142,18 +151,14 @@ def record_to_the_end(
     RosError
         Something has gone wrong, or nothing comes.
     """
-    seen = 0
 
     def take() -> bool:
-        nonlocal seen
-        recorder.release()
-        overlays, recorder.overlays = recorder.overlays, []
-        for message in overlays:
-            picture = decode_bgr(read_compressed_image(message))
-            video.add(picture, stamp_of(message.header))
-        fresh, seen = len(recorder.states) - seen, len(recorder.states)
-        if fresh:
-            advance(fresh)
-        return bool(fresh)
+        frames = recorder.take()
+        for frame in frames:
+            if frame.picture is not None:
+                video.add(frame.picture, frame.stamp)
+        if frames:
+            advance(len(frames))
+        return bool(frames)
 
-    listen_to_the_end(recorder, is_running, turn, take, lambda _: recorder.is_answered())
+    listen_to_the_end(recorder, is_running, turn, take, lambda _: recorder.is_settled())

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -31,10 +32,14 @@ SETTLE_TIME = 60.0
 """Longest wait of what steers in lockstep for all that the tracker's report announces [s]."""
 
 Row = TypeVar("Row")
+Seen = TypeVar("Seen")
+
+Heard: TypeAlias = dict[NodeTopic, Message]
+"""Messages about one frame, as far as they have come."""
 
 
-class RunRecorder(Node):  # type: ignore[misc]
-    """Records a run of several nodes.
+class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
+    """Records a run of several nodes, and puts together what belongs to the same frame.
 
     Parameters
     ----------
@@ -51,20 +56,65 @@ class RunRecorder(Node):  # type: ignore[misc]
         Number of messages received that were to be recorded.
     """
 
+    RECORDED: ClassVar[tuple[NodeTopic, ...]]
+    """Topics that are always listened to."""
+
+    PICTURE: ClassVar[NodeTopic]
+    """What is shown in the video, and kept no longer than that."""
+
+    SENT: ClassVar[frozenset[NodeTopic]]
+    """Those of the simulator: one of them tells that it has sent a frame, or begun to."""
+
     def __init__(self, name: str, context: Context, namespace: str) -> None:
         super().__init__(name, context=context, namespace=namespace)
         self.heard = 0
+        self._frames: dict[int, Heard] = {}
+        self._open: dict[int, Heard] = {}
+        self._last = -1
+        self._taken = 0
         self._told = ToldReadiness()
         self._commands = ReleasedCommands(self)
         subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.EVERYTHING)
+        for topic in self.RECORDED:
+            self._record(topic)
 
-    def _record(self, topic: NodeTopic, keep: Callable[[int, Message], None]) -> None:
-        """Call `keep` with stamp [ns] and message for all that comes on a topic."""
-        subscription(self, topic, partial(self._hear, keep), qos.EVERYTHING)
+    def _record(self, topic: NodeTopic) -> None:
+        subscription(self, topic, partial(self._hear, topic), qos.EVERYTHING)
 
-    def _hear(self, keep: Callable[[int, Message], None], message: Message) -> None:
+    def _hear(self, topic: NodeTopic, message: Message) -> None:
         self.heard += 1
-        keep(stamp_of(message.header), message)
+        stamp = stamp_of(message.header)
+        if stamp not in self._frames:
+            self._frames[stamp] = self._open[stamp] = {}
+        self._frames[stamp][topic] = message
+
+    @abstractmethod
+    def _is_complete(self, frame: Heard) -> bool:
+        """Tell whether all has come about a frame that is waited for."""
+
+    @abstractmethod
+    def _seen(self, stamp: int, frame: Heard) -> Seen:
+        """Return what a video shows of a frame that is complete."""
+
+    def take(self) -> list[Seen]:
+        """Return the frames that have become complete, in order, each once.
+
+        A frame that the tracker has left out is passed over when a later one is complete. In
+        lockstep the simulator goes on when a frame is complete.
+        """
+        complete = sorted(stamp for stamp, frame in self._open.items() if self._is_complete(frame))
+        seen = [self._seen(stamp, self._open[stamp]) for stamp in complete if stamp > self._last]
+        self._last = max([self._last, *complete])
+        self._taken += len(seen)
+        self._commands.release(self._taken)
+        for stamp in [stamp for stamp in self._open if stamp <= self._last]:
+            # Pictures are large, and a run has thousands.
+            self._open.pop(stamp).pop(self.PICTURE, None)
+        return seen
+
+    def is_settled(self) -> bool:
+        """Tell whether all messages about the frames sent have come, and were taken."""
+        return not any(self.SENT & frame.keys() for frame in self._open.values())
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:
@@ -77,7 +127,7 @@ class RunRecorder(Node):  # type: ignore[misc]
         """Take note of the mode that the controller or follower has told of at a stamp [ns]."""
 
 
-AnyRecorder = TypeVar("AnyRecorder", bound=RunRecorder)
+AnyRecorder = TypeVar("AnyRecorder", bound=RunRecorder[Any])
 
 
 @contextmanager
@@ -118,7 +168,7 @@ def turn_of(executor: SingleThreadedExecutor, group: NodeGroup) -> Callable[[], 
 
 
 def listen_to_the_end(
-    recorder: RunRecorder,
+    recorder: RunRecorder[Any],
     is_running: Callable[[], bool],
     turn: Callable[[], str],
     take: Callable[[], bool],

@@ -83,6 +83,8 @@ def test_a_frame_is_answered_when_all_about_it_has_come(world, recorder, late):
     chase = Chase(world)
     chase.says_all(1, but=late)
     world.spin(lambda: recorder.heard == 4)
-    assert not recorder.is_answered()
+    assert recorder.take() == []
+    assert not recorder.is_settled()
     chase.says(late, 1)
-    world.spin(recorder.is_answered)
+    world.spin(recorder.take)
+    assert recorder.is_settled()
