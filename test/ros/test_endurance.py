@@ -178,19 +178,6 @@ class TestParameters:
         parameters = node.tracker.parameters
         assert parameters.width_maximum - parameters.width_minimum == 90.0
 
-    @pytest.mark.parametrize(
-        ("name", "value"), [("particle_count", 150), ("filter_sigma", 2.5), ("working_width", 200)]
-    )
-    def test_a_change_of_number_filter_or_size_keeps_the_estimate(
-        self, world: Any, near: str, image_message: Make, name: str, value: object
-    ) -> None:
-        node = world.tracker(initial_state=near)
-        for index in range(12):
-            if index == 6:
-                assert node.set_parameters([Parameter(name, value=value)])[0].successful
-            world.show(node, image_message(index=index))
-            assert node.status == "TRACKING"
-
     def test_random_values_are_of_both_kinds(self) -> None:
         draw, refused = Random(3), 0
         for _ in range(100):

@@ -103,13 +103,42 @@ def test_numbers_of_other_kinds_are_taken_and_kept_as_plain_ones(name, value, pl
     assert type(kept) is type(plain)
 
 
-@pytest.mark.parametrize("value", [np.float32(2.5), np.nan, np.inf, np.bool_(True), True, 2j, "2"])
+@pytest.mark.parametrize(
+    "value", [np.float32(2.5), 2.5, np.nan, np.inf, np.bool_(True), True, 2j, "2", [], None]
+)
 def test_what_is_no_whole_number_is_refused_where_one_is_meant(value):
     with pytest.raises(ParameterError, match=r"bulbs: .* is not a whole number"):
         LampParameters().replaced({"bulbs": value})
 
 
-@pytest.mark.parametrize("value", [np.bool_(True), True, 2j, "2", np.ones(2)])
+@pytest.mark.parametrize("value", [np.bool_(True), True, 2j, "2", np.ones(2), [1.0], None])
 def test_what_is_no_number_is_refused_where_one_is_meant(value):
     with pytest.raises(ParameterError, match=r"brightest: .* is not a number"):
         LampParameters().replaced({"brightest": value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("bulbs", 0),
+        ("bulbs", 10),
+        ("brightest", -1.0),
+        ("brightest", 101),
+        ("brightest", np.nan),
+        ("brightest", np.inf),
+    ],
+)
+def test_a_number_outside_its_range_is_refused(name, value):
+    with pytest.raises(ParameterError, match=rf"{name}: .* is outside [01] \.\. (9|100)"):
+        LampParameters().replaced({name: value})
+
+
+@pytest.mark.parametrize(("name", "value"), [("colour", 3), ("place", 3), ("place", None)])
+def test_what_is_no_text_is_refused_where_one_is_meant(name, value):
+    with pytest.raises(ParameterError, match=rf"{name}: .* is not a word"):
+        LampParameters().replaced({name: value})
+
+
+def test_a_word_that_is_none_of_the_choices_is_refused():
+    with pytest.raises(ParameterError, match=r"colour: 'blue' is none of white \| red"):
+        LampParameters(colour="blue")
