@@ -364,16 +364,6 @@ class TestFrames:
             show(node, index, picture if index < 5 else np.ascontiguousarray(picture[..., 2]))
         assert node.status == "TRACKING"
 
-    def test_the_same_picture_again_and_again_is_frozen_input(
-        self, world: Any, show: Callable[..., None]
-    ) -> None:
-        node = world.target_tracker(initial_target=BOX, frozen_timeout=0.2)
-        for index in range(12):
-            show(node, index, moving(0))
-        assert node.status == "FROZEN INPUT"
-        show(node, 12)
-        assert node.status == "TRACKING"
-
 
 class TestMetres:
     def test_bearing_and_relative_pose_are_those_of_the_target(

@@ -1,4 +1,4 @@
-"""What a camera, its clock and its link may do to the node."""
+"""What a camera, its clock and its link may do to a node that tracks, shown by that of cables."""
 
 from __future__ import annotations
 
@@ -10,24 +10,18 @@ from zlib import crc32
 
 import numpy as np
 import pytest
-import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CompressedImage, Image, JointState
-from std_srvs.srv import SetBool
+from sensor_msgs.msg import Image, JointState
+from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes import tracker_node
-from cable_tracker.sequences.messages import cable_messages
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
-
-pytestmark = pytest.mark.slow
 
 SECOND = 1_000_000_000
 START = 1_700_000_000 * SECOND
@@ -65,7 +59,7 @@ def regular(count: int, start: int = START, step: int = FRAME) -> list[int]:
     return [start + index * step for index in range(count)]
 
 
-class TestStamps:
+class TestOneStamp:
     def test_a_repeated_stamp_is_refused_and_moves_nothing(
         self, world: Any, near: str, feed: Make
     ) -> None:
@@ -77,6 +71,111 @@ class TestStamps:
         assert node.tracker.particles is before
         assert node.status == "TRACKING"
 
+    def test_a_frame_without_a_stamp_has_the_time_at_which_it_came(
+        self, world: Any, strip: Make, image_message: Make
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        message = stamped(image_message(strip()), 0)
+        waited = 3_000_000_000
+        earliest = int(node.get_clock().now().nanoseconds) - waited
+        info = {"received_timestamp": time.time_ns() - waited}
+        latest = int(node.get_clock().now().nanoseconds) - waited
+        node.on_image(serialize_message(message), info)
+        world.spin(lambda: states)
+        stamp = states[0].header.stamp.sec * 10**9 + states[0].header.stamp.nanosec
+        assert states[0].header.frame_id == "eye"
+        assert earliest - 100_000_000 < stamp < latest + 100_000_000
+
+
+class TestStatus:
+    def test_every_change_of_status_is_told_at_once(
+        self,
+        world: Any,
+        near: str,
+        strip: Make,
+        image_message: Make,
+        diagnostics: Make,
+    ) -> None:
+        node = world.tracker(initial_state=near, diagnostics_period=3600.0, input_timeout=3600.0)
+        for index in range(18):
+            picture = np.full((240, 320), 90, np.uint8) if index >= 5 else strip()
+            world.show(node, image_message(picture, index=index))
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        node.on_enable(SetBool.Request(data=False), SetBool.Response())
+        expected = ["INITIALISING", "TRACKING", "LOST", "INITIALISING", "DISABLED"]
+        # The first is sent before there is a subscriber.
+        world.spin(lambda: [status for status, _ in diagnostics(node)][-4:] == expected[1:])
+
+    def test_silence_is_stale_input_until_a_frame_comes(
+        self, world: Any, image_message: Make, diagnostics: Make
+    ) -> None:
+        node = world.tracker(input_timeout=0.2)
+        bottom = np.full((240, 320), 90, np.uint8)
+        world.show(node, image_message(bottom))
+        assert node.status == "INITIALISING"
+        world.spin(lambda: node.status == "STALE INPUT")
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "STALE INPUT")
+        world.show(node, image_message(bottom, index=1))
+        assert node.status == "INITIALISING"
+        world.spin(lambda: diagnostics(node)[-1][0] == "INITIALISING")
+
+    def test_the_first_frame_after_a_silence_tells_its_own_status_alone(
+        self,
+        world: Any,
+        near: str,
+        strip: Make,
+        image_message: Make,
+        diagnostics: Make,
+    ) -> None:
+        node = world.tracker(initial_state=near, diagnostics_period=3600.0, input_timeout=0.5)
+        for index in range(8):
+            world.show(node, image_message(strip(), index=index))
+        world.spin(lambda: node.status == "STALE INPUT")
+        world.spin(lambda: diagnostics(node)[-1][0] == "STALE INPUT")
+        assert diagnostics(node)[-1][1]["presence [%]"] == ""
+        told = len(diagnostics(node))
+        world.show(node, image_message(np.full((240, 320), 90, np.uint8), index=2000))
+        world.spin(lambda: len(diagnostics(node)) > told)
+        assert diagnostics(node)[told][0] == "INITIALISING"
+
+    def test_a_reset_does_not_make_a_frozen_camera_live(
+        self, world: Any, near: str, image_message: Make
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.2)
+        for index in range(12):
+            world.show(node, image_message(index=index))
+        assert node.status == "FROZEN INPUT"
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        world.show(node, image_message(index=12))
+        assert node.status == "FROZEN INPUT"
+
+    def test_a_frozen_camera_is_not_live_by_a_frame_that_is_refused(
+        self,
+        world: Any,
+        near: str,
+        strip: Make,
+        image_message: Make,
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.2)
+        for index in range(10, 24):
+            world.show(node, image_message(index=index))
+        assert node.status == "FROZEN INPUT"
+        # Just before the last frame that was used, as of a driver that starts anew.
+        world.show(node, image_message(strip() // 2, index=13))
+        assert node.statistics.refused == 1
+        assert node.status == "FROZEN INPUT"
+        world.show(node, image_message(strip(), index=24))
+        world.show(node, image_message(strip() // 2, index=25))
+        assert node.status != "FROZEN INPUT"
+
+    def test_a_camera_that_never_sends_is_stale_input_too(self, world: Any) -> None:
+        node = world.tracker(input_timeout=0.2)
+        world.spin(lambda: node.status == "STALE INPUT")
+
+
+@pytest.mark.slow
+class TestStamps:
     def test_a_frame_that_was_overtaken_is_refused_and_moves_nothing(
         self, world: Any, near: str, feed: Make
     ) -> None:
@@ -164,6 +263,7 @@ class TestStamps:
         assert states[-1].header.stamp.sec == 5
 
 
+@pytest.mark.slow
 class TestSilence:
     def test_frames_that_are_all_refused_are_stale_input_too(
         self, world: Any, near: str, feed: Make, image_message: Make
@@ -197,6 +297,7 @@ class TestSilence:
         world.spin(lambda: len(lines) == count + 1)
 
 
+@pytest.mark.slow
 class TestFrozenCamera:
     def frozen(self, node: Any, image_message: Make, stamps: list[int]) -> None:
         for stamp in stamps:
@@ -245,6 +346,7 @@ class TestFrozenCamera:
         assert node.statistics.frozen == 0
 
 
+@pytest.mark.slow
 class TestPictures:
     @pytest.mark.parametrize(
         ("grey", "words"), [(0, "the same (0 of 255)"), (255, "the same (255 of 255)")]
@@ -306,6 +408,7 @@ def camera_profile(
     return QoSProfile(depth=5, reliability=reliability, durability=durability)
 
 
+@pytest.mark.slow
 class TestOverDds:
     @pytest.mark.parametrize("reliability", [*ReliabilityPolicy.__members__.values()][1:3])
     @pytest.mark.parametrize("durability", [*DurabilityPolicy.__members__.values()][1:3])
@@ -407,75 +510,7 @@ class TestOverDds:
         assert node.statistics.refused == 3
 
 
-class TestMismatchedQos:
-    def test_a_camera_that_cannot_be_heard_is_named_with_what_to_set(
-        self, world: Any, diagnostics: Make, capfd: pytest.CaptureFixture[str]
-    ) -> None:
-        node = world.tracker(image_reliability="reliable", diagnostics_period=0.1)
-        camera = world.me.create_publisher(Image, "image", camera_profile())
-        words = "set image_reliability to best_effort"
-        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
-        assert f"{world.namespace}/me publishes" in values_of(diagnostics, node)["QoS mismatch"]
-        assert words in capfd.readouterr().err
-        world.me.destroy_publisher(camera)
-        world.spin(lambda: values_of(diagnostics, node)["QoS mismatch"] == "")
-
-    def test_no_parameter_is_named_for_a_topic_that_has_none(
-        self, world: Any, diagnostics: Make
-    ) -> None:
-        node = world.tracker(diagnostics_period=0.1)
-        prior = world.me.create_publisher(
-            PoseWithCovarianceStamped, "initial_state", camera_profile()
-        )
-        words = "set the publisher's reliability to reliable"
-        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
-        assert "image_reliability" not in values_of(diagnostics, node)["QoS mismatch"]
-        world.me.destroy_publisher(prior)
-
-    @pytest.mark.parametrize("topic", ["centreline", "cross_track"])
-    def test_a_reader_that_cannot_hear_us_is_named_with_what_to_set(
-        self, world: Any, diagnostics: Make, topic: str
-    ) -> None:
-        node = world.tracker(diagnostics_period=0.1)
-        profile = camera_profile(ReliabilityPolicy.RELIABLE, DurabilityPolicy.TRANSIENT_LOCAL)
-        world.me.create_subscription(
-            PoseWithCovarianceStamped, topic, lambda message: None, profile
-        )
-        words = f"subscribes to {world.namespace}/{topic}, but it asks for durability"
-        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
-
-    def test_a_topic_of_another_type_is_told_when_nothing_comes(
-        self, world: Any, namespace: str, domain: int, capfd: pytest.CaptureFixture[str]
-    ) -> None:
-        other = Context()
-        # A process of its own would be: within one, a topic has one type.
-        rclpy.init(args=[], context=other, domain_id=domain)
-        camera = Node("camera", context=other, namespace=namespace)
-        camera.create_publisher(CompressedImage, "image", 10)
-        world.spin(lambda: world.me.count_publishers("image"))
-        node = world.tracker(input_timeout=1.0)
-        world.spin(lambda: node.count_publishers("image"))
-        world.spin(lambda: node.status == "STALE INPUT")
-        camera.destroy_node()
-        rclpy.try_shutdown(context=other)
-        assert "1 publishers there of type sensor_msgs/msg/CompressedImage" in (
-            capfd.readouterr().err
-        )
-
-
-class TestNothingIsBuiltForNobody:
-    def test_without_subscribers_no_centreline_is_built(
-        self, world: Any, near: str, feed: Make, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        built: list[Any] = []
-        for name in ("make_centreline", "make_report"):
-            monkeypatch.setattr(cable_messages, name, lambda *words, name=name: built.append(name))
-        node = world.tracker(initial_state=near)
-        feed(node, regular(5))
-        assert node.status == "TRACKING"
-        assert built == []
-
-
+@pytest.mark.slow
 class TestWarmUp:
     def test_no_frame_is_asked_for_before_the_node_is_warm(
         self, world: Any, monkeypatch: pytest.MonkeyPatch, diagnostics: Make
