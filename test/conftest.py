@@ -4,12 +4,14 @@ import copy
 import errno
 import faulthandler
 import gc
+import importlib.util
 import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import pytest
@@ -171,6 +173,14 @@ class Outcome(NamedTuple):
         assert self.err.count("\n") == 1
         assert words in self.err
 
+    def assert_broken_off(self, frames: int, words: str) -> None:
+        """So many frames are used; one line on stderr, exit code 2."""
+        assert self.code == 2
+        assert self.out.startswith(f"{frames} frames: ")
+        assert self.err.startswith("error: ")
+        assert self.err.count("\n") == 1
+        assert words in self.err
+
 
 @pytest.fixture
 def command(
@@ -218,3 +228,16 @@ def draw_strip() -> Callable[..., Any]:
         return np.rint(ground + (strip - ground) * inside).astype(np.uint8)
 
     return drawn
+
+
+@pytest.fixture(scope="session")
+def jazzy() -> ModuleType:
+    """Stand in for launch and launch_ros of Jazzy: PyPI has no `launch`."""
+    name = "jazzy_launch_stand_in"
+    spec = importlib.util.spec_from_file_location(name, ROOT / "launch" / "jazzy_launch.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # Dataclasses look their module up.
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

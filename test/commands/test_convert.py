@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
 
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
@@ -14,6 +15,8 @@ from cable_tracker.sequences.encodings import decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source import open_source
+
+from .conftest import GARBAGE
 
 CARRIED = {"/altitude", "/camera_info", "/fix", "/imu", "/odometry", "/tf_static"}
 
@@ -145,3 +148,42 @@ def test_true_boxes_of_a_target_are_written(command, kind):
     assert len(after) == len(before) == 3
     assert any(before)
     assert np.allclose(after, before, atol=1e-3)
+
+
+def test_garbage_is_refused_in_one_line_that_names_it(command):
+    Path("a.mcap").write_bytes(GARBAGE)
+    command("convert", "a.mcap", "out").assert_refused("a.mcap")
+    assert [path.name for path in Path().iterdir()] == ["a.mcap"]
+
+
+def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(command, unlabelled):
+    Path("pictures/frame_000002.png").write_bytes(b"garbage")
+    command("convert", unlabelled, "out").assert_broken_off(2, "frame_000002.png")
+
+
+def test_bad_frames_are_left_out_of_a_converted_recording_on_request(command, unlabelled):
+    Path("pictures/frame_000001.png").write_bytes(b"garbage")
+    outcome = command("convert", unlabelled, "copy", "--format", "grey", "--skip-bad-frames")
+    assert outcome == (0, "2 frames (1 that cannot be decoded left out): copy\n", "")
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("image_format", ["as-is", "grey", "jpeg"])
+def test_a_recording_is_converted_with_its_truth(command, bag, storage, image_format):
+    options = ("--storage", storage, "--format", image_format)
+    outcome = command("convert", bag, "copy", *options)
+    assert outcome == (0, "8 frames: copy\n", "")
+    with open_source(Path("copy")) as copy, open_source(bag) as original:
+        pairs = list(zip(copy.frames(), original.frames(), strict=True))
+        assert copy.compressed is (image_format == "jpeg")
+    assert [(a.stamp, a.truth) for a, _ in pairs] == [(b.stamp, b.truth) for _, b in pairs]
+    command("convert", bag, "copy").assert_refused("copy: exists already")
+    assert command("convert", bag, "copy", "--force").code == 0
+
+
+def test_pictures_become_a_bag_at_the_wanted_rate(command, unlabelled):
+    assert command("convert", unlabelled, "copy", "--rate", 10).code == 0
+    with AnyReader([Path("copy")]) as reader:
+        stamps = [stamp for _, stamp, _ in reader.messages()]
+    assert stamps == [1_000_000_000, 1_100_000_000, 1_200_000_000]
+    assert "have times of their own" in command("convert", "copy", "again", "--rate", 10).err

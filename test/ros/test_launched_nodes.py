@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -16,19 +14,6 @@ from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.environment import local_environment
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture
-def launch() -> Any:
-    """The stand-in for Jazzy's launch."""
-    name = "jazzy_launch_for_nodes"
-    path = ROOT / "test" / "launch" / "jazzy_launch.py"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture
@@ -47,13 +32,13 @@ def values(world: Any, node: str, *names: str) -> list[Any]:
 
 
 def test_a_tracker_takes_arguments_and_file_and_the_file_prevails(
-    world: Any, launch: Any, namespace: str, tmp_path: Path, stack: ExitStack
+    world: Any, jazzy: Any, namespace: str, tmp_path: Path, stack: ExitStack
 ) -> None:
     own = tmp_path / "own.yaml"
     own.write_text(
         "/**/tracker: {ros__parameters: {width_maximum: 150, image_reliability: reliable}}"
     )
-    context = launch.run(
+    context = jazzy.run(
         ROOT / "launch" / "tracker.launch.py", {"cable_tracker": ROOT},
         namespace=namespace, preset="thesis", image="/some/eye", params_file=str(own),
         image_transport="compressed", log_level="warn",
@@ -71,9 +56,9 @@ def test_a_tracker_takes_arguments_and_file_and_the_file_prevails(
 
 @pytest.mark.slow
 def test_the_nodes_of_the_loop_read_their_parts_of_one_file(
-    world: Any, launch: Any, namespace: str, tmp_path: Path, stack: ExitStack
+    world: Any, jazzy: Any, namespace: str, tmp_path: Path, stack: ExitStack
 ) -> None:
-    context = launch.run(
+    context = jazzy.run(
         ROOT / "launch" / "loop.launch.py", {"cable_tracker": ROOT},
         namespace=namespace, seed="3", length="20",
     )  # fmt: skip

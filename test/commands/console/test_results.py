@@ -1,5 +1,7 @@
+from pathlib import Path
+
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.commands.console.results import event_notes, metres_told
+from cable_tracker.commands.console.results import event_notes, folder_beside, metres_told
 from cable_tracker.sequences.tables.estimates import EstimateRow, RowMetres
 
 STATE, METRES = CableState(1.0, 0.1, 20.0, 0.0), RowMetres(0.1, 0.0, 0.01, 0.01)
@@ -40,3 +42,11 @@ def test_of_several_reasons_each_is_counted():
 
 def test_without_a_claim_there_is_nothing_to_tell():
     assert metres_told([LOST]) == ""
+
+
+def test_results_of_a_bag_folder_are_named_after_it(tmp_path):
+    folder = tmp_path / "dive"
+    folder.mkdir()
+    assert folder_beside(Path("dives/third.mcap"), "tracked") == Path("third_tracked")
+    assert folder_beside(folder, "tracked") == Path("dive_tracked")
+    assert folder_beside(folder / "metadata.yaml", "tracked") == Path("dive_tracked")

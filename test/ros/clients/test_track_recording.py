@@ -1,16 +1,22 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from estimate_reader import read_estimates
 from rclpy.serialization import serialize_message
+from rosbags.highlevel import AnyReader
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.offline.results import BAG
 from cable_tracker.offline.track_recording import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.ros.clients.track_recording import _row
@@ -21,6 +27,8 @@ from cable_tracker.sequences.messages.cable import make_state, report_values
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.tables.estimates import EstimateRow
+from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
+from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
 
 FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))
@@ -99,3 +107,35 @@ def test_metres_stand_in_the_row_where_they_are_wanted_alone(known: CrossTrack |
     wanted = row_of(FRAME, estimate, MILLISECONDS, known)
     assert _row(FRAME, recorded, state, in_metres=True) == wanted
     assert _row(FRAME, recorded, state, in_metres=False) == row_of(FRAME, estimate, MILLISECONDS)
+
+
+@pytest.mark.slow
+def test_the_estimates_and_the_metres_are_the_same_with_ros_and_without(
+    command: Callable[..., Any],
+) -> None:
+    settings = SurveyDiveSettings(length=2.0, rate=8.0, image_size=(160, 120), seed=3)
+    write_survey_bag(Path("dive"), settings)
+
+    def tracked(name: str, *words: str) -> Path:
+        options = ("--output", name, "--no-video", "--no-pictures", "--no-timing")
+        assert command("track", "dive", *options, *words).code == 0
+        return Path(name) / "estimates.csv"
+
+    plain, over_ros = tracked("plain"), tracked("over_ros", "--ros")
+    rows = [row for row in read_estimates(plain) if row.metres is not None]
+    assert rows
+    assert plain.read_text() == over_ros.read_text()
+    offline, live = (metres_in_bag(each.with_name(BAG)) for each in (plain, over_ros))
+    assert [len(stamps) for stamps in offline.values()] == [len(rows), len(rows)]
+    assert offline == live
+
+
+def metres_in_bag(bag: Path) -> dict[str, list[bytes]]:
+    """Return the serialised messages in metres, by the last part of their topics."""
+    found: dict[str, list[bytes]] = {"cross_track": [], "cross_track_ahead": []}
+    with AnyReader([bag]) as reader:
+        for connection, _, data in reader.messages():
+            name = connection.topic.rpartition("/")[2]
+            if name in found:
+                found[name].append(bytes(data))
+    return found
