@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from copy import copy
 
 import numpy as np
 
@@ -67,14 +66,6 @@ class CableSight:
         self._instruments = Instruments(instrument_settings(values))
         self._use_calibration()
         self._forget_motion()
-
-    def copy(self) -> CableSight:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._calibration = self._calibration.copy()
-        other._instruments, other._odometry = self._instruments.copy(), self._odometry.copy()
-        other._aiding = self._aiding.copy(other._instruments, other._odometry)
-        return other
 
     def configure(self, values: Mapping[str, object]) -> None:
         """Take other values of `METRIC_PARAMETERS`, and keep the measurements."""

@@ -47,6 +47,12 @@ class History:
     def __len__(self) -> int:
         return len(self._stamps)
 
+    def __deepcopy__(self, _memo: dict[int, object]) -> History:
+        # Measurements never change: copies share them.
+        other = History()
+        other._stamps, other._values = self._stamps.copy(), self._values.copy()
+        return other
+
     @property
     def last_values(self) -> FloatArray | None:
         """The newest measurement, shape (k,); None before any."""
@@ -64,12 +70,6 @@ class History:
             self.clear()
         self._stamps.append(stamp)
         self._values.append(values)
-
-    def copy(self) -> History:
-        """Return another one with the same measurements."""
-        other = History()
-        other._stamps, other._values = self._stamps.copy(), self._values.copy()
-        return other
 
     def clear(self) -> None:
         """Forget everything."""

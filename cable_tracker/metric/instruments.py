@@ -66,13 +66,6 @@ class Instruments:
         self._altitudes = History()
         self._attitudes = History()
 
-    def copy(self) -> Instruments:
-        """Return others with the same measurements."""
-        other = Instruments(self._settings)
-        other._calibration = self._calibration
-        other._altitudes, other._attitudes = self._altitudes.copy(), self._attitudes.copy()
-        return other
-
     def forget(self) -> None:
         """Forget all measurements; the calibration stays."""
         self._altitudes.clear()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
-
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.messages import read_camera_info
 from cable_tracker.sequences.messages.factory import Message
@@ -24,10 +22,6 @@ class KnownCalibration:
         self._given = given
         self._is_rectified = is_rectified
         self._camera_info: Message | None = None
-
-    def copy(self) -> KnownCalibration:
-        """Return another one that knows the same."""
-        return copy(self)
 
     def configure(self, *, is_rectified: bool) -> None:
         """Read the last `camera_info` in another way."""

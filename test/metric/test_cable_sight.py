@@ -1,3 +1,4 @@
+from copy import deepcopy
 from types import SimpleNamespace
 
 import cv2
@@ -174,9 +175,9 @@ class TestMotion:
     def test_a_copy_goes_on_by_itself(self, seen):
         sight = calibrated(fixed_altitude=1.4)
         self.driven(sight, seen, 0.0, 30)
-        copy = sight.copy()
-        copy.forget_all()
+        other = deepcopy(sight)
+        other.forget_all()
         stamp = SECOND + 30 * FRAME
         sight.take_message(Instrument.ODOMETRY, stamp, odometry())
-        assert copy.motion(stamp, BARE) is None
+        assert other.motion(stamp, BARE) is None
         assert sight.motion(stamp, BARE) is not None

@@ -1,3 +1,5 @@
+from copy import deepcopy
+
 import numpy as np
 import pytest
 
@@ -80,3 +82,10 @@ def test_the_same_numbers_again_and_again_are_frozen(history):
     assert history.is_frozen(2, 13 * SECOND)
     assert not history.is_frozen(3, 13 * SECOND)
     assert not history.is_frozen(9, 13 * SECOND)
+
+
+def test_a_copy_goes_on_by_itself_and_shares_the_measurements(history):
+    other = deepcopy(history)
+    assert other.last_values is history.last_values
+    other.add(14 * SECOND, np.array([9.0, 9.0]))
+    assert (len(history), len(other)) == (3, 4)

@@ -27,10 +27,3 @@ def test_the_last_message_is_read_anew_as_rectified():
     assert known.read().focal == (280.0, 280.0)
     known.configure(is_rectified=True)
     assert known.read().focal == (250.0, 250.0)
-
-
-def test_a_copy_learns_on_its_own():
-    known = KnownCalibration(None, is_rectified=False)
-    copy = known.copy()
-    copy.take_camera_info(camera_info())
-    assert known.read() is None and copy.read() is not None

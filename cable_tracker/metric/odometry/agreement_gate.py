@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,12 +55,6 @@ class AgreementGate:
         self._calm = 0
         self._open = False
         self._proved_wrong = False
-
-    def copy(self) -> AgreementGate:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._steps = self._steps.copy()
-        return other
 
     @property
     def doubt(self) -> Unaided | None:

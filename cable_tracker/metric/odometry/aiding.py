@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -79,14 +78,6 @@ class MotionAiding:
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
         self.unaided: Unaided | None = NO_FRAME
-
-    def copy(self, instruments: Instruments, odometry: Odometry) -> MotionAiding:
-        """Return another one that goes on as this one would, with other instruments."""
-        other = copy(self)
-        other._instruments, other._odometry = instruments, odometry
-        other._gate = self._gate.copy()
-        other._texture, other._texture_gate = copy(self._texture), copy(self._texture_gate)
-        return other
 
     @property
     def seen(self) -> TextureMotion | None:

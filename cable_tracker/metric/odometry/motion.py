@@ -113,13 +113,6 @@ class Odometry:
         self.missing = None
         self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
 
-    def copy(self) -> Odometry:
-        """Return another one with the same twists."""
-        other = Odometry(self._instrument)
-        other._twists = self._twists.copy()
-        other.missing = self.missing
-        return other
-
     def motion(self, start: int, end: int) -> PoseChange | NoMotion:
         """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
 

@@ -14,6 +14,7 @@ Z. Kalal, K. Mikolajczyk and J. Matas (2010), "Forward-backward error": which of
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import cv2
@@ -98,6 +99,10 @@ class SeaBedTexture:
 
     def __init__(self) -> None:
         self.before: Image | None = None
+
+    def __deepcopy__(self, _memo: dict[int, object]) -> SeaBedTexture:
+        # A picture never changes and may be large: copies share it.
+        return copy(self)
 
     def compare(self, image: Image, mapping: FloatArray | None) -> TextureMotion | None:
         """Keep a picture, and return how it differs from the one before; None: unknown.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from copy import copy
+from copy import copy, deepcopy
 from typing import Generic, Protocol, Self, TypeVar
 
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
@@ -15,9 +15,6 @@ from cable_tracker.sequences.messages.factory import Message
 
 class Sight(Protocol):
     """Knows what instruments have said so far."""
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
 
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
@@ -59,7 +56,7 @@ class RecordedInstruments(ABC, Generic[SightType]):
     def copy(self) -> Self:
         """Return another one that goes on as this one would."""
         other = copy(self)
-        other._feed, other._sight = self._feed.copy(), self._sight.copy()
+        other._feed, other._sight = self._feed.copy(), deepcopy(self._sight)
         return other
 
     def advance(self, frame: Frame) -> list[InstrumentMessage]:

@@ -7,7 +7,6 @@ size it shows; the vehicle's way between frames makes one of how its bearing cha
 from __future__ import annotations
 
 import math
-from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -85,13 +84,6 @@ class VehicleMotion:
         self._calibration: Calibration | None = None
         self._odometry = Odometry()
         self._gyroscope = Odometry("imu")
-
-    def copy(self) -> VehicleMotion:
-        """Return another one with the same calibration and measurements."""
-        other = VehicleMotion()
-        other._calibration = self._calibration
-        other._odometry, other._gyroscope = self._odometry.copy(), self._gyroscope.copy()
-        return other
 
     def forget(self) -> None:
         """Forget all measurements; the calibration stays."""
@@ -211,10 +203,6 @@ class TargetRange:
         self._settings = settings
         self._state: RelativeState | None = None
         self._stamp = 0
-
-    def copy(self) -> TargetRange:
-        """Return another one that believes the same."""
-        return copy(self)
 
     def configure(self, settings: TargetSettings) -> None:
         """Take other settings; another size or mounting begins anew."""

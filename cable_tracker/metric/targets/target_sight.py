@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from copy import copy
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.known_calibration import KnownCalibration
@@ -68,13 +67,6 @@ class TargetSight:
         self._before: int | None = None
         self._moved: tuple[PoseChange, bool] | NoMotion = FIRST_FRAME
         self._why_unaided = ""
-
-    def copy(self) -> TargetSight:
-        """Return another one that goes on as this one would."""
-        other = copy(self)
-        other._calibration, other._motion = self._calibration.copy(), self._motion.copy()
-        other._ranges = [each.copy() for each in self._ranges]
-        return other
 
     @property
     def settings(self) -> TargetSettings:

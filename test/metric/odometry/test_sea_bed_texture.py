@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 
 import cv2
 import numpy as np
@@ -208,3 +209,12 @@ def test_then_it_takes_several_that_agree():
 def test_without_texture_the_last_verdict_holds_for_a_while(last):
     assert shown(last, *[None] * (REMEMBERED_PICTURES - 1)).verdict is last.agrees
     assert shown(last, *[None] * REMEMBERED_PICTURES).verdict is None
+
+
+def test_a_copy_shares_the_picture_and_compares_by_itself(bottom):
+    texture = SeaBedTexture()
+    texture.compare(bottom, None)
+    other = deepcopy(texture)
+    assert other.before is texture.before
+    other.compare(moved(bottom, shift(6.0, 0.0)), None)
+    assert texture.compare(bottom, STILL).error < 0.2
