@@ -20,9 +20,14 @@ from cable_tracker.metric.odometry.homography import (
     move_states,
     prediction_covariance,
 )
-from cable_tracker.metric.odometry.motion import FIRST_FRAME, NoMotion, Odometry
+from cable_tracker.metric.odometry.motion import Odometry
 from cable_tracker.metric.odometry.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
-from cable_tracker.metric.odometry.unaided import NO_FRAME, TEXTURE_DISAGREES, Unaided
+from cable_tracker.metric.odometry.unaided import (
+    FIRST_FRAME,
+    NO_FRAME,
+    TEXTURE_DISAGREES,
+    Unaided,
+)
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
@@ -102,8 +107,7 @@ class MotionAiding:
         if self._odometry.missing is not None:
             # Nothing to compare the picture with yet.
             self._texture.before = image
-            missing = self._odometry.missing if self._before is not None else FIRST_FRAME
-            self.unaided = Unaided(missing.why)
+            self.unaided = self._odometry.missing if self._before is not None else FIRST_FRAME
             return None
         # A refusal is told, not raised: the frame is tracked without aid.
         try:
@@ -131,9 +135,7 @@ class MotionAiding:
         if predicted is not None and seen is not None and seen.agrees:
             predicted = _widened(predicted, seen.excess, image.shape[1])
         self._predicted = predicted
-        self.unaided = (
-            Unaided(prediction.why) if isinstance(prediction, NoMotion) else self._doubt()
-        )
+        self.unaided = prediction if isinstance(prediction, Unaided) else self._doubt()
         return predicted if self.unaided is None else None
 
     def _look(
@@ -155,17 +157,17 @@ class MotionAiding:
             return self._gate.doubt
         return None if verdict else TEXTURE_DISAGREES
 
-    def _predict(self, stamp: int, rests: bool) -> PlaneMotion | NoMotion:
+    def _predict(self, stamp: int, rests: bool) -> PlaneMotion | Unaided:
         """Predict; while the look at the texture rests, what is unknown is as it was."""
         before = self._before
         if before is None:
             return FIRST_FRAME
         change = self._odometry.motion(before.stamp, stamp)
-        if isinstance(change, NoMotion):
+        if isinstance(change, Unaided):
             return change
         flight = self._instruments.overflight(before)
         if isinstance(flight, Withheld):
-            return NoMotion(str(flight))
+            return Unaided(str(flight))
         mapping = homography(flight, change)
         if rests and self._sigmas is not None and self._sigmas[0] >= change.seconds:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])

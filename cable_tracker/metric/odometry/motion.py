@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.history import History
+from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_HOLD = 0.2
@@ -73,22 +74,6 @@ class PoseChange:
         return sigmas
 
 
-@dataclass(frozen=True, slots=True)
-class NoMotion:
-    """Stands for an unknown motion.
-
-    Attributes
-    ----------
-    why : str
-        In words.
-    """
-
-    why: str
-
-
-FIRST_FRAME = NoMotion("no frame has come before")
-
-
 class Odometry:
     """The last twists of a vehicle, with their covariances.
 
@@ -99,21 +84,21 @@ class Odometry:
 
     Attributes
     ----------
-    missing : NoMotion or None
+    missing : Unaided or None
         Says that there has not been any twist; None from the first one on.
     """
 
     def __init__(self, instrument: str = "odometry") -> None:
         self._instrument = instrument
         self._twists = History()
-        self.missing: NoMotion | None = NoMotion(f"no {instrument} has come")
+        self.missing: Unaided | None = Unaided(f"no {instrument} has come")
 
     def add(self, stamp: int, twist: FloatArray, covariance: FloatArray) -> None:
         """Take a twist (6,) and its covariance (6, 6) of a time [ns]."""
         self.missing = None
         self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
 
-    def motion(self, start: int, end: int) -> PoseChange | NoMotion:
+    def motion(self, start: int, end: int) -> PoseChange | Unaided:
         """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
 
         The twist is interpolated between its stamps, and held for a moment after the last.
@@ -123,12 +108,12 @@ class Odometry:
         seconds = (end - start) / NANOSECONDS
         why = self._why_unknown(start, end, seconds)
         if why:
-            return NoMotion(why)
+            return Unaided(why)
         within = self._twists.between(start + 1, end)
         knots = [self._knot(start), *within, self._knot(end)]
         # Written so that NaN counts as too large.
         if not all((np.abs(values) <= LARGEST_TWIST).all() for _, values in knots):
-            return NoMotion(f"{self._instrument} is not finite, or as good as infinite")
+            return Unaided(f"{self._instrument} is not finite, or as good as infinite")
         return _integrated(knots, seconds)
 
     def turned_by(self, gyroscope: Odometry, start: int, end: int) -> PoseChange:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unaided:
-    """Stands for a motion that the filter is not told of.
+    """Stands for a motion that is unknown, or that the filter is not told of.
 
     Attributes
     ----------
@@ -23,6 +23,7 @@ class Unaided:
 
 SWITCHED_OFF = Unaided("the parameter motion_aid is false")
 NO_FRAME = Unaided("no frame has come")
+FIRST_FRAME = Unaided("no frame has come before")
 NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
 CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)
 TEXTURE_DISAGREES = Unaided(

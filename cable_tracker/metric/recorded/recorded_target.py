@@ -5,6 +5,7 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
+from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
@@ -84,9 +85,9 @@ class RecordedSight(RecordedInstruments[TargetSight]):
         return self._sight.settings
 
     @property
-    def why_unaided(self) -> str:
-        """Why turns were not taken out of the last frame; empty if they were."""
-        return self._sight.why_unaided
+    def unaided(self) -> Unaided | None:
+        """Why turns were not taken out of the last frame; None if they were."""
+        return self._sight.unaided
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture; see `TargetSight`."""

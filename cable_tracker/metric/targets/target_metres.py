@@ -15,7 +15,8 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.odometry.motion import TWIST, UNKNOWN_TURN, NoMotion, Odometry, PoseChange
+from cable_tracker.metric.odometry.motion import TWIST, UNKNOWN_TURN, Odometry, PoseChange
+from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
     TargetSighting,
@@ -33,7 +34,7 @@ UNSURE_RANGE = 0.3
 LONGEST_GAP = 5.0
 """Time without a frame after which the belief about the range begins anew [s]."""
 
-TURN_NOT_MEASURED = NoMotion(
+TURN_NOT_MEASURED = Unaided(
     "odometry measures no turns (the covariance of its rates is beyond"
     f" {math.degrees(UNKNOWN_TURN):.0f} deg/s); give an imu"
 )
@@ -105,7 +106,7 @@ class VehicleMotion:
         """Return the calibrated camera for images of a size, or why there is none."""
         return camera_for(self._calibration, image_size)
 
-    def between(self, start: int, end: int) -> tuple[PoseChange, bool] | NoMotion:
+    def between(self, start: int, end: int) -> tuple[PoseChange, bool] | Unaided:
         """Return how base_link moved between two times [ns].
 
         With it, whether its way is known, and not only its turn; or why neither is. A turn that
@@ -219,7 +220,7 @@ class TargetRange:
         self,
         estimate: TargetEstimate,
         camera: CameraModel | Withheld,
-        moved: tuple[PoseChange, bool] | NoMotion,
+        moved: tuple[PoseChange, bool] | Unaided,
     ) -> TargetMetres:
         """Take a frame into account, and say what is known then.
 
@@ -229,7 +230,7 @@ class TargetRange:
             Estimate of the frame [px].
         camera : CameraModel or Withheld
             Camera that took the frame.
-        moved : tuple or NoMotion
+        moved : tuple or Unaided
             Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
@@ -244,7 +245,7 @@ class TargetRange:
         self._see(sighting_of(estimate, camera, ray))
         return TargetMetres(ray, self._told())
 
-    def _age(self, stamp: int, moved: tuple[PoseChange, bool] | NoMotion) -> None:
+    def _age(self, stamp: int, moved: tuple[PoseChange, bool] | Unaided) -> None:
         seconds = (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
         if self._state is None:
@@ -253,7 +254,7 @@ class TargetRange:
             self._state = None
             return
         state = self._state
-        if not isinstance(moved, NoMotion) and self._settings.uses_motion:
+        if not isinstance(moved, Unaided) and self._settings.uses_motion:
             change, knows_way = moved
             arm, axes = self._settings.mounting.position, state.axes
             way = change.translation + change.rotation @ arm - arm if knows_way else np.zeros(3)

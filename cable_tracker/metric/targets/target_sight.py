@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.known_calibration import KnownCalibration
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
-from cable_tracker.metric.odometry.motion import FIRST_FRAME, NoMotion, PoseChange
-from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
+from cable_tracker.metric.odometry.motion import PoseChange
+from cable_tracker.metric.odometry.unaided import FIRST_FRAME, SWITCHED_OFF, Unaided
 from cable_tracker.metric.settings import target_settings
 from cable_tracker.metric.targets.target_metres import (
     TargetMetres,
@@ -32,7 +32,7 @@ TARGET_INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETR
 LEAST_SIGMAS = (0.02, math.radians(0.3))
 """Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
 
-TURNED_TOO_FAR = "the camera is said to have turned away from what the frame before showed"
+TURNED_TOO_FAR = Unaided("the camera is said to have turned away from what the frame before showed")
 
 
 class TargetSight:
@@ -46,6 +46,11 @@ class TargetSight:
         Calibration given by the user, which overrides messages; None: use messages.
     count : int
         Number of targets.
+
+    Attributes
+    ----------
+    unaided : Unaided or None
+        Why turns were not taken out of the last frame; None if they were.
     """
 
     def __init__(
@@ -65,18 +70,13 @@ class TargetSight:
 
     def _forget_frame(self) -> None:
         self._before: int | None = None
-        self._moved: tuple[PoseChange, bool] | NoMotion = FIRST_FRAME
-        self._why_unaided = ""
+        self._moved: tuple[PoseChange, bool] | Unaided = FIRST_FRAME
+        self.unaided: Unaided | None = None
 
     @property
     def settings(self) -> TargetSettings:
         """Settings in force."""
         return self._settings
-
-    @property
-    def why_unaided(self) -> str:
-        """Why turns were not taken out of the last frame; empty if they were."""
-        return self._why_unaided
 
     def configure(self, values: Mapping[str, object]) -> None:
         """Take other values of `TARGET_METRIC_PARAMETERS`, and keep the measurements."""
@@ -131,14 +131,14 @@ class TargetSight:
         )
         camera = self._motion.camera(image_size)
         if not self._settings.uses_motion:
-            self._why_unaided = SWITCHED_OFF.why
-        elif isinstance(self._moved, NoMotion):
-            self._why_unaided = self._moved.why
+            self.unaided = SWITCHED_OFF
+        elif isinstance(self._moved, Unaided):
+            self.unaided = self._moved
         elif not isinstance(camera, CameraModel):
-            self._why_unaided = str(camera)
+            self.unaided = Unaided(str(camera))
         else:
             turn = turn_of_picture(camera, self._settings.mounting, self._moved[0].rotation)
-            self._why_unaided = TURNED_TOO_FAR if turn is None else ""
+            self.unaided = TURNED_TOO_FAR if turn is None else None
             return turn
         return None
 

@@ -8,6 +8,7 @@ from functools import partial
 from rclpy.node import Node
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight
@@ -71,9 +72,9 @@ class TargetInputs(InstrumentInputs[TargetSight]):
         }
 
     @property
-    def why_unaided(self) -> str:
-        """Why turns were not taken out of the last frame; empty if they were."""
-        return self._sight.why_unaided
+    def unaided(self) -> Unaided | None:
+        """Why turns were not taken out of the last frame; None if they were."""
+        return self._sight.unaided
 
     def _tell(self, before: TargetMetres | None, result: TargetMetres) -> None:
         """Say once why there are no metres. That no target is claimed is said elsewhere."""

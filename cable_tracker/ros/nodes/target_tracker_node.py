@@ -230,7 +230,8 @@ class TargetTrackerNode(CameraNode):
             estimate = self._estimates[number] if self._estimates else None
             own = _values_of(estimate) | self._instruments.figures(number)
             figures |= {f"{name}{key}": value for key, value in own.items()}
-        return figures | {"no motion aid": self._instruments.why_unaided}
+        unaided = self._instruments.unaided
+        return figures | {"no motion aid": "" if unaided is None else unaided.why}
 
 
 def status_of(estimates: Sequence[TargetEstimate]) -> str:

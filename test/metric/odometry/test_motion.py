@@ -8,13 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.metric.odometry.motion import (
-    FROZEN_COUNT,
-    NoMotion,
-    Odometry,
-    PoseChange,
-    rotations_by,
-)
+from cable_tracker.metric.odometry.motion import FROZEN_COUNT, Odometry, PoseChange, rotations_by
+from cable_tracker.metric.odometry.unaided import Unaided
 
 SECOND = 1_000_000_000
 STEP = SECOND // 50
@@ -39,7 +34,7 @@ def moved(source, start, end) -> PoseChange:
 
 def why(source, start, end) -> str:
     unknown = source.motion(start, end)
-    assert isinstance(unknown, NoMotion)
+    assert isinstance(unknown, Unaided)
     return unknown.why
 
 

@@ -35,8 +35,8 @@ def turning(tmp_path_factory):
 
 
 def followed(path, box, target_size=0.0):
-    """Follow a target through a bag; return estimates, metres and why turns were not known."""
-    tracker, told, why = TargetTracker(), [], []
+    """Follow a target through a bag; return estimates, metres and why turns were not taken out."""
+    tracker, told, unaided = TargetTracker(), [], []
     tracker.initialise(TargetStart.from_box(*box))
     with open_source(path) as source:
         described = recorded_vehicle(source)
@@ -45,17 +45,17 @@ def followed(path, box, target_size=0.0):
                 sight.advance(frame)
                 image = decode_bgr(frame.image)
                 motion = sight.camera_motion(frame.stamp, (image.shape[1], image.shape[0]))
-                why.append(sight.why_unaided)
+                unaided.append(sight.unaided)
                 estimate = tracker.process(image, frame.stamp, motion)
                 told.append((estimate, sight.take(estimate)))
-    return told, why
+    return told, unaided
 
 
 def test_bearing_and_range_of_a_target_of_known_size_are_those_of_the_world(turning):
     path, truths = turning
-    told, why = followed(path, truths[0][0], shown_size())
-    assert why[0] == "no frame has come before"
-    assert not any(why[1:])
+    told, unaided = followed(path, truths[0][0], shown_size())
+    assert unaided[0].why == "no frame has come before"
+    assert not any(unaided[1:])
     pairs = list(zip(told, truths, strict=True))
     assert all(overlap(each.box, box) > 0.5 for (each, _), (box, _) in pairs)
     off, ranges = [], []
@@ -126,15 +126,15 @@ def test_after_a_jump_turns_are_known_from_the_second_frame_on(turning):
 
 def test_without_motion_it_is_said_why_nothing_is_compensated(tmp_path):
     ((box, _), *_) = write_chase_bag(tmp_path / "bag", 3, instruments=("camera_info",))
-    told, why = followed(tmp_path / "bag", box)
-    assert "no odometry" in why[1]
+    told, unaided = followed(tmp_path / "bag", box)
+    assert "no odometry" in unaided[1].why
     assert not isinstance(told[1][1].ray, Withheld)
 
 
 def test_an_imu_does_for_turns(tmp_path):
     ((box, _), *_) = write_chase_bag(tmp_path / "bag", 6, instruments=("camera_info", "imu"))
-    _, why = followed(tmp_path / "bag", box)
-    assert not any(why[1:])
+    _, unaided = followed(tmp_path / "bag", box)
+    assert not any(unaided[1:])
 
 
 def test_without_calibration_there_is_no_bearing(tmp_path):

@@ -5,7 +5,8 @@ import pytest
 
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.odometry.motion import NoMotion, PoseChange, rotations_by
+from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
+from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import (
     TargetRange,
@@ -24,7 +25,7 @@ FOCAL = 250.0
 CALIBRATION = Calibration(SIZE, "plumb_bob", (FOCAL, FOCAL), (159.5, 119.5))
 AHEAD = Mounting(pitch=0.0)
 STEP = 40_000_000
-STILL = NoMotion("nothing is known")
+STILL = Unaided("nothing is known")
 
 
 def camera():
@@ -160,18 +161,18 @@ class TestWithheld:
 class TestVehicleMotion:
     def test_odometry_counts_before_a_gyroscope(self):
         motion = VehicleMotion()
-        assert isinstance(motion.between(0, STEP), NoMotion)
+        assert isinstance(motion.between(0, STEP), Unaided)
         for stamp in range(0, 3 * STEP, STEP):
             motion.take_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
         turned = motion.between(0, STEP)
-        assert not isinstance(turned, NoMotion) and not turned[1]
+        assert not isinstance(turned, Unaided) and not turned[1]
         assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
         for stamp in range(0, 3 * STEP, STEP):
             motion.take_twist(
                 stamp, np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, 0.0]), np.eye(6)
             )
         moved = motion.between(0, STEP)
-        assert not isinstance(moved, NoMotion) and moved[1]
+        assert not isinstance(moved, Unaided) and moved[1]
         assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
 
     @staticmethod
@@ -193,7 +194,7 @@ class TestVehicleMotion:
         motion = self.with_odometry(turn=variance)
         self.turns(motion)
         moved = motion.between(0, STEP)
-        assert not isinstance(moved, NoMotion) and moved[1]
+        assert not isinstance(moved, Unaided) and moved[1]
         assert moved[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
         assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
         assert np.diag(moved[0].covariance).max() < 1.0
@@ -218,12 +219,12 @@ class TestVehicleMotion:
         motion = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
         self.turns(motion)
         turned = motion.between(0, STEP)
-        assert not isinstance(turned, NoMotion) and not turned[1]
+        assert not isinstance(turned, Unaided) and not turned[1]
         assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
         turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, STEP)
-        assert not isinstance(turned, NoMotion) and not turned[1]
+        assert not isinstance(turned, Unaided) and not turned[1]
         assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):
@@ -232,17 +233,17 @@ class TestVehicleMotion:
         for stamp in range(0, 3 * STEP, STEP):
             motion.take_twist(stamp, rates + 1e-9 * stamp, known)
         turned = motion.between(0, STEP)
-        assert not isinstance(turned, NoMotion)
+        assert not isinstance(turned, Unaided)
         assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_a_turn_that_no_instrument_knows_is_told_with_the_reason(self):
         motion = self.with_odometry(turn=UNKNOWN_VARIANCE)
         unknown = motion.between(0, STEP)
-        assert isinstance(unknown, NoMotion)
+        assert isinstance(unknown, Unaided)
         assert "covariance" in unknown.why
         motion.take_turn(-9 * STEP, np.ones(3))
         late = motion.between(0, STEP)
-        assert isinstance(late, NoMotion)
+        assert isinstance(late, Unaided)
         assert late.why.startswith("the last imu is more than")
 
     def test_an_instrument_that_has_come_says_why_nothing_is_known(self):
@@ -251,7 +252,7 @@ class TestVehicleMotion:
         without_odometry.take_turn(0, np.ones(3))
         for motion, instrument in ((without_imu, "odometry"), (without_odometry, "imu")):
             unknown = motion.between(late, late + STEP)
-            assert isinstance(unknown, NoMotion)
+            assert isinstance(unknown, Unaided)
             assert unknown.why.startswith(f"the last {instrument} is more than")
 
 

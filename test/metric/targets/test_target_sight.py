@@ -53,7 +53,7 @@ def calibrated(**others):
 def test_turns_are_known_from_imu_and_odometry(instrument, make):
     sight = calibrated()
     motion = turn_of(sight, instrument, make)
-    assert sight.why_unaided == ""
+    assert sight.unaided is None
     # What is ahead moves to the right when the vehicle turns to the left.
     assert motion.homography[0, 2] == pytest.approx(280.0 * math.tan(TURN * 0.04), rel=0.01)
 
@@ -61,7 +61,7 @@ def test_turns_are_known_from_imu_and_odometry(instrument, make):
 def test_an_imu_that_measures_no_turns_says_nothing():
     sight = calibrated()
     assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
-    assert sight.why_unaided == "no odometry has come"
+    assert sight.unaided.why == "no odometry has come"
 
 
 def test_an_imu_whose_turns_may_be_anything_says_nothing():
@@ -77,13 +77,13 @@ def test_a_turn_away_from_what_was_seen_is_not_taken_out():
     sight = calibrated()
     fast = math.radians(80.0) / 0.04
     assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
-    assert "turned away" in sight.why_unaided
+    assert "turned away" in sight.unaided.why
 
 
 def test_turns_can_be_left_in():
     sight = calibrated(motion_aid=False)
     assert turn_of(sight, Instrument.ODOMETRY, odometry) is None
-    assert sight.why_unaided == "the parameter motion_aid is false"
+    assert sight.unaided.why == "the parameter motion_aid is false"
 
 
 def test_a_target_of_known_size_has_a_range():
