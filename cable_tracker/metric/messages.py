@@ -6,8 +6,7 @@ Those of rclpy or of rosbags, of ROS 2 or ROS 1.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -31,7 +30,6 @@ from cable_tracker.sequences.messages.poses import (
     unit_quaternion,
 )
 from cable_tracker.sequences.messages.target import make_bearing, make_relative_pose
-from cable_tracker.sequences.tables.estimates import RowMetres
 
 
 def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
@@ -126,36 +124,6 @@ def read_twist(
             covariance[k] = covariance[:, k] = 0.0
             covariance[k, k] = least
     return twist, covariance
-
-
-METRES_KEYS = tuple(field.name for field in fields(RowMetres))
-NO_METRES_KEY = "no_metres"
-
-
-def row_metres(known: CrossTrack) -> RowMetres:
-    """Return what tables and reports say of a cable in metres."""
-    sigma = known.standard_deviations()
-    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
-
-
-def report_metres(known: CrossTrack | Withheld) -> dict[str, str]:
-    """Return what a frame's report says in metres: to the last bit, or why there are none."""
-    if isinstance(known, Withheld):
-        return {NO_METRES_KEY: str(known)}
-    row = row_metres(known)
-    return {key: repr(getattr(row, key)) for key in METRES_KEYS}
-
-
-def read_row_metres(facts: Mapping[str, str]) -> RowMetres | None:
-    """Return what the facts of a frame's report say in metres; None: nothing."""
-    if not has_metres(facts):
-        return None
-    return RowMetres(*(float(facts[key]) for key in METRES_KEYS))
-
-
-def has_metres(facts: Mapping[str, str]) -> bool:
-    """Tell whether the facts of a frame's report say where the cable is in metres."""
-    return METRES_KEYS[0] in facts
 
 
 def make_cross_track(

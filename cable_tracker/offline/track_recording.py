@@ -14,8 +14,9 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.metric.cable_facts import cable_facts, row_metres
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import cross_track_messages, report_metres, row_metres
+from cable_tracker.metric.messages import cross_track_messages
 from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.result_folder import ResultFolder
@@ -190,7 +191,7 @@ def _track_frame(
     cloud = cloud_of(tracker.particles)
     if output is not None:
         factory, header = output.factory, output.header
-        facts = {} if known is None else report_metres(known)
+        facts = {} if known is None else cable_facts(known)
         particles = tracker.particles
         output.write_all(
             cable_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)

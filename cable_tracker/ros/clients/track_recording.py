@@ -8,7 +8,7 @@ from typing import cast
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.metric.messages import NO_METRES_KEY, read_row_metres
+from cable_tracker.metric.cable_facts import NO_METRES_KEY, read_row_metres
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.ros.clients.lockstep import (

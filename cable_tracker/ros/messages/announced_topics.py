@@ -6,7 +6,7 @@ there is to wait for.
 
 from __future__ import annotations
 
-from cable_tracker.metric.messages import has_metres
+from cable_tracker.metric.cable_facts import has_metres
 from cable_tracker.metric.targets.target_facts import has_bearing, has_place
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message

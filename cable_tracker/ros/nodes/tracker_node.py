@@ -18,7 +18,7 @@ from cable_tracker.cable.parameters.parameters import (
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import FrameError
-from cable_tracker.metric.messages import report_metres
+from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.node_parameter_tables import (
     TRACKER_OWN_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
@@ -136,7 +136,7 @@ class TrackerNode(CameraNode):
         particles = self._tracker.particles
         makers = cable_messages(
             self._factory, header, estimate, particles, ms=milliseconds,
-            metres=lambda: report_metres(self._instruments.result),
+            metres=lambda: cable_facts(self._instruments.result),
         )  # fmt: skip
         self._outputs.publish_centreline(makers)
         self._instruments.observe(estimate)

@@ -41,7 +41,7 @@ def cable_messages(
     ms : float
         Time the tracker took [ms].
     metres : callable
-        Returns what the report says in metres, see `report_metres`; called when the report is made.
+        Returns what the report says in metres, see `cable_facts`; called when the report is made.
     """
     claimed = estimate.claimed_state
 

@@ -13,8 +13,8 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.results import BAG
 from cable_tracker.offline.track_recording import row_of
@@ -99,7 +99,7 @@ def test_metres_stand_in_the_row_where_they_are_wanted_alone(known: CrossTrack |
     """The node, which knows no recording, measures with what it hears, or says why not."""
     estimate = estimate_of(TrackingStatus.TRACKING, None, ())
     header = make_header(RclpyMessages(), FRAME.stamp, "camera")
-    facts = report_values(estimate, MILLISECONDS) | report_metres(known)
+    facts = report_values(estimate, MILLISECONDS) | cable_facts(known)
     report = make_report(RclpyMessages(), header, estimate.status.value, facts)
     recorded = RecordedFrame({node_topics.FRAME_REPORT: serialize_message(report)}, "TRACKING")
     sigma = estimate.standard_deviations()[:4]

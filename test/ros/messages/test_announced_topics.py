@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from cable_tracker.metric.messages import METRES_KEYS
+from cable_tracker.metric.cable_facts import METRES_KEYS
 from cable_tracker.metric.targets.target_facts import BEARING_KEYS, PLACE_KEYS
 from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
 from cable_tracker.sequences import node_topics
