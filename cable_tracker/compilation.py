@@ -57,7 +57,19 @@ DIGITS = 16
 
 def compiled(function: Function) -> Function:
     """Compile a function that Python calls, at its first call, and keep the machine code."""
-    return _entry(function)
+    source = Path(function.__code__.co_filename)
+    folder = _writable(_cache_folders(), digest_of(source)) if PACKAGE in source.parents else None
+    if folder is None:
+        return cast(Function, numba.njit(**ENTRY)(function))
+    # Numba asks for the folder when the function is decorated; it is that of others again then.
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        entry = numba.njit(cache=True, **ENTRY)(function)
+    finally:
+        numba.config.CACHE_DIR = before
+    _do_without_disk(entry)
+    return cast(Function, entry)
 
 
 def compiled_part(function: Function) -> Function:
@@ -93,25 +105,6 @@ def compiled_inside(function: Function) -> Function:
     Where the caller's sums may be taken in any order, so may those in here.
     """
     return cast(Function, register_jitable(**INSIDE)(function))
-
-
-def _entry(function: Function, **options: Any) -> Function:  # noqa: ANN401
-    options |= ENTRY
-    source = Path(function.__code__.co_filename)
-    if PACKAGE not in source.parents:
-        return cast(Function, numba.njit(**options)(function))
-    folder = _writable(_cache_folders(), digest_of(source))
-    if folder is None:
-        return cast(Function, numba.njit(**options)(function))
-    # Numba asks for the folder when the function is decorated; it is that of others again then.
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder)
-    try:
-        entry = numba.njit(cache=True, **options)(function)
-    finally:
-        numba.config.CACHE_DIR = before
-    _do_without_disk(entry)
-    return cast(Function, entry)
 
 
 def _do_without_disk(entry: Any) -> None:  # noqa: ANN401
