@@ -10,12 +10,17 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.target.measure.features import BinMap, Bins
+from cable_tracker.tracking.image_frame import Window, bounding_box
 
 UNSEEN = 0.01
 """Share of the target's histogram that is spread over all bins."""
 
 UNSEEN_AROUND = 0.3
 """The same of the surroundings: a colour that neither has shown is rather another's."""
+
+NEAR_REACH, LEAST_NEAR_REACH = 0.75, 4
+"""Reach of what is near a target beyond its box: this share of the box's side, and as many pixels
+more."""
 
 NEAR_SHARE = 0.5
 """Share of the surroundings' histogram that comes from near the target."""
@@ -50,8 +55,9 @@ class Appearance:
         start.
         """
         shape = self.bins.shape
-        mixed = first_share * self.first + (1.0 - first_share) * self.target
-        target, surroundings = (_smoothed(each, shape) for each in (mixed, self.surroundings))
+        target, surroundings = (
+            _smoothed(each, shape) for each in (self._mixed(first_share), self.surroundings)
+        )
         even = 1.0 / self.bins.count
         own = (1.0 - UNSEEN) * target + UNSEEN * even
         others = (1.0 - UNSEEN_AROUND) * surroundings + UNSEEN_AROUND * even
@@ -60,14 +66,14 @@ class Appearance:
 
     def hue_roots(self, first_share: float = 0.0) -> FloatArray:
         """Return the roots of the target's shares of the hues, shape (K,)."""
-        mixed = first_share * self.first + (1.0 - first_share) * self.target
-        roots: FloatArray = np.sqrt(_hues(mixed, self.bins.shape))
+        roots: FloatArray = np.sqrt(_hues(self._mixed(first_share), self.bins.shape))
         return roots
 
     def likeness(self, histogram: FloatArray, first_share: float = 0.0) -> float:
         """Return the Bhattacharyya coefficient of a region's histogram and the target's, 0 to 1."""
-        mixed = first_share * self.first + (1.0 - first_share) * self.target
-        target, other = (_hues(each, self.bins.shape) for each in (mixed, histogram))
+        target, other = (
+            _hues(each, self.bins.shape) for each in (self._mixed(first_share), histogram)
+        )
         return float(np.sqrt(target * other).sum())
 
     def shown_by(self, greys: NDArray[np.uint8]) -> bool:
@@ -83,6 +89,10 @@ class Appearance:
             for each in (self.target, self.surroundings)
         )
         return bool(target > max(surroundings, LEAST_LIKENESS))
+
+    def _mixed(self, first_share: float) -> FloatArray:
+        """Return the target's histogram with a share of that of the start, shape (B,)."""
+        return first_share * self.first + (1.0 - first_share) * self.target
 
     def adapted(
         self, target: FloatArray, surroundings: FloatArray, rate: float, outer_rate: float
@@ -138,9 +148,37 @@ def _smoothed_along(values: FloatArray, count: int, stride: int) -> FloatArray:
     return result
 
 
-def learn_histograms(
-    bins: BinMap, mask: BoolArray, near: tuple[int, int, int, int], count: int
-) -> tuple[FloatArray, FloatArray]:
+def window_near(mask: BoolArray) -> Window:
+    """Return the window of what is near a mask (H, W); an empty window for an empty mask."""
+    box = bounding_box(mask)
+    if box is None:
+        return 0, 0, 0, 0
+    left, top, right, bottom = box
+    reach_x = int(NEAR_REACH * (right - left)) + LEAST_NEAR_REACH
+    reach_y = int(NEAR_REACH * (bottom - top)) + LEAST_NEAR_REACH
+    return (
+        max(left - reach_x, 0), max(top - reach_y, 0),
+        min(right + reach_x, mask.shape[1]), min(bottom + reach_y, mask.shape[0]),
+    )  # fmt: skip
+
+
+def learn_appearance(bin_map: BinMap, mask: BoolArray, bins: Bins) -> Appearance:
+    """Return how a target looks that is seen for the first time, and its surroundings.
+
+    Parameters
+    ----------
+    bin_map : BinMap
+        Bins of the frame's pixels.
+    mask : BoolArray
+        The target, of the same shape.
+    bins : Bins
+        What made the bins.
+    """
+    target, surroundings = learn_histograms(bin_map, mask, bins.count)
+    return Appearance(bins, target, target, surroundings)
+
+
+def learn_histograms(bins: BinMap, mask: BoolArray, count: int) -> tuple[FloatArray, FloatArray]:
     """Return the histograms of a target and of its surroundings.
 
     Parameters
@@ -149,15 +187,15 @@ def learn_histograms(
         Bins of the frame's pixels.
     mask : BoolArray
         The target, of the same shape.
-    near : (int, int, int, int)
-        First column and row, and those after the last, of what is near.
+    count : int
+        Number of bins.
 
     Returns
     -------
     (FloatArray, FloatArray)
         Shares, shape (B,); all even where there are no pixels.
     """
-    target, beside, far = _counted(bins, mask, np.array(near), count)
+    target, beside, far = _counted(bins, mask, np.array(window_near(mask)), count)
     shares = [each / each.sum() if each.any() else np.full(count, 1.0 / count) for each in
               (target, beside, far)]  # fmt: skip
     return shares[0], NEAR_SHARE * shares[1] + (1.0 - NEAR_SHARE) * shares[2]

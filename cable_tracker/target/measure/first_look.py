@@ -7,22 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.evolution import ContourSettings
-from cable_tracker.target.measure.appearance import Appearance, learn_histograms
-from cable_tracker.target.measure.features import BinMap, Bins, bins_of, choose_bins, looked_up
-from cable_tracker.target.measure.outline import find_outline
+from cable_tracker.target.measure.appearance import Appearance, learn_appearance
+from cable_tracker.target.measure.features import bins_of, choose_bins, looked_up
+from cable_tracker.target.measure.outline import contour_settings, find_outline
 from cable_tracker.target.measure.region import HueModel, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.state import STATE_SIZE
 from cable_tracker.target.model.template import LEAST_AREA, Template, centroid, template_of_mask
-from cable_tracker.tracking.image_frame import Window, bounding_box
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.image_frame import bounding_box
 
 ROUNDS = 3
 """How often outline and appearance are worked out in turn."""
-
-NEAR_REACH, LEAST_NEAR_REACH = 0.75, 4
-"""Reach of what is near a target beyond its box: this share of the box's side, and as many pixels
-more."""
 
 BOX_SOFTNESS = 0.15
 """Softness of the ellipse in a box as a prior of shape, in roots of its area."""
@@ -52,28 +48,8 @@ class FirstLook(NamedTuple):
     score: float
 
 
-def window_near(mask: BoolArray) -> Window:
-    """Return the window of what is near a mask (H, W); an empty window for an empty mask."""
-    box = bounding_box(mask)
-    if box is None:
-        return 0, 0, 0, 0
-    left, top, right, bottom = box
-    reach_x = int(NEAR_REACH * (right - left)) + LEAST_NEAR_REACH
-    reach_y = int(NEAR_REACH * (bottom - top)) + LEAST_NEAR_REACH
-    return (
-        max(left - reach_x, 0), max(top - reach_y, 0),
-        min(right + reach_x, mask.shape[1]), min(bottom + reach_y, mask.shape[0]),
-    )  # fmt: skip
-
-
 def look_first(
-    frame: WorkingFrame,
-    mask: BoolArray,
-    *,
-    is_exact: bool,
-    points: int,
-    limit: float,
-    settings: ContourSettings,
+    frame: WorkingFrame, mask: BoolArray, parameters: TargetParameters, *, is_exact: bool
 ) -> FirstLook:
     """Learn a target from the frame in which it was marked.
 
@@ -83,22 +59,20 @@ def look_first(
         Marked pixels, shape (H, W).
     is_exact : bool
         Whether the mask is an outline; of a box, what belongs to the target is worked out.
-    points : int
-        Number of points of the template inside, and of those around.
-    limit : float
-        Largest log-ratio.
 
     Raises
     ------
     FrameError
         The mask is too small.
     """
+    points, limit = parameters.template_points, parameters.ratio_limit
+    settings = contour_settings(parameters)
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
     marked = template_of_mask(mask, points, frame.zoom)
     state = np.zeros(STATE_SIZE)
     state[:2] = centroid(mask)
-    appearance = _learn(bin_map, mask, bins)
+    appearance = learn_appearance(bin_map, mask, bins)
     allowed = _widened(mask)
     for _ in range(0 if is_exact else ROUNDS):
         ratios = looked_up(bin_map, appearance.log_ratios(limit))
@@ -108,7 +82,7 @@ def look_first(
         found = outline.in_picture(frame.shape) & allowed
         if found.sum() < max(LEAST_AREA, 0.15 * mask.sum()):
             break
-        appearance = _learn(bin_map, found, bins)
+        appearance = learn_appearance(bin_map, found, bins)
         mask = found
     template = template_of_mask(mask, points, frame.zoom)
     state = np.zeros(STATE_SIZE)
@@ -131,8 +105,3 @@ def _widened(mask: BoolArray) -> BoolArray:
     widened = np.zeros_like(mask)
     widened[max(top - down, 0) : bottom + down, max(left - across, 0) : right + across] = True
     return widened
-
-
-def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins) -> Appearance:
-    target, surroundings = learn_histograms(bin_map, mask, window_near(mask), bins.count)
-    return Appearance(bins, target, target, surroundings)

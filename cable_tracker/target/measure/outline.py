@@ -15,6 +15,7 @@ from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import UNIT, Template, interpolated
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 
 MARGIN = 1.4
@@ -80,6 +81,11 @@ def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) 
     if right - left < 3 or bottom - top < 3:
         return None
     return left, top, right, bottom
+
+
+def contour_settings(parameters: TargetParameters) -> ContourSettings:
+    """Return how contours evolve."""
+    return ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
 
 
 def find_outline(

@@ -6,15 +6,19 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.contour.evolution import ContourSettings
-from cable_tracker.target.measure.appearance import Appearance, learn_histograms
+from cable_tracker.target.measure.appearance import (
+    Appearance,
+    learn_appearance,
+    learn_histograms,
+)
 from cable_tracker.target.measure.clutter import UsualScore
 from cable_tracker.target.measure.features import bins_of, choose_bins
-from cable_tracker.target.measure.first_look import FirstLook, window_near
+from cable_tracker.target.measure.first_look import FirstLook
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
-from cable_tracker.target.measure.outline import Outline, find_outline
+from cable_tracker.target.measure.outline import Outline, contour_settings, find_outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import PoseColumn
@@ -125,37 +129,40 @@ class ShownTarget:
     likeness: float
 
 
-def contour_settings(parameters: TargetParameters) -> ContourSettings:
-    """Return how contours evolve."""
-    return ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
-
-
 def first_likeness(frame: WorkingFrame) -> UsualScore:
     """Return what is expected of the likeness before a contour has been seen."""
     return FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS
 
 
-def prior_softness(frame: WorkingFrame, parameters: TargetParameters) -> float:
-    """Return the softness of the prior of shape, in roots of the area."""
-    return parameters.prior_softness if frame.is_coloured else parameters.grey_prior_softness
+def outline_at(
+    state: FloatArray,
+    ratios: NDArray[np.float32],
+    frame: WorkingFrame,
+    known: KnownTarget,
+    parameters: TargetParameters,
+) -> Outline | None:
+    """Return the outline of a target about a pose (6,), see `find_outline`.
 
-
-def usual_score(score: float, parameters: TargetParameters) -> UsualScore:
-    """Return what is usual after a single score."""
-    return UsualScore(score, (parameters.score_spread * score) ** 2)
+    Parameters
+    ----------
+    ratios : array
+        Log-ratios of the frame's pixels, float32, shape (H, W).
+    """
+    softness = parameters.prior_softness if frame.is_coloured else parameters.grey_prior_softness
+    settings = contour_settings(parameters)
+    return find_outline(ratios, state, known.template, softness, settings)
 
 
 def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParameters) -> KnownTarget:
     """Return what is known of a target after it was marked in a frame."""
-    known = KnownTarget(
+    return KnownTarget(
         look.template,
         look.appearance,
-        usual_score(look.score, parameters),
+        _usual_in(look.state, frame, look.template, look.appearance, parameters),
         first_likeness(frame),
         0.0,
         Births(look.state, 0.0, frame.shape),
     )
-    return _rescored(known, look.state, frame, parameters)
 
 
 def relearnt(
@@ -167,10 +174,7 @@ def relearnt(
     that was all that had any, and comes with what hides one.
     """
     nothing_shown = np.zeros(frame.shape, np.float32)
-    expected = find_outline(
-        nothing_shown, state, known.template, prior_softness(frame, parameters),
-        contour_settings(parameters),
-    )  # fmt: skip
+    expected = outline_at(state, nothing_shown, frame, known, parameters)
     if expected is None:
         return known
     mask = expected.in_picture(frame.shape)
@@ -178,19 +182,22 @@ def relearnt(
         return known
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
-    target, around = learn_histograms(bin_map, mask, window_near(mask), bins.count)
-    appearance = Appearance(bins, target, target, around)
-    anew = replace(known, appearance=appearance, usual_likeness=first_likeness(frame))
-    return _rescored(anew, state, frame, parameters)
+    appearance = learn_appearance(bin_map, mask, bins)
+    usual = _usual_in(state, frame, known.template, appearance, parameters)
+    return replace(known, appearance=appearance, usual=usual, usual_likeness=first_likeness(frame))
 
 
-def _rescored(
-    known: KnownTarget, state: FloatArray, frame: WorkingFrame, parameters: TargetParameters
-) -> KnownTarget:
-    """Return it with the score in a pose (6,) of a frame as the usual one."""
-    measured = measure_frame(frame, known.appearance, parameters)
-    score = float(measured.scores(state[None], known.template)[0])
-    return replace(known, usual=usual_score(score, parameters))
+def _usual_in(
+    state: FloatArray,
+    frame: WorkingFrame,
+    template: Template,
+    appearance: Appearance,
+    parameters: TargetParameters,
+) -> UsualScore:
+    """Return what is usual after the score in a pose (6,) of a frame alone."""
+    measured = measure_frame(frame, appearance, parameters)
+    score = float(measured.scores(state[None], template)[0])
+    return UsualScore(score, (parameters.score_spread * score) ** 2)
 
 
 def contour_histograms(
@@ -204,7 +211,7 @@ def contour_histograms(
         return None
     mask = outline.in_picture(measured.frame.shape)
     appearance = known.appearance
-    target, around = learn_histograms(measured.bins, mask, window_near(mask), appearance.bins.count)
+    target, around = learn_histograms(measured.bins, mask, appearance.bins.count)
     likeness = appearance.likeness(target, parameters.first_look_share)
     return ShownTarget(target, around, likeness)
 

@@ -20,7 +20,7 @@ from cable_tracker.particle_filter.weights import effective_sample_size, log_sum
 from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.first_look import look_first
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
-from cable_tracker.target.measure.outline import Outline, find_outline
+from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
@@ -29,9 +29,8 @@ from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
     adapted_to_contour,
     contour_histograms,
-    contour_settings,
     first_known,
-    prior_softness,
+    outline_at,
 )
 from cable_tracker.target.poses.peak_poses import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
@@ -95,10 +94,7 @@ class PoseFilter(TargetFilter):
             The mask is too small, or does not stand out from its surroundings.
         """
         parameters = self._parameters
-        look = look_first(
-            frame, mask, is_exact=is_exact, points=parameters.template_points,
-            limit=parameters.ratio_limit, settings=contour_settings(parameters),
-        )  # fmt: skip
+        look = look_first(frame, mask, parameters, is_exact=is_exact)
         if look.score < parameters.least_separation:
             raise FrameError(
                 "the marked target does not stand out from its surroundings"
@@ -210,10 +206,7 @@ def estimate_and_adapt(
         Time that the frame counts for [s].
     """
     known, frame = belief.known, measured.frame
-    outline = find_outline(
-        measured.ratios, belief.estimate, known.template, prior_softness(frame, parameters),
-        contour_settings(parameters),
-    )  # fmt: skip
+    outline = outline_at(belief.estimate, measured.ratios, frame, known, parameters)
     shown = contour_histograms(outline, measured, known, parameters)
     presence = presence_by_likeness(belief, shown, parameters, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)

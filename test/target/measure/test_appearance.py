@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.target.measure.appearance import Appearance, learn_histograms
+from cable_tracker.target.measure.appearance import learn_appearance
 from cable_tracker.target.measure.features import bins_of, channels_of, choose_bins, looked_up
 
 
@@ -9,8 +9,7 @@ def learnt(image, mask, is_coloured=True):
     channels = channels_of(image)
     bins = choose_bins(channels, is_coloured)
     bin_map = bins_of(channels, bins.lookups)
-    target, around = learn_histograms(bin_map, mask, (120, 90, 200, 150), bins.count)
-    return Appearance(bins, target, target, around), bin_map
+    return learn_appearance(bin_map, mask, bins), bin_map
 
 
 def test_pixels_of_the_target_are_likelier_target(draw):

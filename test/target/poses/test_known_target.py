@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.target.measure.clutter import UsualScore
 from cable_tracker.target.measure.first_look import look_first
 from cable_tracker.target.measure.measured_frame import measure_frame
-from cable_tracker.target.measure.outline import find_outline
+from cable_tracker.target.measure.outline import contour_settings, find_outline
 from cable_tracker.target.measure.working_frame import make_working_frame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -18,7 +18,6 @@ from cable_tracker.target.poses.known_target import (
     KnownTarget,
     adapted_to_contour,
     contour_histograms,
-    contour_settings,
     first_known,
     relearnt,
 )
@@ -63,9 +62,7 @@ PARAMETERS = TargetParameters()
 
 def learnt(image, mask):
     frame = make_working_frame(image, 320)
-    look = look_first(
-        frame, mask, is_exact=True, points=60, limit=2.5, settings=contour_settings(PARAMETERS)
-    )
+    look = look_first(frame, mask, PARAMETERS, is_exact=True)
     return first_known(look, frame, PARAMETERS), look.state
 
 
