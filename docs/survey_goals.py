@@ -30,6 +30,7 @@ from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings 
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.survey.frames.forward_pass import read_pose, track_forwards
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.dive_route import DiveRoute
 from cable_tracker.survey.routes.events import Event, EventKind
@@ -124,7 +125,7 @@ def measure(path: Path, settings: Simulated) -> Measured:
     survey = SurveySettings(pictures=False)
     begin = time.process_time()
     with survey.forward.open(path) as recording:
-        dive = track_forwards(recording, survey.forward)
+        dive = track_forwards(recording, survey.forward, Disk())
         surveyed, course = analyse(dive, survey)
     seconds = time.process_time() - begin
     if course is None or not surveyed.routes:
@@ -138,7 +139,7 @@ def measure(path: Path, settings: Simulated) -> Measured:
     on_route = _on_routes(cable, [each.route for each in surveyed.routes])
     errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
     sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
-    forwards = smooth(keyframes, way_back=False)
+    forwards = smooth(keyframes, dive.disk, way_back=False)
     errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
     where = _Where(course, along)
     events = [

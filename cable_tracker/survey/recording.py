@@ -139,7 +139,7 @@ def survey_recording(
     except OSError as error:
         raise write_failure(folder, error) from error
     with settings.forward.open(path) as recording:
-        dive = track_forwards(recording, settings.forward, advance, Disk(folder))
+        dive = track_forwards(recording, settings.forward, Disk(folder), advance)
         dive.given_name = name
         surveyed, course = analyse(dive, settings)
         try:
@@ -169,7 +169,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         keyframes = course.keyframes
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
-        routes = make_routes(keyframes, course.cable, rows, earth, disk)
+        routes = make_routes(keyframes, course.cable, rows, disk, earth)
     name = dive.name
     placed = tuple(
         PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))

@@ -16,6 +16,7 @@ from cable_tracker.survey.navigation.poses import Poses, joined_poses
 
 SPEED, RATE, LOOK = 0.5, 10.0, 0.7
 START = 1_000_000_000
+DISK = Disk()
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,10 @@ def course(along: np.ndarray, bend: float) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack((along, amplitude * np.sin(wave * along))), heading
 
 
-def make_dive(plan: Plan, path: Path = Path("dive"), disk: Disk | None = None) -> ForwardDive:
+def make_dive(plan: Plan, path: Path = Path("dive"), disk: Disk = DISK) -> ForwardDive:
     """Return a dive with claims of a noise that is alike over half a metre."""
     rng = np.random.default_rng(plan.seed)
-    dive = ForwardDive(path, disk or Disk())
+    dive = ForwardDive(path, disk)
     count = int(plan.length / SPEED * RATE)
     errors = np.zeros(2)
     for k in range(count):
@@ -104,7 +105,7 @@ def _true_aside(x: float, y: float, yaw: float, bend: float) -> tuple[float, flo
 
 
 def poses_of(dive: ForwardDive) -> Poses:
-    return joined_poses(dive.poses)
+    return joined_poses(dive.poses, DISK)
 
 
 def way(count: int = 400, turn: float = 0.0) -> np.ndarray:
@@ -115,7 +116,7 @@ def way(count: int = 400, turn: float = 0.0) -> np.ndarray:
 
 
 def odometry(places: np.ndarray, stamps=None) -> Samples:
-    samples = Samples(4)
+    samples = Samples(4, DISK)
     for k, (x, y, yaw) in enumerate(places):
         stamp = START + k * 100_000_000 if stamps is None else stamps[k]
         samples.add(stamp, [x, y, yaw, 0.5])

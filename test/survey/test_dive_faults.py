@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from survey_dives import DISK
 
 from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.frames.forward_pass import ForwardDive
@@ -18,7 +19,7 @@ def faults(tmp_path):
     """Tell of a dive of claims, each fifth of which was put into metres with such an outcome."""
 
     def tell(*outcomes):
-        dive = ForwardDive(tmp_path)
+        dive = ForwardDive(tmp_path, DISK)
         for index in range(CLAIMS):
             row = dive.table.append()
             row["status"] = STATUSES.index("TRACKING")
@@ -67,7 +68,7 @@ SECOND = 1_000_000_000
     ],
 )
 def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
-    dive = ForwardDive(tmp_path)
+    dive = ForwardDive(tmp_path, DISK)
     for stamp in stamps:
         row = dive.table.append()
         row["status"], row["stamp"] = STATUSES.index("LOST"), round(stamp * SECOND)
@@ -77,7 +78,7 @@ def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
 
 
 def test_pictures_that_could_not_be_used_are_counted(tmp_path):
-    dive = ForwardDive(tmp_path)
+    dive = ForwardDive(tmp_path, DISK)
     for index in range(4):
         row = dive.table.append()
         row["status"] = REFUSED if index else STATUSES.index("LOST")
@@ -97,7 +98,7 @@ def test_pictures_that_could_not_be_used_are_counted(tmp_path):
     ],
 )
 def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, readings, words):
-    dive = ForwardDive(tmp_path)
+    dive = ForwardDive(tmp_path, DISK)
     for index in range(4 * CLAIMS):
         dive.table.append()["stamp"] = index * SECOND // 4
     stamps = (readings * SECOND).astype(np.int64)
@@ -108,7 +109,7 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, 
 
 
 def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told(tmp_path):
-    dive = ForwardDive(tmp_path, unusable_poses=7)
+    dive = ForwardDive(tmp_path, DISK, unusable_poses=7)
     dive.table.append()["status"] = STATUSES.index("LOST")
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
     said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1], MAXIMUM_GAP), MAXIMUM_GAP)

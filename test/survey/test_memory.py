@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from survey_dives import Plan, make_dive
+from survey_dives import DISK, Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.survey.frames.forward_pass import ForwardDive
@@ -134,7 +134,7 @@ def test_a_row_is_small():
 
 
 def test_rows_are_kept_over_many_blocks():
-    table = FrameTable()
+    table = FrameTable(DISK)
     for number in range(10_000):
         table.append()["frame"] = number
         if number in {17, 5000}:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
+from survey_dives import DISK, LOOK, Plan, make_dive, poses_of, true_aside
 
 from cable_tracker.metric.calibration import CameraModel, DistortionModel
 from cable_tracker.metric.frames import Attitude, Mounting
@@ -67,8 +67,8 @@ def dive():
 
 def course_of(dive) -> Course:
     poses = poses_of(dive)
-    keyframes = make_keyframes(dive.table.rows, poses.at(dive.table.rows["stamp"]))
-    return Course(poses, keyframes, smooth(keyframes))
+    keyframes = make_keyframes(dive.table.rows, poses.at(dive.table.rows["stamp"]), DISK)
+    return Course(poses, keyframes, smooth(keyframes, DISK))
 
 
 def test_a_cable_that_the_tracker_missed_is_found_and_claimed(dive):

@@ -153,7 +153,7 @@ class ForwardDive:
     """
 
     path: Path
-    disk: Disk = field(default_factory=Disk)
+    disk: Disk
     notes: list[str] = field(default_factory=list)
     flight: Overflight | None = None
     unusable_poses: int = 0
@@ -176,13 +176,13 @@ class ForwardDive:
 def track_forwards(
     recording: Source,
     settings: ForwardSettings,
+    disk: Disk,
     advance: Callable[[int], None] = lambda count: None,
-    disk: Disk | None = None,
 ) -> ForwardDive:
     """Track an open recording from its beginning to its end, or to where it breaks off.
 
     Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
-    goes to `disk`; None: among the temporary files.
+    goes to `disk`.
 
     Raises
     ------
@@ -191,7 +191,7 @@ def track_forwards(
     ParameterError
         The vehicle file is not acceptable.
     """
-    dive = ForwardDive(recording.path, disk or Disk(), recording=recording)
+    dive = ForwardDive(recording.path, disk, recording=recording)
     vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
     dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
     run = _Run(dive, settings, vehicle)

@@ -140,10 +140,10 @@ class FrameTable:
         Detected lines across the cable.
     """
 
-    def __init__(self, disk: Disk | None = None) -> None:
+    def __init__(self, disk: Disk) -> None:
         self.reasons = [""]
         self.crossings: list[CrossingSight] = []
-        self._rows = Growing(disk or Disk(), EMPTY)
+        self._rows = Growing(disk, EMPTY)
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -175,9 +175,9 @@ class Samples:
         Allocator of the rows.
     """
 
-    def __init__(self, width: int, disk: Disk | None = None) -> None:
+    def __init__(self, width: int, disk: Disk) -> None:
         reading = np.dtype([("stamp", "i8"), ("values", "f8", (width,))])
-        self._readings = (disk or Disk()).growing(reading)
+        self._readings = disk.growing(reading)
 
     def __len__(self) -> int:
         return len(self._readings)

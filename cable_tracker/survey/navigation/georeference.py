@@ -150,14 +150,13 @@ class _Joints:
 
 
 def georeference(
-    poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk | None = None
+    poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk
 ) -> Georeference | None:
     """Lay a dive on the earth by its fixes; None where they are too few or too close together.
 
     The dive is turned and shifted as a whole so that it fits best; what is left over is how
     odometry drifts, a random walk with a rate that wanders, smoothed over all fixes.
     """
-    disk = disk or Disk()
     joints, placed = _joints_of(poses), _placed(poses, fixes, frame, disk)
     if len(placed.stamps) < FEWEST_FIXES:
         return None

@@ -77,13 +77,12 @@ class Poses:
         return found
 
 
-def joined_poses(samples: Samples, disk: Disk | None = None) -> Poses:
+def joined_poses(samples: Samples, disk: Disk) -> Poses:
     """Return the way of a vehicle, with the pieces of an odometry that jumps put together.
 
     Over a jump the vehicle is taken to have gone on as before: how far it moved meanwhile is not
     known, and nothing else is.
     """
-    disk = disk or Disk()
     way, jumps, strays = _in_order(samples, disk)
     if not len(way):
         return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))

@@ -74,8 +74,8 @@ def make_routes(
     keyframes: Keyframes,
     cable: SmoothedCable,
     rows: Rows,
+    disk: Disk,
     earth: Georeference | None = None,
-    disk: Disk | None = None,
 ) -> list[DiveRoute]:
     """Return one route for each connected piece of a dive that was claimed at all.
 
@@ -85,12 +85,11 @@ def make_routes(
         Keyframes, and their smoothed states, of `smoothing`.
     rows : Rows
         Rows of the `FrameTable`, shape (N,).
+    disk : Disk
+        Allocator of intermediate arrays.
     earth : Georeference or None
         Takes the dive's frame to that of the routes; None: they stay in it.
-    disk : Disk or None
-        Allocator of intermediate arrays; None: temporary files.
     """
-    disk = disk or Disk()
     dive = _Smoothed(keyframes, cable, rows, filled(rows["look"], disk), earth, disk)
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []

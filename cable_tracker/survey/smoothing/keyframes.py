@@ -75,7 +75,7 @@ class Keyframes:
         return np.where((keyframes >= 0) & (rows < self.last[keyframes]), keyframes, -1)
 
 
-def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Keyframes:
+def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     """Put frames together into keyframes at least `LEAST_SPACING` apart.
 
     Parameters
@@ -84,10 +84,9 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
         Rows of a `FrameTable`, shape (N,).
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
-    disk : Disk or None
+    disk : Disk
         Allocator of the keyframes' arrays; None: temporary files.
     """
-    disk = disk or Disk()
     look = filled(rows["look"], disk)
 
     def look_lines(part: slice) -> FloatArray:

@@ -112,14 +112,11 @@ class SmoothedCable:
     piece: IndexArray
 
 
-def smooth(
-    keyframes: Keyframes, disk: Disk | None = None, *, way_back: bool = True
-) -> SmoothedCable:
+def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards.
 
-    What is found goes to `disk`; None: among the temporary files.
+    What is found goes to `disk`.
     """
-    disk = disk or Disk()
     count = len(keyframes.stamps)
     cable = SmoothedCable(
         disk.array(count),

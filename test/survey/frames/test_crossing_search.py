@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
+from survey_dives import DISK
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.calibration import CameraModel, DistortionModel
@@ -38,7 +39,7 @@ def search():
 
     def run(*pictures, pause=1.0, back=0.0, flight=FLIGHT):
         """`back`: by how much the clock is set back after the first picture [s]."""
-        table = FrameTable()
+        table = FrameTable(DISK)
         crossings = CrossingSearch(table)
         for number, grey in enumerate(pictures):
             table.append()

@@ -2,6 +2,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from survey_dives import DISK
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
@@ -29,7 +30,7 @@ def run(tmp_path, monkeypatch):
         )
         settings = ForwardSettings(most_rate=most_rate)
         vehicle = RecordedVehicle(VehicleDescription(), None)
-        made = _Run(ForwardDive(tmp_path), settings, vehicle)
+        made = _Run(ForwardDive(tmp_path, DISK), settings, vehicle)
         wanted = [time for time in times if made.wants(round(time * SECOND))]
         assert made.passed_over == len(times) - len(wanted)
         return wanted

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from survey_dives import odometry, way
+from survey_dives import DISK, odometry, way
 
 from cable_tracker.survey.frames.frame_table import Samples
 from cable_tracker.survey.memory_mapped import Disk
@@ -12,14 +12,14 @@ SECOND = 1_000_000_000
 
 
 def test_poses_are_interpolated_between_readings():
-    poses = joined_poses(odometry(way()))
+    poses = joined_poses(odometry(way()), DISK)
     middle = poses.at(np.array([SECOND + SECOND // 20]))[0]
     np.testing.assert_allclose(middle, way()[:2].mean(axis=0), atol=1e-9)
 
 
 def test_nothing_is_known_in_a_silence_or_outside():
     stamps = [SECOND + k * SECOND // 10 + (3 * SECOND if k >= 200 else 0) for k in range(400)]
-    poses = joined_poses(odometry(way(), stamps))
+    poses = joined_poses(odometry(way(), stamps), DISK)
     asked = np.array([0, stamps[199] + SECOND, stamps[-1] + SECOND])
     assert np.isnan(poses.at(asked)).all()
 
@@ -31,7 +31,7 @@ def test_an_odometry_that_begins_anew_goes_on_where_it_was():
     cos, sin = math.cos(turn), math.sin(turn)
     reset[200:, :2] = (places[200:, :2] - places[200, :2]) @ np.array([[cos, -sin], [sin, cos]])
     reset[200:, 2] -= turn
-    poses = joined_poses(odometry(reset))
+    poses = joined_poses(odometry(reset), DISK)
     assert poses.jumps == (SECOND + 200 * SECOND // 10,)
     np.testing.assert_allclose(poses.places, places, atol=0.03)
 
@@ -40,7 +40,7 @@ def test_a_clock_that_goes_back_is_a_jump_and_its_readings_do_not_count():
     stamps = [
         SECOND + k * SECOND // 10 - (15 * SECOND if 200 <= k < 210 else 0) for k in range(400)
     ]
-    poses = joined_poses(odometry(way(), stamps))
+    poses = joined_poses(odometry(way(), stamps), DISK)
     assert poses.jumps
     assert (np.diff(poses.stamps) > 0).all()
     np.testing.assert_allclose(poses.places[-1], way()[-1], atol=1e-9)
@@ -63,7 +63,7 @@ def test_a_few_readings_of_another_time_do_not_cost_what_follows(strays, seconds
 
 def test_of_readings_that_are_ahead_by_turns_the_others_count():
     stamps = [SECOND + k * SECOND // 10 + (k % 2) * 5 * SECOND for k in range(400)]
-    poses = joined_poses(odometry(way(), stamps))
+    poses = joined_poses(odometry(way(), stamps), DISK)
     # Nothing follows the last one that would tell that it is ahead.
     assert poses.stamps.tolist() == [*stamps[::2], stamps[-1]]
     assert poses.strays == 199 and not poses.jumps
@@ -79,7 +79,7 @@ def test_a_vehicle_goes_on_while_a_clock_that_was_set_back_catches_up(block):
 
 @pytest.mark.parametrize("block", [2, 4096])
 def test_a_time_that_comes_again_has_the_place_of_its_first_picture_only(block):
-    poses = joined_poses(odometry(way()))
+    poses = joined_poses(odometry(way()), DISK)
     rows = np.zeros(6, [("stamp", "i8")])
     rows["stamp"] = SECOND * np.array([2, 3, 4, 3, 4, 5])
     places = poses_of_rows(rows, poses, Disk(block=block))
@@ -88,7 +88,7 @@ def test_a_time_that_comes_again_has_the_place_of_its_first_picture_only(block):
 
 @pytest.mark.parametrize("block", [2, 4096])
 def test_pictures_with_stamps_far_ahead_cost_no_place_but_their_own(block):
-    poses = joined_poses(odometry(way()))
+    poses = joined_poses(odometry(way()), DISK)
     rows = np.zeros(6, [("stamp", "i8")])
     rows["stamp"] = SECOND * np.array([2, 3, 100_000, 100_001, 4, 5])
     places = poses_of_rows(rows, poses, Disk(block=block))
@@ -96,15 +96,15 @@ def test_pictures_with_stamps_far_ahead_cost_no_place_but_their_own(block):
 
 
 def test_no_odometry_gives_no_poses():
-    assert np.isnan(joined_poses(Samples(4)).at(np.array([1, 2]))).all()
+    assert np.isnan(joined_poses(Samples(4, DISK), DISK).at(np.array([1, 2]))).all()
 
 
 @pytest.mark.parametrize(("speed", "rate"), [(1.2, 2.0), (1.0, 1.25), (2.0, 3.0)])
 def test_odometry_without_a_twist_is_a_way_all_the_same(speed, rate):
-    readings = Samples(4)
+    readings = Samples(4, DISK)
     for k in range(100):
         readings.add(SECOND + round(k * SECOND / rate), [speed * k / rate, 0.0, 0.0, 0.0])
-    poses = joined_poses(readings)
+    poses = joined_poses(readings, DISK)
     assert not poses.jumps
     assert poses.places[-1, 0] == pytest.approx(99 * speed / rate)
 
@@ -112,4 +112,4 @@ def test_odometry_without_a_twist_is_a_way_all_the_same(speed, rate):
 def test_it_is_known_before_which_readings_the_way_was_joined():
     places = way()
     places[200:, :2] += 30.0
-    assert joined_poses(odometry(places)).joints == (200,)
+    assert joined_poses(odometry(places), DISK).joints == (200,)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from survey_dives import Plan, make_dive, poses_of
+from survey_dives import DISK, Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.survey.frames.forward_pass import ForwardDive
@@ -40,11 +40,11 @@ def test_the_ends_of_a_buried_stretch_are_known_to_a_few_decimetres():
 def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable(weight):
     dive = make_dive(Plan())
     rows = dive.table.rows
-    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(keyframes)
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
+    cable = smooth(keyframes, DISK)
     other = (cable.along > 15.0) & (cable.along < 25.0)
     weights = np.where(other, weight, cable.weights)
-    (route,) = make_routes(keyframes, replace(cable, weights=weights), rows)
+    (route,) = make_routes(keyframes, replace(cable, weights=weights), rows, DISK)
     along = route.profile.along + route.start
     assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()
     assert np.isfinite(route.profile.seen[(along > 5.0) & (along < 12.0)]).all()
@@ -147,7 +147,7 @@ def test_an_odometry_that_jumps_is_an_event():
 
 
 def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
-    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), Disk())
+    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), DISK)
     stamps, values = dive.poses.arrays()
     values[100:, 0] += 30.0
     silence = (stamps > stamps[400]) & (stamps < stamps[500])
@@ -162,7 +162,7 @@ def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
 
 def dive_in_two_pieces():
     """Return a dive whose odometry is silent and then goes on elsewhere."""
-    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), Disk())
+    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), DISK)
     stamps, values = dive.poses.arrays()
     silence = (stamps > stamps[400]) & (stamps < stamps[500])
     for stamp, value in zip(stamps[~silence], values[~silence], strict=True):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from survey_dives import LOOK, RATE, SPEED, START
+from survey_dives import DISK, LOOK, RATE, SPEED, START
 
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import PROFILE_BINS, TRACKING
@@ -47,7 +47,7 @@ def circle(radius: float) -> np.ndarray:
 
 def dive_along(way: np.ndarray, look: float = LOOK) -> ForwardDive:
     """Return a dive that claims what its pictures would show of the cable."""
-    rng, dive = np.random.default_rng(0), ForwardDive(Path("dive"))
+    rng, dive = np.random.default_rng(0), ForwardDive(Path("dive"), DISK)
     for number, (x, y, yaw) in enumerate(way.tolist()):
         stamp = START + round(number / RATE * 1e9)
         dive.poses.add(stamp, [x, y, math.remainder(yaw, 2 * math.pi), SPEED])

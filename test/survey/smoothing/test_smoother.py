@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
+from survey_dives import DISK, LOOK, Plan, make_dive, poses_of, true_aside
 
 from cable_tracker.survey.smoothing.keyframes import make_keyframes
 from cable_tracker.survey.smoothing.smoother import smooth
@@ -9,8 +9,8 @@ from cable_tracker.survey.smoothing.smoother import smooth
 def smoothed(plan: Plan):
     dive = make_dive(plan)
     rows = dive.table.rows
-    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(keyframes)
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
+    cable = smooth(keyframes, DISK)
     where = keyframes.places.copy()
     where[:, 0] -= 0.7 * np.cos(where[:, 2])
     where[:, 1] -= 0.7 * np.sin(where[:, 2])
@@ -67,8 +67,8 @@ def test_a_short_claim_of_something_else_in_a_buried_stretch_does_not_bend_the_c
     other = (way > 18.0) & (way < 18.7)
     if clear:
         rows["profile_score"][other] = 3.0
-    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(keyframes)
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
+    cable = smooth(keyframes, DISK)
     on_it = np.isfinite(keyframes.claims[:, 0]) & other[keyframes.first]
     assert on_it.any()
     assert keyframes.doubtful[on_it].all()
@@ -78,23 +78,23 @@ def test_a_short_claim_of_something_else_in_a_buried_stretch_does_not_bend_the_c
 def test_a_dive_of_short_claims_alone_is_believed():
     dive = make_dive(Plan(hidden=tuple((start + 1.2, start + 4.0) for start in range(0, 40, 4))))
     rows = dive.table.rows
-    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
     assert not keyframes.doubtful.any()
-    assert (smooth(keyframes).weights > 0.3).any()
+    assert (smooth(keyframes, DISK).weights > 0.3).any()
 
 
 def test_a_cable_that_looks_thin_where_it_is_known_to_be_counts():
     dive = make_dive(Plan())
     rows = dive.table.rows
     rows["diameter"][100:120] = 0.08
-    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
     assert keyframes.doubtful.any()
-    assert smooth(keyframes).weights[keyframes.doubtful].min() > 0.2
+    assert smooth(keyframes, DISK).weights[keyframes.doubtful].min() > 0.2
 
 
 def test_without_the_way_back_claims_that_come_later_tell_nothing():
     keyframes, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
-    forwards = smooth(keyframes, way_back=False)
+    forwards = smooth(keyframes, DISK, way_back=False)
     gap = ~np.isfinite(keyframes.claims[:, 0])
     assert rms((forwards.states[:, 0] - truth)[gap]) > 2 * rms((cable.states[:, 0] - truth)[gap])
 
@@ -117,8 +117,8 @@ def test_claims_that_are_off_by_alike_where_sand_begins_make_nothing_sure():
     unsure = (ahead > 11.0) & (ahead < 15.0)
     rows["aside_variance"][unsure] = 0.2**2
     rows["aside"][unsure] += 0.12
-    keyframes = make_keyframes(rows, poses)
-    cable = smooth(keyframes)
+    keyframes = make_keyframes(rows, poses, DISK)
+    cable = smooth(keyframes, DISK)
     truth = np.array([true_aside(pose, 0.03)[0] for pose in poses[keyframes.first]])
     sigma = np.sqrt(cable.covariances[:, 0, 0])
     edge = (keyframes.places[:, 0] > 11.0) & (keyframes.places[:, 0] < 16.0)
@@ -136,7 +136,7 @@ def test_a_gap_in_the_navigation_ends_a_piece():
     rows = dive.table.rows
     poses = poses_of(dive).at(rows["stamp"])
     poses[300:420] = np.nan
-    cable = smooth(make_keyframes(rows, poses))
+    cable = smooth(make_keyframes(rows, poses, DISK), DISK)
     assert set(cable.piece) == {0, 1}
 
 
@@ -159,7 +159,7 @@ def test_a_cable_that_is_followed_back_the_other_way_is_another_piece(course):
     rows.append(back)
     table = np.concatenate(rows)
     table["stamp"] = there["stamp"][0] + np.arange(len(table)) * 100_000_000
-    cable = smooth(make_keyframes(table, np.concatenate(ways)))
+    cable = smooth(make_keyframes(table, np.concatenate(ways), DISK), DISK)
     claimed = cable.weights > 0.0
     pieces = np.unique(cable.piece[claimed])
     ends = [np.ptp(cable.along[claimed & (cable.piece == piece)]) for piece in pieces]
