@@ -57,6 +57,7 @@ from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.motion.live_world import LiveSettings
 from cable_tracker.trackers import PROPOSERS
 from cable_tracker.tracking.parameter_files import read_parameter_file
+from cable_tracker.tracking.parameter_table import check_name
 
 
 def loop(  # noqa: PLR0917
@@ -205,8 +206,7 @@ def _shared_arguments(
 
 def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
     for name in methods:
-        if name not in METHODS:
-            raise ParameterError(f"method: {name!r} is none of {' | '.join(METHODS)}")
+        check_name("method", name, METHODS)
         if is_tuned and name in BASELINES:
             raise ParameterError(f"--params and --detector mean nothing to {name}; leave them out")
 

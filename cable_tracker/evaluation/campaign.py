@@ -13,6 +13,7 @@ from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence
 from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
+from cable_tracker.tracking.parameter_table import check_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,7 @@ class Campaign:
 
     def __post_init__(self) -> None:
         for name in self.methods:
-            if name not in METHODS:
-                raise ParameterError(f"method: {name!r} is none of {' | '.join(METHODS)}")
+            check_name("method", name, METHODS)
         if not ((self.methods or self.filters) and self.sequences and self.seeds):
             raise ParameterError("give at least one method, one sequence and one seed")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -236,14 +236,18 @@ def _spec_of_field(field: dataclasses.Field[Any]) -> ParameterSpec:
 Parameters = TypeVar("Parameters", bound=ParameterSet)
 
 
-def preset_of(presets: Mapping[str, Parameters], name: str) -> Parameters:
-    """Return the parameters of a preset.
+def check_name(what: str, name: str, known: Collection[str]) -> None:
+    """See that a name is one of those that are known.
+
+    Parameters
+    ----------
+    what : str
+        Kind of thing that is named, for the message.
 
     Raises
     ------
     ParameterError
-        There is no such preset.
+        It is not.
     """
-    if name not in presets:
-        raise ParameterError(f"preset: {name!r} is none of {' | '.join(presets)}")
-    return presets[name]
+    if name not in known:
+        raise ParameterError(f"{what}: {name!r} is none of {' | '.join(known)}")

@@ -10,9 +10,9 @@ import pytest
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import (
     ParameterSet,
+    check_name,
     number,
     parameter_table,
-    preset_of,
     word,
 )
 
@@ -72,11 +72,10 @@ def test_a_misspelled_name_is_met_with_the_right_one():
         LampParameters().replaced({"colur": "red"})
 
 
-def test_a_preset_is_found_by_its_name():
-    presets = {"day": LampParameters(), "night": LampParameters(brightest=1.0)}
-    assert preset_of(presets, "night").brightest == 1.0
-    with pytest.raises(ParameterError, match=r"'dusk' is none of day \| night"):
-        preset_of(presets, "dusk")
+def test_an_unknown_name_is_refused_with_those_that_are_known():
+    check_name("lamp", "night", ("day", "night"))
+    with pytest.raises(ParameterError, match=r"lamp: 'dusk' is none of day \| night"):
+        check_name("lamp", "dusk", ("day", "night"))
 
 
 def test_words_are_the_values_with_choices_and_numbers_are_none():

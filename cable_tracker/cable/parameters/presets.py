@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.parameter_table import preset_of
+from cable_tracker.tracking.parameter_table import check_name
 
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
@@ -69,4 +69,5 @@ def preset(name: str) -> TrackerParameters:
     ParameterError
         There is no such preset.
     """
-    return preset_of(PRESETS, name)
+    check_name("preset", name, PRESETS)
+    return PRESETS[name]

@@ -33,6 +33,7 @@ from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget
 from cable_tracker.followed_kinds import TARGET
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_table import check_name
 
 FIGURES_CSV = "figures.csv"
 OWN_NAMES = frozenset({FIGURES_CSV, TABLE_MARKDOWN, STORE})
@@ -93,8 +94,7 @@ def chosen_methods(
     if not names:
         return ("default", *own) if own else ("default", "thesis", *PEERS, "grey default")
     for name in names:
-        if name not in method_names():
-            raise ParameterError(f"method: {name!r} is none of {' | '.join(method_names())}")
+        check_name("method", name, method_names())
     return (*dict.fromkeys(names), *own)
 
 

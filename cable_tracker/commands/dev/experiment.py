@@ -38,6 +38,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
     write_experiment,
 )
+from cable_tracker.tracking.parameter_table import check_name
 
 
 def experiment(  # noqa: PLR0917
@@ -77,8 +78,7 @@ def experiment(  # noqa: PLR0917
     thresholds. strips: crisp strips of any width from a cold start. coverage: how often the truth
     lies inside the stated covariance.
     """
-    if name not in EXPERIMENTS:
-        raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
+    check_name("experiment", name, EXPERIMENTS)
     chosen = _with_rows(_make_experiment(name, seeds_from(seeds, first_seed), frames), row)
     path = output if output is not None else Path(f"experiment_{name}")
     note = origin_note()

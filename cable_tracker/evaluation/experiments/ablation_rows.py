@@ -12,7 +12,7 @@ from types import MappingProxyType
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
-from cable_tracker.tracking.parameter_table import ParameterValue
+from cable_tracker.tracking.parameter_table import ParameterValue, check_name
 
 DEFAULT, THESIS = "default", "thesis"
 
@@ -232,5 +232,4 @@ def check_row_names(names: Sequence[str]) -> None:
     if not names:
         raise ParameterError(f"row: give at least one of {' | '.join(ROW_NAMES)}")
     for name in names:
-        if name not in ROW_NAMES:
-            raise ParameterError(f"row: {name!r} is none of {' | '.join(ROW_NAMES)}")
+        check_name("row", name, ROW_NAMES)

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.rendering.look import Bottom, Lamp, Look, Skin, Water
 from cable_tracker.simulation.scenarios.scenario import (
     BRISK,
@@ -25,6 +24,7 @@ from cable_tracker.simulation.scenarios.scenario import (
     Sway,
     frame_move,
 )
+from cable_tracker.tracking.parameter_table import check_name
 
 USUAL_MOTION = Motion(
     distance=Sway(0.0, 55.0, CALM),
@@ -282,6 +282,5 @@ def find_scenario(name: str) -> Scenario:
     ParameterError
         There is none.
     """
-    if name not in SCENARIOS:
-        raise ParameterError(f"scenario {name!r} is unknown: choose from {', '.join(SCENARIOS)}")
+    check_name("scenario", name, SCENARIOS)
     return SCENARIOS[name]

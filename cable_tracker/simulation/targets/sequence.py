@@ -9,13 +9,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
-from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.image_frame import Window, bounding_box
-from cable_tracker.tracking.parameter_table import pixel_scale
+from cable_tracker.tracking.parameter_table import check_name, pixel_scale
 
 LEAST_SHARE = 0.25
 """Smallest visible share of a target that counts as in view."""
@@ -75,8 +74,7 @@ def find_target_scenario(name: str) -> TargetScenario:
     ParameterError
         There is none.
     """
-    if name not in TARGET_SCENARIOS:
-        raise ParameterError(f"scenario {name!r} is none of {' | '.join(TARGET_SCENARIOS)}")
+    check_name("scenario", name, TARGET_SCENARIOS)
     return TARGET_SCENARIOS[name]
 
 

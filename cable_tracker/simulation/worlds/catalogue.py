@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.motion import MotionKind
 from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, World
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
+from cable_tracker.tracking.parameter_table import check_name
 
 _FAINT = (0.7, 3.2)
 _CLEAR = (2.5, 5.5)
@@ -186,7 +186,6 @@ def simulate_world(
         The world needs photographs, and there are none.
     """
     if isinstance(world, str):
-        if world not in WORLDS:
-            raise ParameterError(f"world {world!r} is unknown: choose from {', '.join(WORLDS)}")
+        check_name("world", world, WORLDS)
         world = WORLDS[world]
     return WorldDive(world, seed, image_size).frames()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.parameter_table import preset_of
+from cable_tracker.tracking.parameter_table import check_name
 
 TARGET_PRESETS: Mapping[str, TargetParameters] = MappingProxyType(
     {
@@ -35,4 +35,5 @@ def target_preset(name: str) -> TargetParameters:
     ParameterError
         There is no such preset.
     """
-    return preset_of(TARGET_PRESETS, name)
+    check_name("preset", name, TARGET_PRESETS)
+    return TARGET_PRESETS[name]

@@ -176,7 +176,7 @@ def test_a_distorted_camera_bends_the_picture_but_not_its_truth():
 
 
 def test_an_unknown_scenario_is_refused_with_the_names():
-    with pytest.raises(ParameterError, match=r"scenario 'S7' is unknown.*S1, S2.*stop") as caught:
+    with pytest.raises(ParameterError, match=r"scenario: 'S7' is none of S1 \| S2.*stop") as caught:
         simulate_scenario("S7")
     assert "\n" not in str(caught.value)
     with pytest.raises(ParameterError):
