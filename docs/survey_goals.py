@@ -27,6 +27,7 @@ from cable_tracker.simulation.instruments.survey_dive import (
     usual_survey,
 )
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings as Simulated
+from cable_tracker.simulation.rendering.clutter import Streak
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.survey.frames.forward_pass import read_pose, track_forwards
@@ -52,6 +53,16 @@ HIDDEN_SHARE = 0.4
 
 HALF, HALF_STEP = 0.5, 0.05
 """A hidden stretch ends where so much of the borders is hidden; looked for in such steps [m]."""
+
+LEAST_ACROSS = math.sin(math.radians(15.0))
+"""Sine of the angle from the cable at which a line counts as across it."""
+
+MEETING_STEP = 0.2
+"""Distance between places of the cable at which it is told on which side of a streak they lie
+[radii]."""
+
+SHARE_WAY = 0.5
+"""Length of cable over which its hidden share is computed [m]."""
 
 HEADINGS = (
     "dive", "length [m]", "RMS [m]", "without the way back [m]", "inside 95 % regions [%]",
@@ -120,6 +131,60 @@ class Truth:
         return np.interp(stamps, self._stamps, self._poses[:, 2])
 
 
+def meetings(tube: Tube, streak: Streak) -> FloatArray:
+    """Return where along a bent cable a streak lies across it, shape (N,) [m].
+
+    A streak's places are in radii of the tube.
+    """
+    reach = streak.half_length + 1.0
+    places = np.arange(streak.q - reach, streak.q + reach, MEETING_STEP)
+    points, directions = tube.axis(places * tube.radius)
+    cos, sin = math.cos(streak.angle), math.sin(streak.angle)
+    u, v = points[:, 0] / tube.radius - streak.p, points[:, 1] / tube.radius - streak.q
+    across, along = u * cos + v * sin, v * cos - u * sin
+    lean = directions[:, 0] * cos + directions[:, 1] * sin
+    before = np.flatnonzero(np.diff(np.signbit(across)))
+    before = before[(np.abs(along) <= reach)[before] & (np.abs(lean) >= LEAST_ACROSS)[before]]
+    shares = across[before] / (across[before] - across[before + 1])
+    met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
+    return met
+
+
+class SeaBed:
+    """What lies across the true cable, and what hides it.
+
+    Parameters
+    ----------
+    settings : SurveyDiveSettings
+        Settings of the dive over it.
+    """
+
+    def __init__(self, settings: Simulated) -> None:
+        self._settings = settings
+        self._tube = cable_of_seed(settings.cable_seed)
+        self._scene = SurveyDive(settings).scene
+
+    def lines_across(self) -> FloatArray:
+        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
+        met = [meetings(self._tube, streak) for streak in self._scene.streaks]
+        return np.sort(np.concatenate([self._settings.crossings, *met]))
+
+    def hidden_share(self, along: FloatArray) -> FloatArray:
+        """Return which share of both borders is hidden about places along the cable, shape (N,).
+
+        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
+        """
+        shares = np.empty(len(along))
+        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
+        for number, place in enumerate(along):
+            points, _ = self._tube.axis(np.array([place]))
+            position = np.array([*points[0, :2], self._settings.altitude])
+            world = self._tube.silhouette(position[None], (place + steps)[None])[0]
+            usable = np.isfinite(world).all(axis=-1)
+            shares[number] = self._scene.hidden(position, world, usable).mean()
+        return shares
+
+
 def measure(path: Path, settings: Simulated) -> Measured:
     """Survey one dive and compare it with its truth."""
     survey = SurveySettings(pictures=False)
@@ -146,7 +211,7 @@ def measure(path: Path, settings: Simulated) -> Measured:
         (event, *where.true(event, each.route)) for each in surveyed.routes for event in each.events
     ]
     done = _as_far_as(settings, float(along.max()))
-    found, expected, ends, sand = _judge_found(done, SurveyDive(settings), events)
+    found, expected, ends, sand = _judge_found(done, SeaBed(settings), events)
     return Measured(
         path.name,
         done.length,
@@ -204,11 +269,11 @@ Placed = tuple[Event, float, float]
 """An event, and from where to where it is on the true course [m]."""
 
 
-def _half_hidden(dive: SurveyDive, stretch: Stretch) -> Stretch:
+def _half_hidden(bed: SeaBed, stretch: Stretch) -> Stretch:
     """Return from where to where sand, or growth beside it, hides more than half of the cable."""
 
     def walk(place: float, step: float) -> float:
-        while float(dive.hidden_share(np.array([place + step]))[0]) > HALF:
+        while float(bed.hidden_share(np.array([place + step]))[0]) > HALF:
             place += step
         return place + step / 2
 
@@ -216,7 +281,7 @@ def _half_hidden(dive: SurveyDive, stretch: Stretch) -> Stretch:
 
 
 def _judge_found(
-    settings: Simulated, dive: SurveyDive, events: Sequence[Placed]
+    settings: Simulated, bed: SeaBed, events: Sequence[Placed]
 ) -> tuple[int, int, float, float]:
     """Return how many built-in events were found, of how many, and how far ends are off [m].
 
@@ -231,7 +296,7 @@ def _judge_found(
         ]
         if reported:
             found += 1
-            off = max(off, _ends_off(reported, _half_hidden(dive, stretch)))
+            off = max(off, _ends_off(reported, _half_hidden(bed, stretch)))
             off_sand = max(off_sand, _ends_off(reported, stretch))
     for place in settings.crossings:
         found += any(
@@ -254,8 +319,8 @@ def _ends_off(reported: Sequence[Stretch], true: Stretch) -> float:
 
 def _judge_false(settings: Simulated, tube: Tube, events: Sequence[Placed]) -> tuple[str, ...]:
     """Name the events that nothing on the sea bed or in the dive explains."""
-    dive = SurveyDive(settings)
-    across = dive.lines_across()
+    bed = SeaBed(settings)
+    across = bed.lines_across()
     aside = tuple(Stretch(each.start - 6.0, each.end + 6.0) for each in settings.excursions)
 
     def explained(event: Event, start: float, end: float) -> bool:
@@ -264,7 +329,7 @@ def _judge_false(settings: Simulated, tube: Tube, events: Sequence[Placed]) -> t
             return bool((np.abs(across - start) < NEAR).any())
         if kind in (EventKind.BURIED, EventKind.FOUND, EventKind.LOST):
             reach = 0.0 if kind is EventKind.BURIED else NEAR
-            shares = dive.hidden_share(np.arange(start - reach, end + reach + 0.1, 0.2))
+            shares = bed.hidden_share(np.arange(start - reach, end + reach + 0.1, 0.2))
             if float(np.median(shares) if reach == 0.0 else shares.max()) > HIDDEN_SHARE:
                 return True
         if kind in (EventKind.FOUND, EventKind.LOST, EventKind.OUT_OF_VIEW, EventKind.ASIDE):

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from cable_tracker.stamps import FIRST_STAMP, stamp_of_frame
+from cable_tracker.stamps import FIRST_STAMP, stamp_at, stamp_of_frame
 
 
 def test_frames_without_times_begin_at_one_second():
@@ -28,3 +28,8 @@ def test_stamps_follow_the_rate(index, rate, stamp):
 def test_stamps_never_repeat():
     stamps = [stamp_of_frame(index, 59.94) for index in range(1000)]
     assert all(later > earlier for earlier, later in pairwise(stamps))
+
+
+def test_seconds_count_from_frame_0():
+    assert stamp_at(0.0) == FIRST_STAMP
+    assert stamp_at(0.1234567891) == FIRST_STAMP + 123_456_789

@@ -51,6 +51,11 @@ def cable_points(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]
     return from_renderer(points), from_renderer(directions)
 
 
+def cable_course(seed: int, along: FloatArray) -> FloatArray:
+    """Return points of the cable that a seed gives, (N, 3) [m], at places (N,) along it."""
+    return cable_points(cable_of_seed(seed), along)[0]
+
+
 def nearest_along(tube: Tube, place: FloatArray, along: float) -> float:
     """Return where along a cable the point nearest to a place (2,) is; `along` is a guess [m]."""
     for _ in range(NEAREST_STEPS):
@@ -105,21 +110,19 @@ class CableScene:
         poses = self._poses(state)
         return self._renderer.render(poses.positions[0], poses.rotations[0], seconds)
 
-    def seen(self, state: VehicleState) -> tuple[CableState | None, float]:
-        """Return the cable in the image, and the share of its borders in it that nothing hides.
+    def seen(self, state: VehicleState) -> CableState | None:
+        """Return the cable in the image; None if nothing of it can be seen.
 
-        Its rates are those at which it moves through the image as the vehicle moves now. None and
-        0 if nothing of it can be seen.
+        Its rates are those at which it moves through the image as the vehicle moves now.
         """
         poses = self._poses(state)
         projected = project_tube(self._tube, self.camera, poses)
         hidden = self.hidden(poses.positions[0], projected.world[0], projected.inside[0])
-        visibility = visible_share(projected, 0, hidden)
-        if visibility <= 0.0:
-            return None, 0.0
+        if visible_share(projected, 0, hidden) <= 0.0:
+            return None
         states = fit_states(projected, self.camera.image_size)
         states[0, POSE_SIZE:] = self._rates(state, states[0, StateColumn.ANGLE])
-        return CableState.from_array(states[0]), visibility
+        return CableState.from_array(states[0])
 
     def _rates(self, state: VehicleState, angle: float) -> FloatArray:
         """Return the rates of d, alpha, w, beta about a normal angle, shape (4,)."""

@@ -26,7 +26,7 @@ from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
 from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, scenario_dive
-from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+from cable_tracker.stamps import stamp_at
 from cable_tracker.tracking.image_frame import image_centre
 
 ODOMETRY_RATE = 50.0
@@ -118,13 +118,9 @@ def simulated_vehicle(scenario: str, seed: int, errors: InstrumentErrors) -> Sim
         altitudes=flight.positions[:, 2],
         instruments=_instruments(dive, flight, errors, rng),
         twists=twists,
-        twist_stamps=[_stamp(time) for time in twist_times],
+        twist_stamps=[stamp_at(time) for time in twist_times],
         covariance=covariance,
     )
-
-
-def _stamp(time: float) -> int:
-    return FIRST_STAMP + round(time * NANOSECONDS)
 
 
 def _disturbed(
@@ -153,7 +149,7 @@ def _instruments(
     for time, position, angles in zip(flight.times, flight.positions, flight.angles, strict=True):
         altitude = float(position[2]) * (1.0 + errors.altitude * float(rng.standard_normal()))
         roll, pitch = angles[:2] + errors.attitude * rng.standard_normal(2)
-        stamp = _stamp(float(time))
+        stamp = stamp_at(float(time))
         instruments.take_altitude(stamp, altitude, (LEAST_RANGE, MOST_RANGE))
         instruments.take_attitude(stamp, Attitude(float(roll), float(pitch), errors.attitude))
     return instruments

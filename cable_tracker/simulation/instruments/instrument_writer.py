@@ -40,7 +40,7 @@ from cable_tracker.simulation.instruments.instruments import (
 )
 from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+from cable_tracker.stamps import FIRST_STAMP, stamp_at
 
 ORIGIN = (54.25, 7.9)
 """Latitude and longitude of the world's origin [deg]."""
@@ -89,7 +89,6 @@ class Tick:
     fix: FloatArray | None = None
     picture: Image | None = None
     truth: CableState | None = None
-    visibility: float = 0.0
 
 
 def to_east_north(places: FloatArray) -> FloatArray:
@@ -139,7 +138,7 @@ class InstrumentWriter:
 
     def write(self, tick: Tick) -> None:
         """Write everything about an instant but its picture."""
-        stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
+        stamp = stamp_at(tick.seconds)
         factory, errors = self._factory, self._errors
         in_odom = make_header(factory, stamp, ODOM)
         at_base = make_header(factory, stamp, BASE)

@@ -37,8 +37,8 @@ from cable_tracker.simulation.instruments.survey_dive import (
     SurveyDive,
     SurveyDiveSettings,
 )
-from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
-from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
+from cable_tracker.simulation.seen_cable import cable_course
+from cable_tracker.stamps import stamp_at
 
 COURSE_STEP = 0.25
 """Distance between two points of the true course [m]."""
@@ -100,7 +100,7 @@ def write_survey_bag(
 def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
     """Return what `truth.json` says."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
-    course = cable_points(cable_of_seed(settings.cable_seed), along)[0][:, :2]
+    course = cable_course(settings.cable_seed, along)[:, :2]
     return {
         "origin": ORIGIN,
         "bearing": BEARING,
@@ -120,7 +120,7 @@ class _Writer(InstrumentWriter):
         super().write(tick)
         if tick.picture is None:
             return
-        stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
+        stamp = stamp_at(tick.seconds)
         factory = self._factory
         at_camera = make_header(factory, stamp, CAMERA)
         self._write(node_topics.GROUND_TRUTH, make_state(factory, at_camera, tick.truth), stamp)

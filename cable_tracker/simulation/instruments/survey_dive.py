@@ -27,10 +27,8 @@ from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
 from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
-    VehicleModel,
     VelocityCommand,
 )
-from cable_tracker.simulation.rendering.clutter import Streak
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
 from cable_tracker.simulation.rendering.look import Skin
 from cable_tracker.simulation.rendering.tube import Tube
@@ -59,16 +57,6 @@ SWAY_GAIN, MOST_SWAY = 0.4, 0.2
 
 CROSSING_RADIUS = 0.06
 """Radius of the cables that lie across [m]."""
-
-LEAST_ACROSS = math.sin(math.radians(15.0))
-"""Sine of the angle from the cable at which a line counts as across it."""
-
-MEETING_STEP = 0.2
-"""Distance between places of the cable at which it is told on which side of a streak they lie
-[radii]."""
-
-SHARE_WAY = 0.5
-"""Length of cable over which its hidden share is computed [m]."""
 
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
@@ -172,30 +160,13 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSet
     )
 
 
-def meetings(tube: Tube, streak: Streak) -> FloatArray:
-    """Return where along a bent cable a streak lies across it, shape (N,) [m].
-
-    A streak's places are in radii of the tube.
-    """
-    reach = streak.half_length + 1.0
-    places = np.arange(streak.q - reach, streak.q + reach, MEETING_STEP)
-    points, directions = tube.axis(places * tube.radius)
-    cos, sin = math.cos(streak.angle), math.sin(streak.angle)
-    u, v = points[:, 0] / tube.radius - streak.p, points[:, 1] / tube.radius - streak.q
-    across, along = u * cos + v * sin, v * cos - u * sin
-    lean = directions[:, 0] * cos + directions[:, 1] * sin
-    before = np.flatnonzero(np.diff(np.signbit(across)))
-    before = before[(np.abs(along) <= reach)[before] & (np.abs(lean) >= LEAST_ACROSS)[before]]
-    shares = across[before] / (across[before] - across[before + 1])
-    met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
-    return met
-
-
 class SurveyDive:
     """One dive along a cable.
 
     Attributes
     ----------
+    scene : CableScene
+        The cable with all that lies about it.
     camera : Camera
         The vehicle's camera; base_link is at its centre.
     errors : InstrumentErrors
@@ -209,42 +180,22 @@ class SurveyDive:
         own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
         motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
         self._tube = cable_of_seed(settings.cable_seed)
-        self._scene = CableScene(
+        self.scene = CableScene(
             self._tube,
             Surroundings(LOOK, stretches=self._stretches(), others=self._others()),
             settings.length,
             settings.image_size,
             (np.random.default_rng(cables.clutter), np.random.default_rng(cables.picture)),
         )
-        self.camera = self._scene.camera
+        self.camera = self.scene.camera
         self.cable_height = self._tube.height
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
-        self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
+        self._vehicle = Vehicle(current, self._start(), motion_rng)
         self.errors = InstrumentErrors()
         self._instruments = InstrumentSet(self.errors, self._vehicle.state(), reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
-
-    def lines_across(self) -> FloatArray:
-        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
-        met = [meetings(self._tube, streak) for streak in self._scene.streaks]
-        return np.sort(np.concatenate([self._settings.crossings, *met]))
-
-    def hidden_share(self, along: FloatArray) -> FloatArray:
-        """Return which share of both borders is hidden about places along the cable, shape (N,).
-
-        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
-        """
-        shares = np.empty(len(along))
-        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
-        for number, place in enumerate(along):
-            points, _ = self._tube.axis(np.array([place]))
-            position = np.array([*points[0, :2], self._settings.altitude])
-            world = self._tube.silhouette(position[None], (place + steps)[None])[0]
-            usable = np.isfinite(world).all(axis=-1)
-            shares[number] = self._scene.hidden(position, world, usable).mean()
-        return shares
 
     def ticks(self) -> Iterator[Tick]:
         """Dive until the end of the cable, or until three times the time that it should take."""
@@ -266,11 +217,10 @@ class SurveyDive:
                 yield Tick(number * period, state, odometry, imu, fix=fix)
                 continue
             self._altitude = self._instruments.altitude(state)
-            picture = self._scene.picture(state, number * period)
-            truth, visibility = self._scene.seen(state)
+            picture = self.scene.picture(state, number * period)
             yield Tick(
                 number * period, state, odometry, imu, self._altitude, fix,
-                picture, truth, visibility,
+                picture, self.scene.seen(state),
             )  # fmt: skip
             if along >= settings.length:
                 return

@@ -19,7 +19,6 @@ from cable_tracker.simulation.instruments.instruments import InstrumentErrors, I
 from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
-    VehicleModel,
     VehicleState,
     VelocityCommand,
 )
@@ -28,7 +27,6 @@ from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.seen_cable import (
     CableScene,
     bent_cable,
-    cable_of_seed,
     cable_points,
     nearest_along,
 )
@@ -164,7 +162,7 @@ class LiveWorld:
         self.camera = self._scene.camera
         self.cable_height = self._tube.height
         current = Current.random(settings.current, course_rng)
-        self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
+        self._vehicle = Vehicle(current, self._start(motion_rng), motion_rng)
         self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
         self.time = 0.0
 
@@ -217,9 +215,4 @@ class LiveWorld:
 
     def true_state(self, state: VehicleState) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
-        return self._scene.seen(state)[0]
-
-
-def cable_course(seed: int, along: FloatArray) -> FloatArray:
-    """Return points of the cable that a seed gives, (N, 3) [m], at places (N,) along it."""
-    return cable_points(cable_of_seed(seed), along)[0]
+        return self._scene.seen(state)

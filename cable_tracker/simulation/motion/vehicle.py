@@ -160,8 +160,6 @@ class Vehicle:
 
     Parameters
     ----------
-    model : VehicleModel
-        Mass, drag, thrust and autopilot of the vehicle.
     current : Current
         The water around it.
     pose : FloatArray
@@ -170,14 +168,8 @@ class Vehicle:
         Draws how it rolls and pitches.
     """
 
-    def __init__(
-        self,
-        model: VehicleModel,
-        current: Current,
-        pose: FloatArray,
-        rng: np.random.Generator,
-    ) -> None:
-        self._model = model
+    def __init__(self, current: Current, pose: FloatArray, rng: np.random.Generator) -> None:
+        self._model = VehicleModel()
         self._current = current
         self._pose = pose.astype(np.float64)
         self._velocity = np.zeros(AXES)
@@ -185,8 +177,8 @@ class Vehicle:
         self._gain = np.zeros(AXES)
         self._altitude_wanted = float(pose[2])
         self._time = 0.0
-        self._roll = Harmonics.random(model.tilt, TILT_BANDS, rng)
-        self._pitch = Harmonics.random(model.tilt, TILT_BANDS, rng)
+        self._roll = Harmonics.random(self._model.tilt, TILT_BANDS, rng)
+        self._pitch = Harmonics.random(self._model.tilt, TILT_BANDS, rng)
 
     @property
     def velocity(self) -> FloatArray:

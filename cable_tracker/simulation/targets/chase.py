@@ -18,7 +18,6 @@ from cable_tracker.simulation.instruments.instruments import InstrumentErrors, I
 from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
-    VehicleModel,
     VehicleState,
     VelocityCommand,
 )
@@ -133,7 +132,7 @@ class ChaseWorld:
         self._target = np.array([FIRST_DISTANCE, 0.0, settings.altitude])
         start = np.array([0.0, 0.0, settings.altitude, 0.0])
         current = Current.random(settings.current, motion_rng)
-        self._vehicle = Vehicle(VehicleModel(), current, start, motion_rng)
+        self._vehicle = Vehicle(current, start, motion_rng)
         self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
         self.time = 0.0
 

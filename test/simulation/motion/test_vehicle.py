@@ -20,7 +20,7 @@ ALTITUDE = 2.0
 def vehicle(current: float = 0.0, yaw: float = 0.0, seed: int = 1) -> Vehicle:
     rng = np.random.default_rng(seed)
     pose = np.array([0.0, 0.0, ALTITUDE, yaw])
-    return Vehicle(VehicleModel(), Current.random(current, rng), pose, rng)
+    return Vehicle(Current.random(current, rng), pose, rng)
 
 
 def run(craft: Vehicle, command: VelocityCommand, seconds: float) -> None:
