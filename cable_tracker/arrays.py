@@ -46,3 +46,9 @@ def interpolated(asked: FloatArray | float, known: FloatArray, columns: FloatArr
     At one place the shape is (C,). Before the first and after the last they stay as they are there.
     """
     return np.stack([np.interp(asked, known, column) for column in columns.T], axis=-1)
+
+
+def shares_of(values: FloatArray) -> FloatArray:
+    """Return values (N,) that are not negative, scaled to sum to one; even shares if all are 0."""
+    total = values.sum()
+    return values / total if total > 0.0 else np.full(len(values), 1.0 / len(values))

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.arrays import eight_bits, interpolated, true_runs
+from cable_tracker.arrays import eight_bits, interpolated, shares_of, true_runs
 
 KNOWN = np.array([0.0, 2.0, 4.0])
 COLUMNS = np.array([[0.0, 10.0], [2.0, 20.0], [2.0, 40.0]])
@@ -38,3 +38,8 @@ def test_columns_are_straight_between_what_is_known_and_level_outside():
 
 def test_one_place_gives_one_row():
     assert interpolated(3.0, KNOWN, COLUMNS).tolist() == [2.0, 30.0]
+
+
+def test_shares_sum_to_one_and_are_even_where_there_is_nothing():
+    assert shares_of(np.array([1.0, 0.0, 3.0])).tolist() == [0.25, 0.0, 0.75]
+    assert shares_of(np.zeros(4)).tolist() == [0.25] * 4

@@ -22,7 +22,13 @@ from cable_tracker.target.measure.working_frame import (
 from cable_tracker.target.model.camera_motion import CameraMotion, telling
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, in_frame_pixels, wrap_full_turn
+from cable_tracker.target.model.state import (
+    STATE_SIZE,
+    UNKNOWN_COVARIANCE,
+    PoseColumn,
+    in_frame_pixels,
+    wrap_full_turn,
+)
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
@@ -305,7 +311,7 @@ class TargetTracker:
             status=self._status.status,
             image_size=self._frame.size,
             state=np.zeros(STATE_SIZE),
-            covariance=np.eye(STATE_SIZE) * 1e6,
+            covariance=UNKNOWN_COVARIANCE,
             event=event,
         )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, shares_of
 from cable_tracker.compilation import compiled
 from cable_tracker.target.measure.features import BinMap, Bins
 from cable_tracker.tracking.image_frame import Window, bounding_box
@@ -196,9 +196,8 @@ def learn_histograms(bins: BinMap, mask: BoolArray, count: int) -> tuple[FloatAr
         Shares, shape (B,); all even where there are no pixels.
     """
     target, beside, far = _counted(bins, mask, np.array(window_near(mask)), count)
-    shares = [each / each.sum() if each.any() else np.full(count, 1.0 / count) for each in
-              (target, beside, far)]  # fmt: skip
-    return shares[0], NEAR_SHARE * shares[1] + (1.0 - NEAR_SHARE) * shares[2]
+    around = NEAR_SHARE * shares_of(beside) + (1.0 - NEAR_SHARE) * shares_of(far)
+    return shares_of(target), around
 
 
 @compiled

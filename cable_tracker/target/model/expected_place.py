@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.target.model.state import distances_from
 
 MARGIN = 0.3
 """Gap by which scores elsewhere stay below the best score here, while the target is seen here."""
@@ -38,8 +39,7 @@ class ExpectedPlace:
 
     def is_elsewhere(self, states: FloatArray) -> BoolArray:
         """Tell which poses (N, 6) are not here, shape (N,)."""
-        apart = np.hypot(states[:, 0] - self.x, states[:, 1] - self.y)
-        elsewhere: BoolArray = apart > self.reach
+        elsewhere: BoolArray = distances_from(self.x, self.y, states) > self.reach
         return elsewhere
 
     def seen(self, states: FloatArray, scores: FloatArray, least: float) -> ExpectedPlace:

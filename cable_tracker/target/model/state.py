@@ -33,6 +33,9 @@ X, Y, LOG_SCALE, ANGLE = range(POSE_SIZE)
 STATE_SIZE = len(PoseColumn)
 """Those of the pose, and the rates of the position, per second."""
 
+UNKNOWN_COVARIANCE: FloatArray = np.eye(STATE_SIZE) * 1e6
+"""Covariance of a pose of which nothing is known."""
+
 
 def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:
     """Return poses, shape (N, 6), with lengths in pixels of the frame; `zoom` of those a pixel."""
@@ -46,3 +49,16 @@ def wrap_full_turn(angles: FloatArray) -> FloatArray:
     """Return angles in (-pi, pi]."""
     wrapped: FloatArray = -np.remainder(np.pi - angles, 2.0 * np.pi) + np.pi
     return wrapped
+
+
+def distances_from(x: float, y: float, states: FloatArray) -> FloatArray:
+    """Return how far from a place poses (N, 4 or 6) are, shape (N,) [px]."""
+    distances: FloatArray = np.hypot(states[:, PoseColumn.X] - x, states[:, PoseColumn.Y] - y)
+    return distances
+
+
+def at_rest(poses: FloatArray) -> FloatArray:
+    """Return poses (N, 4) with rates of zero, shape (N, 6)."""
+    states = np.zeros((len(poses), STATE_SIZE))
+    states[:, :POSE_SIZE] = poses
+    return states

@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.target.measure.map_peaks import find_peaks
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
-from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE, PoseColumn
+from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, at_rest, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE, RivalWatch, are_beside
@@ -73,10 +73,8 @@ def watch_rivals(
     """Return what is known of rivals after the peaks of a frame."""
     watch = belief.rivals.aged(dt)
     poses = peaks.poses
-    distances = np.hypot(*(poses[:, :2] - belief.estimate[:2]).T) / belief.size
+    distances = distances_from(belief.estimate[0], belief.estimate[1], poses) / belief.size
     if not are_beside(distances):
         return watch.after(distances)
-    states = np.zeros((len(poses), STATE_SIZE))
-    states[:, :POSE_SIZE] = poses
-    scores = measured.scores(states, belief.known.template)
+    scores = measured.scores(at_rest(poses), belief.known.template)
     return watch.after(distances[scores >= RIVAL_SCORE * belief.known.usual.mean])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, shares_of
 from cable_tracker.particle_filter.existence import predict_existence
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
@@ -127,9 +127,8 @@ def forecast_of(
     predicted = predict_existence(
         belief.presence, float(survival.mean()), event_probability(parameters.appearance_rate, dt)
     )
-    total = survival.sum()
     # None can be in view after a long time with high rates: then all are as likely.
-    alive = survival / total if total > 0.0 else np.full(len(survival), 1.0 / len(survival))
+    alive = shares_of(survival)
     kernels = kernel_mixture(
         centres,
         _diffusion(frames, shape[1], parameters),

@@ -23,7 +23,7 @@ from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_f
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
+from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
@@ -181,8 +181,7 @@ def cluster_weights(particles: Particles, reach: float) -> FloatArray:
     """
     weights, states = particles.weights, particles.states
     best = states[int(np.argmax(weights))]
-    apart = np.hypot(states[:, 0] - best[0], states[:, 1] - best[1])
-    chosen = np.where(apart <= reach, weights, 0.0)
+    chosen = np.where(distances_from(best[0], best[1], states) <= reach, weights, 0.0)
     shares: FloatArray = chosen / chosen.sum()
     return shares
 

@@ -27,7 +27,7 @@ from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
+from cable_tracker.target.model.state import STATE_SIZE, UNKNOWN_COVARIANCE, PoseColumn
 from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
@@ -273,7 +273,7 @@ class BlobFilter(TargetFilter):
         """Say that nothing of the target can be in the picture."""
         return TargetSummary(
             state=self._estimate.copy(),
-            covariance=np.eye(STATE_SIZE) * 1e6,
+            covariance=UNKNOWN_COVARIANCE,
             outline=None,
             is_whole=False,
             presence=0.0,

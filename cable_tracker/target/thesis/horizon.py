@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, shares_of
 
 FARTHEST_SHIFT = 5
 """Largest shift by which frames are aligned [px]."""
@@ -121,12 +121,7 @@ def horizon_weights(
     edges = roberts_energy(now) * edge_shares(now)
     edge_sums = np.array([_sum_in(edges, mask, corner) for corner in corners])
     moving_sums = np.array([_sum_in(moving, mask, corner) for corner in corners])
-    return EDGE_SHARE * _shares(edge_sums) + (1.0 - EDGE_SHARE) * _shares(moving_sums)
-
-
-def _shares(values: FloatArray) -> FloatArray:
-    total = values.sum()
-    return values / total if total > 0.0 else np.full(len(values), 1.0 / len(values))
+    return EDGE_SHARE * shares_of(edge_sums) + (1.0 - EDGE_SHARE) * shares_of(moving_sums)
 
 
 def _sum_in(values: NDArray[np.float32], mask: BoolArray, corner: tuple[int, int]) -> float:
