@@ -30,7 +30,7 @@ from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_ob
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.tracking.status import StatusMachine
-from cable_tracker.tracking.succession import FrameMark, succession
+from cable_tracker.tracking.succession import FrameMark, joined_events, succession
 
 
 class CableTracker:
@@ -191,7 +191,7 @@ class CableTracker:
         known = motion if has_previous_frame and not step.event else None
         summary = self._step_filter(working_image, step.dt, known)
         self._pictures = working_image.next_history
-        event = "; ".join(filter(None, (step.event, self._notice)))
+        event = joined_events(step.event, self._notice)
         self._notice = ""
         return self._estimate(summary, step.dt, event, working_image.frame_scale)
 

@@ -35,7 +35,7 @@ from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.level_gain import amplified, byte_gain
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
-from cable_tracker.tracking.succession import FrameMark, Succession, succession
+from cable_tracker.tracking.succession import FrameMark, Succession, joined_events, succession
 
 LONG_GONE = 3.0
 """Multiple of the memory's time for which what a detector proposed is lost before it proposes
@@ -204,7 +204,7 @@ class TargetTracker:
                 return self._begin(seen, start, step.event)
             except FrameError as error:
                 # It does not stand out: what was followed still is.
-                event = _joined(event, str(error))
+                event = joined_events(event, str(error))
                 if self.is_searching:
                     return self._nothing(event)
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
@@ -232,7 +232,7 @@ class TargetTracker:
         """
         notice, self._notice = self._notice, ""
         is_missed = (self._ends(step) and self._forget()) or bool(notice)
-        reasons = _joined(step.event, notice)
+        reasons = joined_events(step.event, notice)
         return f"{reasons}: the marked target is forgotten, mark it again" if is_missed else reasons
 
     def _ends(self, step: Succession) -> bool:
@@ -349,11 +349,6 @@ class TargetTracker:
             score=summary.score,
             event=event,
         )
-
-
-def _joined(*events: str) -> str:
-    """Return what there is to say, one after the other."""
-    return "; ".join(filter(None, events))
 
 
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:

@@ -109,3 +109,8 @@ def _reason_to_start_anew(before: FrameMark, now: FrameMark, maximum_gap: float)
     if gap < 0:
         return f"time went back by {-gap:.3f} s"
     return f"no frame for {gap:.3f} s" if gap > maximum_gap else ""
+
+
+def joined_events(*events: str) -> str:
+    """Return what there is to say of a frame, one after the other; what is empty is left out."""
+    return "; ".join(filter(None, events))

@@ -51,4 +51,4 @@ def test_each_frame_has_a_row_in_metres_also_one_that_was_refused(refused_in_the
     assert [row["frame"] for row in metres] == ["0", "1", "2"]
     assert [row["stamp"] for row in metres] == [row["stamp"] for row in estimates]
     assert [bool(row["bearing_x"]) for row in metres] == [True, False, True]
-    assert metres[1]["why_not"].startswith("the frame was refused: a frame is at least 16 px")
+    assert metres[1]["why_not"].startswith("the frame was refused: 2x2 px is too small")

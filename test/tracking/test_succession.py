@@ -5,7 +5,13 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import FrameError
-from cable_tracker.tracking.succession import FrameMark, Succession, is_out_of_order, succession
+from cable_tracker.tracking.succession import (
+    FrameMark,
+    Succession,
+    is_out_of_order,
+    joined_events,
+    succession,
+)
 
 FIRST = FrameMark((320, 240), 1_000_000_000)
 
@@ -75,3 +81,10 @@ def test_what_is_out_of_order_is_what_is_refused(step):
 def test_what_is_no_time_is_refused(before, stamp):
     with pytest.raises(FrameError, match="is no time; give whole nanoseconds"):
         succession(before, FrameMark((320, 240), stamp), 5.0)
+
+
+def test_events_are_joined_but_for_those_that_say_nothing():
+    assert joined_events("no frame for 9 s", "", "it was marked anew") == (
+        "no frame for 9 s; it was marked anew"
+    )
+    assert joined_events("", "") == ""

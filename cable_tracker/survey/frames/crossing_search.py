@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.picture.working_image import MINIMUM_SIDE
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.frame_metres import on_ground
 from cable_tracker.survey.frames.frame_table import CrossingSight, FrameTable
+from cable_tracker.tracking.frame_check import SMALLEST_SIDE
 
 CROSSING_STRIDE = 0.5
 """Interval between two pictures that are searched for lines across the cable [s]."""
@@ -53,7 +53,7 @@ class CrossingSearch:
         state, (width, height) = estimate.state, estimate.image_size
         own = np.array([math.cos(state.angle), math.sin(state.angle)])
         # A long, low picture keeps as many rows as a detector needs.
-        scale = max(min(width / CROSSING_WIDTH, height / MINIMUM_SIDE), 1.0)
+        scale = max(min(width / CROSSING_WIDTH, height / SMALLEST_SIDE), 1.0)
         for found in self._finder.detect(_reduced(grey, scale)):
             other = found.state.scaled(scale)
             across = abs(math.remainder(other.angle - state.angle, math.pi))

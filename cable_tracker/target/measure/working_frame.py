@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.target.measure.features import channels_of
-
-SMALLEST_SIDE = 16
+from cable_tracker.tracking.frame_check import check_levels
 
 LEAST_ROWS = 3
 """Rows that a reduced frame needs: with fewer, no contour has anything around it."""
@@ -83,17 +82,12 @@ def check_target_frame(image: Image, working_width: int) -> None:
     FrameError
         It cannot.
     """
-    if image.dtype not in (np.uint8, np.float32) or image.ndim not in {2, 3}:
+    if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)):
         raise FrameError(
-            "frames must be uint8 or float32 of shape (H, W) or (H, W, 3), not"
-            f" {image.dtype} {image.shape}"
+            "a picture has shape (height, width), or (height, width, 3) in colour, not"
+            f" {image.shape}"
         )
-    if image.ndim == 3 and image.shape[2] != 3:
-        raise FrameError(f"a coloured frame has 3 channels, not {image.shape[2]}")
-    if min(image.shape[:2]) < SMALLEST_SIDE:
-        raise FrameError(f"a frame is at least {SMALLEST_SIDE} px wide and high")
-    if image.dtype == np.float32 and not np.isfinite(image).all():
-        raise FrameError("the picture has pixels that are NaN or infinite")
+    check_levels(image)
     height, width = image.shape[:2]
     if _reduced(width, height, working_width)[1] < LEAST_ROWS:
         raise FrameError(

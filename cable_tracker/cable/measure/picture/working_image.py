@@ -33,13 +33,11 @@ from cable_tracker.cable.measure.picture.dead_margins import without_dead_margin
 from cable_tracker.cable.measure.picture.illumination import evenly_lit
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.frame_check import check_levels
 from cable_tracker.tracking.level_gain import amplified, level_gain
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 DEFAULTS = TrackerParameters()
-
-MINIMUM_SIDE = 16
-"""Smallest height and width of a frame that a cable can be measured in [px]."""
 
 SMALLEST_SIGMA = 0.5
 """Sigma that filters keep in narrow pictures [px]; below it, they fall between the pixels."""
@@ -233,23 +231,17 @@ def check_frame(image: object) -> None:
     Raises
     ------
     FrameError
-        It is no array, has not two dimensions, is too small or large, of an unknown dtype, not
-        finite, or has levels beyond `LARGEST_LEVEL`.
+        It is no array, has not two dimensions, cannot be measured (`check_levels`), is too large,
+        or has levels beyond `LARGEST_LEVEL`.
     """
     if not isinstance(image, np.ndarray):
         raise FrameError(f"a picture is a NumPy array, not a {type(image).__name__}")
     if image.ndim != 2:
         raise FrameError(f"a grey picture has shape (height, width), not {image.shape}")
-    if min(image.shape) < MINIMUM_SIDE:
-        height, width = image.shape
-        raise FrameError(f"{width}x{height} px is too small; at least {MINIMUM_SIDE} px each way")
+    check_levels(image)
     if max(image.shape) > MAXIMUM_SIDE:
         height, width = image.shape
         raise FrameError(f"{width}x{height} px is too large; at most {MAXIMUM_SIDE} px each way")
-    if image.dtype not in (np.uint8, np.float32):
-        raise FrameError(f"grey levels must be uint8 or float32, not {image.dtype}")
-    if image.dtype == np.float32 and not np.isfinite(image).all():
-        raise FrameError("the picture has pixels that are NaN or infinite")
     if image.dtype == np.float32 and float(np.abs(image).max()) > LARGEST_LEVEL:
         raise FrameError(f"grey levels must lie between -{LARGEST_LEVEL:g} and {LARGEST_LEVEL:g}")
 
