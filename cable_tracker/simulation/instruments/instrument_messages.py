@@ -159,19 +159,19 @@ def make_fix(factory: MessageFactory, header: Message, fix: Fix) -> Message:
     )
 
 
-def make_static_transforms(
-    factory: MessageFactory, stamp: int, camera_rotation: FloatArray
-) -> Message:
+def make_static_transforms(factory: MessageFactory, stamp: int, mounting: float) -> Message:
     """Pack where camera and altimeter are on the vehicle, both at its origin, as TFMessage.
 
-    `camera_rotation` (3, 3) turns the optical frame into base_link.
+    The camera looks forward by `mounting` from straight down [rad].
     """
+    # Roll, pitch and yaw of the optical frame: x to the right, y down in the image.
+    camera = np.array([mounting - math.pi, 0.0, -math.pi / 2])
     transforms = []
-    for child, rotation in ((CAMERA, camera_rotation), (ALTIMETER, np.eye(3))):
+    for child, angles in ((CAMERA, camera), (ALTIMETER, np.zeros(3))):
         transform = factory.make(
             "geometry_msgs/msg/Transform",
             translation=make_vector(factory, np.zeros(3)),
-            rotation=_quaternion_of_matrix(factory, rotation),
+            rotation=make_quaternion(factory, angles),
         )
         transforms.append(
             factory.make(
@@ -182,32 +182,3 @@ def make_static_transforms(
             )
         )
     return factory.make("tf2_msgs/msg/TFMessage", transforms=transforms)
-
-
-def optical_rotation(mounting: float) -> FloatArray:
-    """Return the rotation (3, 3) from optical frame to base_link of a camera.
-
-    It looks forward by `mounting` from straight down [rad].
-    """
-    sine, cosine = math.sin(mounting), math.cos(mounting)
-    # Columns: x to the right, y down in the image, z along the line of sight.
-    return np.array([[0.0, -cosine, sine], [-1.0, 0.0, 0.0], [0.0, -sine, -cosine]])
-
-
-def _quaternion_of_matrix(factory: MessageFactory, matrix: FloatArray) -> Message:
-    """Pack a rotation; the eigenvector of its symmetric 4x4 form, which has no singular case."""
-    m = matrix
-    form = np.array(
-        [
-            [m[0, 0] - m[1, 1] - m[2, 2], 0.0, 0.0, 0.0],
-            [m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2], 0.0, 0.0],
-            [m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1], 0.0],
-            [
-                m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1],
-                m[0, 0] + m[1, 1] + m[2, 2],
-            ],
-        ]
-    )  # fmt: skip
-    _, vectors = np.linalg.eigh(form)
-    x, y, z, w = (float(value) for value in vectors[:, -1])
-    return factory.make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)

@@ -31,7 +31,6 @@ from cable_tracker.simulation.instruments.instrument_messages import (
     make_range,
     make_static_transforms,
     make_true_odometry,
-    optical_rotation,
 )
 from cable_tracker.simulation.instruments.instruments import (
     ImuReading,
@@ -132,8 +131,7 @@ class InstrumentWriter:
         self._errors = errors
         self._factory = RosbagsMessages()
         self._frame = LocalFrame(*ORIGIN)
-        rotation = optical_rotation(camera.mounting)
-        transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
+        transforms = make_static_transforms(self._factory, FIRST_STAMP, camera.mounting)
         bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
 
     def write(self, tick: Tick) -> None:

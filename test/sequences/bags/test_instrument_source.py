@@ -1,6 +1,9 @@
+import math
+
 import numpy as np
 import pytest
 
+from cable_tracker.metric.frames import Mounting
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import (
@@ -13,7 +16,6 @@ from cable_tracker.sequences.messages.static_transforms import place_in
 from cable_tracker.simulation.instruments.instrument_messages import (
     make_range,
     make_static_transforms,
-    optical_rotation,
 )
 
 FACTORY = RosbagsMessages()
@@ -28,7 +30,7 @@ def instruments_of(path):
 def bag(tmp_path):
     path = tmp_path / "dive"
     with BagWriter(path) as writer:
-        transforms = make_static_transforms(FACTORY, 1, optical_rotation(0.3))
+        transforms = make_static_transforms(FACTORY, 1, 0.3)
         writer.write("/tf_static", "tf2_msgs/msg/TFMessage", transforms, 1)
         for stamp, received in ((10, 15), (20, 25), (0, 35)):
             message = make_range(FACTORY, make_header(FACTORY, stamp, "altimeter"), 2.0)
@@ -67,5 +69,5 @@ def test_messages_that_cannot_be_read_are_left_out_and_said_once_for_each_topic(
 def test_the_mounting_is_read_from_tf_static(bag):
     transforms = instruments_of(bag).static_transforms()
     rotation, place = place_in(transforms, "camera", "base_link")
-    np.testing.assert_allclose(rotation, optical_rotation(0.3), atol=1e-12)
+    np.testing.assert_allclose(rotation, Mounting(pitch=math.pi / 2 - 0.3).rotation, atol=1e-12)
     np.testing.assert_allclose(place, 0.0)
