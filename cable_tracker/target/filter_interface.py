@@ -1,9 +1,10 @@
-"""What the target tracker asks of a filter, and what a filter says about each frame."""
+"""What the target tracker asks of a filter: after each frame a summary and a belief."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -46,8 +47,20 @@ class TargetSummary:
     supports_keeping: bool
 
 
-class TargetFilter(ABC):
-    """A filter over the outline of one target.
+class TargetBelief(Protocol):
+    """What any filter believes of a target: particles at least. Never changed in place."""
+
+    @property
+    def particles(self) -> Particles:
+        """The particles, in pixels of the working image."""
+        ...
+
+
+BeliefType = TypeVar("BeliefType", bound=TargetBelief)
+
+
+class TargetFilter(ABC, Generic[BeliefType]):
+    """A filter over the outline of one target. It holds no belief itself.
 
     Parameters
     ----------
@@ -61,14 +74,11 @@ class TargetFilter(ABC):
         self._parameters = parameters
         self._rng = rng
 
-    @property
     @abstractmethod
-    def particles(self) -> Particles | None:
-        """The present belief, in pixels of the working image; None before the first target."""
-
-    @abstractmethod
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
-        """Learn a target from its pixels in a frame.
+    def start(
+        self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
+    ) -> tuple[TargetSummary, BeliefType]:
+        """Learn a target from its pixels in a frame; say what it shows, and what is believed then.
 
         Raises
         ------
@@ -79,17 +89,22 @@ class TargetFilter(ABC):
     @abstractmethod
     def step(
         self,
+        belief: BeliefType,
         frame: WorkingFrame,
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
         *,
         counts_for: float,
-    ) -> TargetSummary:
-        """Follow the target into the next frame.
+    ) -> tuple[TargetSummary, BeliefType]:
+        """Follow the target into the next frame; say what it shows, and what is believed then.
 
         Parameters
         ----------
+        belief : BeliefType
+            After the frame before.
+        frame : WorkingFrame
+            The frame.
         dt : float
             Time since the frame before, in which the target may have moved [s].
         motion : CameraMotion or None
@@ -100,7 +115,3 @@ class TargetFilter(ABC):
             Time that the frame counts for where something is learnt from it [s]: `dt`, but after a
             pause that of one frame.
         """
-
-    def configure(self, parameters: TargetParameters) -> None:
-        """Take other parameters from now on, and keep the belief."""
-        self._parameters = parameters

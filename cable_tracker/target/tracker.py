@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from enum import IntEnum
+from typing import Any
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.detect.candidates import DETECTORS
-from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
+from cable_tracker.target.filter_interface import TargetBelief, TargetFilter, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (
     WorkingFrame,
@@ -86,9 +87,9 @@ class TargetTracker:
     @property
     def particles(self) -> Particles | None:
         """The present belief, lengths in pixels of the frame; None before the first target."""
-        particles = self._filter.particles
-        if particles is None:
+        if self._belief is None:
             return None
+        particles = self._belief.particles
         return particles.moved_to(in_frame_pixels(particles.states, self._zoom))
 
     def configure(self, parameters: TargetParameters) -> None:
@@ -99,17 +100,19 @@ class TargetTracker:
         that, the next estimate says so.
         """
         before, self._parameters = self._parameters, parameters
-        if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
-            # A second change before the next frame finds nothing more to forget.
-            if self._forget():
-                self._notice = "another filter or working width"
-            return
-        self._filter.configure(parameters)
+        self._filter = self._make_filter()
+        is_other = (before.filter, before.working_width) != (
+            parameters.filter, parameters.working_width,
+        )  # fmt: skip
+        # A second change before the next frame finds nothing more to forget.
+        if is_other and self._forget():
+            self._notice = "another filter or working width"
 
     def reset(self) -> None:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = self._make_filter()
+        self._belief: TargetBelief | None = None
         self._gain = 1.0
         self._start: TargetStart | None = None
         self._status = StatusMachine()
@@ -213,7 +216,9 @@ class TargetTracker:
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
         motion = telling(motion, frame.size)
-        summary = self._filter.step(seen, dt, motion, apart, counts_for=step.dt)
+        summary, self._belief = self._filter.step(
+            self._belief, seen, dt, motion, apart, counts_for=step.dt
+        )
         return self._estimate(summary, step.dt, event)
 
     def _in_bytes(self, image: Image) -> Image:
@@ -245,8 +250,8 @@ class TargetTracker:
 
     def _forget(self) -> bool:
         """Begin with no target, and tell whether a marked one is missed by that."""
-        is_missed = self._filter.particles is not None and not self._is_proposed
-        self._filter = self._make_filter()
+        is_missed = self._belief is not None and not self._is_proposed
+        self._belief = None
         self._status = StatusMachine()
         return is_missed
 
@@ -258,7 +263,7 @@ class TargetTracker:
     @property
     def is_searching(self) -> bool:
         """Whether there is no target, or only one of a detector that was wrong or is long gone."""
-        if self._filter.particles is None:
+        if self._belief is None:
             return True
         if not self._is_proposed:
             return False
@@ -272,18 +277,17 @@ class TargetTracker:
             for candidate in DETECTORS[self._parameters.detector](seen):
                 if _covers_any(candidate.mask, others):
                     continue
-                target_filter = self._make_filter()
                 try:
-                    summary = target_filter.start(seen, candidate.mask, is_exact=True)
+                    summary, self._belief = self._filter.start(seen, candidate.mask, is_exact=True)
                 except FrameError:
                     # It does not stand out: the next candidate may.
                     continue
-                self._filter, self._is_proposed = target_filter, True
+                self._is_proposed = True
                 self._status = StatusMachine()
                 return self._estimate(summary, 0.0, event)
         return self._nothing(event)
 
-    def _make_filter(self) -> TargetFilter:
+    def _make_filter(self) -> TargetFilter[Any]:
         if self._parameters.filter == "blobs":
             return BlobFilter(self._parameters, self._rng)
         return PoseFilter(self._parameters, self._rng)
@@ -296,12 +300,10 @@ class TargetTracker:
         FrameError
             It does not stand out. Nothing has changed.
         """
-        target_filter = self._make_filter()
         mask = start.mask(seen.shape, seen.zoom)
-        summary = target_filter.start(seen, mask, is_exact=not start.is_box)
+        summary, self._belief = self._filter.start(seen, mask, is_exact=not start.is_box)
         self._status = StatusMachine().confirm_with_next_frame()
-        self._filter, self._is_proposed = target_filter, False
-        self._has_begun = True
+        self._is_proposed, self._has_begun = False, True
         return self._estimate(summary, 1.0, event)
 
     def _nothing(self, event: str) -> TargetEstimate:

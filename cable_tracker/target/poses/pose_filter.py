@@ -65,7 +65,7 @@ WHOLE_HASTE = 3.0
 """Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
 
 
-class PoseFilter(TargetFilter):
+class PoseFilter(TargetFilter[PoseBelief]):
     """See the module.
 
     Parameters
@@ -76,17 +76,10 @@ class PoseFilter(TargetFilter):
         The only source of randomness.
     """
 
-    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
-        super().__init__(parameters, rng)
-        self._belief: PoseBelief | None = None
-
-    @property
-    def particles(self) -> Particles | None:
-        """The present belief, in pixels of the working image; None before the first target."""
-        return None if self._belief is None else self._belief.particles
-
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
-        """Learn a target from its pixels in a frame.
+    def start(
+        self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
+    ) -> tuple[TargetSummary, PoseBelief]:
+        """Learn a target from its pixels in a frame; see `TargetFilter`.
 
         Raises
         ------
@@ -114,24 +107,21 @@ class PoseFilter(TargetFilter):
         )
         measured = measure_frame(frame, belief.known.appearance, parameters)
         weights = np.full(parameters.particle_count, 1.0 / parameters.particle_count)
-        summary, self._belief = estimate_and_adapt(
-            belief, measured, weights, 1.0 / REFERENCE_RATE, parameters
-        )
-        return summary
+        return estimate_and_adapt(belief, measured, weights, 1.0 / REFERENCE_RATE, parameters)
 
     def step(
         self,
+        belief: PoseBelief,
         frame: WorkingFrame,
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
         *,
         counts_for: float,
-    ) -> TargetSummary:
+    ) -> tuple[TargetSummary, PoseBelief]:
         """Follow the target into the next frame; see `TargetFilter`."""
-        assert self._belief is not None
         parameters, rng = self._parameters, self._rng
-        belief = self._belief.aged(frame, dt, motion, parameters)
+        belief = belief.aged(frame, dt, motion, parameters)
         seen = frame.measured_in(colour=belief.known.is_coloured)
         measured = measure_frame(seen, belief.known.appearance, parameters)
         peaks = propose_from_map(belief, measured, parameters)
@@ -148,10 +138,9 @@ class PoseFilter(TargetFilter):
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
         summary, belief = estimate_and_adapt(belief, measured, weights, counts_for, parameters)
-        self._belief = _with_followed_size(
+        return summary, _with_followed_size(
             belief, counts_for, parameters, is_whole=summary.is_whole
         )
-        return summary
 
 
 def crowding(states: FloatArray, others: FloatArray, cost: float, reach: float) -> FloatArray:

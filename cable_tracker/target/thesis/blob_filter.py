@@ -29,7 +29,6 @@ from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import STATE_SIZE, UNKNOWN_COVARIANCE, PoseColumn
 from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
-from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
 from cable_tracker.target.thesis.weights import blob_weights
@@ -93,7 +92,29 @@ class Blob:
     contrast: float
 
 
-class BlobFilter(TargetFilter):
+@dataclass(frozen=True, slots=True, eq=False)
+class BlobBelief:
+    """What is believed after a frame, in pixels of the working image.
+
+    Attributes
+    ----------
+    particles : Particles
+        Places, as poses, shape (N, 6).
+    prior : ShapePrior
+        Shape that is expected.
+    before : array
+        Intensities of the frame, float32, shape (H, W).
+    border : BorderModel
+        What is known of a target that may have left the picture.
+    """
+
+    particles: Particles
+    prior: ShapePrior
+    before: NDArray[np.float32]
+    border: BorderModel
+
+
+class BlobFilter(TargetFilter[BlobBelief]):
     """See the module.
 
     Parameters
@@ -104,20 +125,9 @@ class BlobFilter(TargetFilter):
         The only source of randomness.
     """
 
-    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
-        super().__init__(parameters, rng)
-        self._particles: Particles | None = None
-        self._prior: ShapePrior | None = None
-        self._estimate = np.zeros(STATE_SIZE)
-        self._before: NDArray[np.float32] | None = None
-        self._border = BorderModel()
-
-    @property
-    def particles(self) -> Particles | None:
-        """The present belief, in pixels of the working image; None before the first target."""
-        return self._particles
-
-    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> TargetSummary:
+    def start(
+        self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
+    ) -> tuple[TargetSummary, BlobBelief]:
         """Take the pixels of a target for the prior of its shape.
 
         Raises
@@ -135,45 +145,43 @@ class BlobFilter(TargetFilter):
                 f"the marked target does not stand out from its surroundings (contrast"
                 f" {contrast:.2f}, needs {self._parameters.blob_contrast:.2f})"
             )
-        self._prior = ShapePrior(_cut_about(mask), int(mask.sum()))
-        self._estimate = np.zeros(STATE_SIZE)
-        self._estimate[:2] = centroid(mask)
-        states = np.tile(self._estimate, (self._parameters.particle_count, 1))
-        self._particles = Particles.equally_weighted(states)
-        self._before = image
-        blob = self._blob_at(image, self._estimate)
+        prior = ShapePrior(_cut_about(mask), int(mask.sum()))
+        estimate = np.zeros(STATE_SIZE)
+        estimate[:2] = centroid(mask)
+        states = np.tile(estimate, (self._parameters.particle_count, 1))
+        belief = BlobBelief(Particles.equally_weighted(states), prior, image, BorderModel())
+        blob = self._blob_at(image, prior.mask, estimate)
         if blob is None:
             raise FrameError(
                 "the marked target leaves too little of the picture around it for a contour; mark"
                 " one with surroundings"
             )
-        return self._summary(frame, blob, float(len(states)), claims=True)
+        return self._summarised(frame, belief, blob, estimate, float(len(states)), claims=True)
 
     def step(
         self,
+        belief: BlobBelief,
         frame: WorkingFrame,
         dt: float,
         motion: CameraMotion | None,
         others: FloatArray,
         *,
         counts_for: float,
-    ) -> TargetSummary:
+    ) -> tuple[TargetSummary, BlobBelief]:
         """Follow the target into the next frame; see `TargetFilter`.
 
         `others` are not heeded, and `counts_for` neither: the shape follows at once.
         """
-        assert self._particles is not None and self._prior is not None
-        image = _intensities(frame)
-        states = self._moved(frame, dt, motion)
+        image, mask = _intensities(frame), belief.prior.mask
+        states = self._moved(belief, frame, dt, motion)
         parameters = self._parameters
-        if parameters.blob_model == "near_horizon" and self._before is not None:
-            weights = horizon_weights(
-                image, self._before, self._prior.mask, _corners(states, self._prior.mask, frame)
-            )
+        if parameters.blob_model == "near_horizon":
+            corners = _corners(states, mask, frame)
+            weights = horizon_weights(image, belief.before, mask, corners)
             best = int(np.argmax(weights))
-            blob = self._blob_at(image, states[best])
+            blob = self._blob_at(image, mask, states[best])
         else:
-            blobs = [self._blob_at(image, state) for state in states]
+            blobs = [self._blob_at(image, mask, state) for state in states]
             weights = blob_weights(
                 np.array([each.image_energy if each else np.inf for each in blobs]),
                 np.array([each.shape_energy if each else np.inf for each in blobs]),
@@ -182,22 +190,23 @@ class BlobFilter(TargetFilter):
             )
             best = int(np.argmax(weights))
             blob = blobs[best]
-        self._before = image
-        self._estimate = states[best]
+        estimate, border = states[best], belief.border
         chosen = multinomial_resampling(weights, parameters.particle_count, self._rng)
         n_eff = effective_sample_size(np.log(np.maximum(weights, 1e-300)))
-        self._particles = Particles.equally_weighted(states[chosen])
+        particles = Particles.equally_weighted(states[chosen])
         is_seen = blob is not None and blob.contrast >= parameters.blob_contrast
         if parameters.blob_model == "boundary":
-            self._border = self._border.after(self._estimate, frame.shape, is_seen, self._rng)
+            border = border.after(estimate, frame.shape, is_seen, self._rng)
+        belief = BlobBelief(particles, belief.prior, image, border)
         if blob is None:
-            return self._nothing(n_eff)
-        return self._summary(frame, blob, n_eff, claims=is_seen)
+            return _nothing(estimate, n_eff), belief
+        return self._summarised(frame, belief, blob, estimate, n_eff, claims=is_seen)
 
-    def _moved(self, frame: WorkingFrame, dt: float, motion: CameraMotion | None) -> FloatArray:
+    def _moved(
+        self, belief: BlobBelief, frame: WorkingFrame, dt: float, motion: CameraMotion | None
+    ) -> FloatArray:
         """Return the places after a random walk."""
-        assert self._particles is not None
-        states = self._particles.states.copy()
+        states = belief.particles.states.copy()
         if motion is not None:
             states = motion.moved(states, frame.zoom)
         reference_scale = pixel_scale(frame.shape[1])
@@ -206,13 +215,16 @@ class BlobFilter(TargetFilter):
         )
         states[:, :2] += sigma * self._rng.standard_normal((len(states), 2))
         if self._parameters.blob_model == "boundary":
-            states = self._border.placed(states, frame.shape, self._rng)
+            states = belief.border.placed(states, frame.shape, self._rng)
         return states
 
-    def _blob_at(self, image: NDArray[np.float32], state: FloatArray) -> Blob | None:
-        """Return the contour of a particle, evolved where the contrast is high enough."""
-        assert self._prior is not None
-        mask = self._prior.mask
+    def _blob_at(
+        self, image: NDArray[np.float32], mask: BoolArray, state: FloatArray
+    ) -> Blob | None:
+        """Return the contour of a particle, evolved where the contrast is high enough.
+
+        `mask` is that of the prior of its shape.
+        """
         height, width = mask.shape
         column, row = _corner(state, mask, image.shape)
         left, top = max(column, 0), max(row, 0)
@@ -236,13 +248,22 @@ class BlobFilter(TargetFilter):
         unlike = level_set_energy(found, start) / pixel_scale(image.shape[1]) ** 2
         return Blob(found, left, top, float(energy) / cut.size, unlike, contrast)
 
-    def _summary(
-        self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool
-    ) -> TargetSummary:
-        """Take over the contour as the prior where it is near, and say what was found."""
-        assert self._prior is not None and self._particles is not None
-        prior, parameters = self._prior, self._parameters
-        is_near = blob.shape_energy <= parameters.blob_shape_limit
+    def _summarised(
+        self,
+        frame: WorkingFrame,
+        belief: BlobBelief,
+        blob: Blob,
+        estimate: FloatArray,
+        n_eff: float,
+        *,
+        claims: bool,
+    ) -> tuple[TargetSummary, BlobBelief]:
+        """Take over the contour as the prior where it is near, and say what was found.
+
+        `estimate` (6,) is the pose of the particle whose contour that is.
+        """
+        prior, states = belief.prior, belief.particles.states
+        is_near = blob.shape_energy <= self._parameters.blob_shape_limit
         outline = Outline(
             blob.mask,
             (blob.left, blob.top, blob.left + blob.mask.shape[1], blob.top + blob.mask.shape[0]),
@@ -250,14 +271,13 @@ class BlobFilter(TargetFilter):
         )
         touches = outline.touches_border(frame.shape)
         area = outline.area
-        state = self._estimate.copy()
+        state = estimate.copy()
         state[PoseColumn.LOG_SCALE] = 0.5 * math.log(max(area, 1) / prior.first_area)
         if claims and is_near and not touches and area >= LEAST_AREA:
             whole = outline.in_picture(frame.shape)
-            self._prior = replace(prior, mask=_cut_about(whole))
-            state[:2] = self._estimate[:2] = centroid(whole)
-        states = self._particles.states
-        return TargetSummary(
+            belief = replace(belief, prior=replace(prior, mask=_cut_about(whole)))
+            state[:2] = centroid(whole)
+        summary = TargetSummary(
             state=state,
             covariance=np.cov(states.T) if len(states) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
             outline=outline,
@@ -268,20 +288,22 @@ class BlobFilter(TargetFilter):
             supports_claim=claims,
             supports_keeping=claims,
         )
+        return summary, belief
 
-    def _nothing(self, n_eff: float) -> TargetSummary:
-        """Say that nothing of the target can be in the picture."""
-        return TargetSummary(
-            state=self._estimate.copy(),
-            covariance=UNKNOWN_COVARIANCE,
-            outline=None,
-            is_whole=False,
-            presence=0.0,
-            effective_sample_size=n_eff,
-            score=0.0,
-            supports_claim=False,
-            supports_keeping=False,
-        )
+
+def _nothing(estimate: FloatArray, n_eff: float) -> TargetSummary:
+    """Say that nothing of the target can be in the picture."""
+    return TargetSummary(
+        state=estimate.copy(),
+        covariance=UNKNOWN_COVARIANCE,
+        outline=None,
+        is_whole=False,
+        presence=0.0,
+        effective_sample_size=n_eff,
+        score=0.0,
+        supports_claim=False,
+        supports_keeping=False,
+    )
 
 
 def _intensities(frame: WorkingFrame) -> NDArray[np.float32]:

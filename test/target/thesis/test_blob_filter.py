@@ -85,6 +85,6 @@ def test_how_near_a_shape_is_does_not_depend_on_the_working_width(draw, zoom):
     _, larger = draw(centre, (26 * zoom, 18 * zoom), size)
     parameters = target_preset("thesis").replaced({"blob_iterations": 60})
     blobs = BlobFilter(parameters, np.random.default_rng(0))
-    summary = blobs.start(make_working_frame(image, size[0]), larger, is_exact=True)
+    summary, _ = blobs.start(make_working_frame(image, size[0]), larger, is_exact=True)
     assert summary.outline.area == pytest.approx(np.pi * 22 * 14 * zoom**2, rel=0.1)
     assert summary.is_whole
