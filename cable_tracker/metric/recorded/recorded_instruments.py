@@ -4,29 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from copy import copy, deepcopy
-from typing import Generic, Protocol, Self, TypeVar
+from typing import Generic, Self
 
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
+from cable_tracker.metric.sight import AnySight
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
-from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.factory import Message
 
 
-class Sight(Protocol):
-    """Knows what instruments have said so far."""
-
-    def forget_all(self) -> None:
-        """Forget all measurements; the calibration stays."""
-
-    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
-        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
-
-
-SightType = TypeVar("SightType", bound=Sight)
-
-
-class RecordedInstruments(ABC, Generic[SightType]):
+class RecordedInstruments(ABC, Generic[AnySight]):
     """Hands instruments of a recording to a sight; a frame may be any, see `jump`.
 
     Parameters
@@ -40,7 +26,7 @@ class RecordedInstruments(ABC, Generic[SightType]):
         self._sight = self._first_sight()
 
     @abstractmethod
-    def _first_sight(self) -> SightType:
+    def _first_sight(self) -> AnySight:
         """Return one that knows what is known before the recording begins."""
 
     def __enter__(self) -> Self:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic
 
 from rclpy.node import Node
 
 from cable_tracker.metric.settings import default_values, number
+from cable_tracker.metric.sight import AnySight
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
@@ -15,19 +16,6 @@ from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.tracking.parameter_table import ParameterSpec
-
-
-class InstrumentConsumer(Protocol):
-    """Consumer of instrument messages: `CableSight` or `TargetSight`."""
-
-    def configure(self, values: Mapping[str, object]) -> None:
-        """Take other values of all its parameters, by name."""
-
-    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
-        """Take a message of a time [ns]."""
-
-
-AnySight = TypeVar("AnySight", bound=InstrumentConsumer)
 
 
 class InstrumentInputs(Generic[AnySight]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock, ClockType
@@ -27,8 +27,11 @@ from cable_tracker.ros.health.watched_endpoints import (
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
+from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
+from cable_tracker.ros.nodes.target_outputs import TargetOutputs
+from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.factory import Message
@@ -65,37 +68,12 @@ class FrameResult:
     event: str
 
 
-class FrameInstruments(Protocol):
-    """Instruments whose readings belong to the frames."""
-
-    @property
-    def wait(self) -> float:
-        """For how long a frame may be held back for them [s]."""
-        ...
-
-    def has_all_of(self, stamp: int) -> bool:
-        """Tell whether they have told of a time [ns]."""
-        ...
-
-    def ask_for_calibration(self) -> None:
-        """Ask for a calibration that was sent once, before the node listened."""
-        ...
-
-
-class FrameOutputs(Protocol):
-    """Publishers of what is found in the frames."""
-
-    def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
-        """Publish that there is no estimate for a frame."""
-        ...
-
-
 class CameraNode(ProcessNode):
     """Answers each frame of a camera, and reports status and figures on /diagnostics.
 
     Holds what does not depend on what is tracked: the subscription of the camera, refused frames,
     stale and frozen input, the warm-up, `~/enable` and `~/reset`, quality of service that does not
-    fit, diagnostics. A subclass makes its own parts after this constructor, `_metric` and
+    fit, diagnostics. A subclass makes its own parts after this constructor, `_instruments` and
     `_outputs` among them, calls `begin` when it is complete, and implements the methods of the
     section "to be implemented".
 
@@ -112,8 +90,8 @@ class CameraNode(ProcessNode):
         A parameter given at start is not acceptable.
     """
 
-    _instruments: FrameInstruments
-    _outputs: FrameOutputs
+    _instruments: InstrumentInputs[Any]
+    _outputs: TrackerOutputs | TargetOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(name, **node_arguments)

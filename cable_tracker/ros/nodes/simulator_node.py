@@ -24,7 +24,7 @@ from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityComman
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class SimulatorNode(VehicleNode):
+class SimulatorNode(VehicleNode[LiveWorld]):
     """Lets a vehicle follow a cable.
 
     Parameters
@@ -46,8 +46,7 @@ class SimulatorNode(VehicleNode):
         super().__init__("simulator", **node_arguments)
 
     def _make_world(self) -> LiveWorld:
-        self._world = LiveWorld(self._settings(LiveSettings))
-        return self._world
+        return LiveWorld(self._settings(LiveSettings))
 
     @property
     def world(self) -> LiveWorld:

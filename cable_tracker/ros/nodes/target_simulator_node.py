@@ -23,7 +23,7 @@ from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, Cha
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class TargetSimulatorNode(VehicleNode):
+class TargetSimulatorNode(VehicleNode[ChaseWorld]):
     """Tows a red float before a vehicle's camera; clouds of silt hide it now and then.
 
     `ground_truth/target` has a variance of 1e6 while nothing of it can be seen.
@@ -46,8 +46,7 @@ class TargetSimulatorNode(VehicleNode):
         super().__init__("target_simulator", **node_arguments)
 
     def _make_world(self) -> ChaseWorld:
-        self._world = ChaseWorld(self._settings(ChaseSettings))
-        return self._world
+        return ChaseWorld(self._settings(ChaseSettings))
 
     def _create_topics(self) -> None:
         super()._create_topics()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import asdict
-from typing import Any, ClassVar, Protocol, cast
+from typing import Any, ClassVar, Generic, TypeVar, cast
 
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
@@ -32,9 +32,9 @@ from cable_tracker.simulation.instruments.instrument_messages import (
     make_odometry,
     make_true_odometry,
 )
-from cable_tracker.simulation.instruments.instruments import InstrumentSet
+from cable_tracker.simulation.motion.live_world import LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
-from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.targets.chase import ChaseWorld
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
@@ -49,53 +49,10 @@ def parameters_of_world(settings: Any) -> dict[str, ParameterValue]:  # noqa: AN
     return {**values, "image_width": width, "image_height": height}
 
 
-class WorldSettings(Protocol):
-    """The settings of a world that its node needs."""
-
-    @property
-    def altitude(self) -> float:
-        """At which the vehicle begins [m]."""
-        ...
-
-    @property
-    def rate(self) -> float:
-        """Frames per second."""
-        ...
+World = TypeVar("World", bound=LiveWorld | ChaseWorld)
 
 
-class SimulatedWorld(Protocol):
-    """A vehicle in its surroundings, as `LiveWorld`."""
-
-    @property
-    def instruments(self) -> InstrumentSet:
-        """Instruments of the vehicle."""
-        ...
-
-    @property
-    def time(self) -> float:
-        """Since the start [s]."""
-        ...
-
-    @property
-    def settings(self) -> WorldSettings:
-        """Its settings."""
-        ...
-
-    @property
-    def camera(self) -> Camera:
-        """Camera of the vehicle."""
-        ...
-
-    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
-        """Let time pass."""
-        ...
-
-    def state(self) -> VehicleState:
-        """Return where the vehicle is."""
-        ...
-
-
-class VehicleNode(ProcessNode):
+class VehicleNode(ProcessNode, Generic[World]):
     """Lets a vehicle move as it is told, in real time or in lockstep with what tells it.
 
     Holds what does not depend on the world: commands, time, odometry and imu. A subclass names its
@@ -123,8 +80,8 @@ class VehicleNode(ProcessNode):
         self._values = node_parameters.declare_all(self, self.PARAMETERS, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
         self._lockstep = bool(self._values["lockstep"])
-        self._vehicle_world = self._make_world()
-        self._altitude = self._vehicle_world.settings.altitude
+        self._world = self._make_world()
+        self._altitude = self._world.settings.altitude
         self._command = VelocityCommand()
         self._command_time = -math.inf
         self._awaits_command = False
@@ -148,7 +105,7 @@ class VehicleNode(ProcessNode):
         size = self._whole("image_width"), self._whole("image_height")
         return settings_of(kind, self._values, image_size=size)
 
-    def _make_world(self) -> SimulatedWorld:
+    def _make_world(self) -> World:
         raise NotImplementedError
 
     def _publish_altitude(self, stamp: int) -> None:
@@ -239,13 +196,13 @@ class VehicleNode(ProcessNode):
 
     def _go_on(self) -> None:
         """Move on by one tick, and publish what is due at its end."""
-        period = 1.0 / (TICKS * self._vehicle_world.settings.rate)
+        period = 1.0 / (TICKS * self._world.settings.rate)
         passed = 0.0
         if self._tick:
             passed = period
-            self._vehicle_world.advance(self._current_command(), self._altitude, period)
+            self._world.advance(self._current_command(), self._altitude, period)
         stamp = self._first_stamp + round(self._tick * period * NANOSECONDS)
-        state = self._vehicle_world.state()
+        state = self._world.state()
         self._publish_readings(state, stamp, passed)
         if self._tick % TICKS == 0:
             self._publish_frame(state, stamp)
@@ -258,7 +215,7 @@ class VehicleNode(ProcessNode):
         return VelocityCommand() if is_old and not self._lockstep else self._command
 
     def _publish_readings(self, state: VehicleState, stamp: int, passed: float) -> None:
-        instruments = self._vehicle_world.instruments
+        instruments = self._world.instruments
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
         in_odom = make_header(self._factory, stamp, ODOM)
@@ -271,11 +228,9 @@ class VehicleNode(ProcessNode):
         )
 
     def _publish_frame(self, state: VehicleState, stamp: int) -> None:
-        self._altitude = self._vehicle_world.instruments.altitude(state)
+        self._altitude = self._world.instruments.altitude(state)
         camera_header = make_header(self._factory, stamp, CAMERA)
-        self._info.publish(
-            make_camera_info(self._factory, camera_header, self._vehicle_world.camera)
-        )
+        self._info.publish(make_camera_info(self._factory, camera_header, self._world.camera))
         in_odom = make_header(self._factory, stamp, ODOM)
         self._true_odometry.publish(make_true_odometry(self._factory, in_odom, state))
         picture = self._draw(state)
@@ -288,7 +243,7 @@ class VehicleNode(ProcessNode):
         if is_at_end:
             ending = (self._image, self._true_odometry, *self._last_publishers())
             self._last = LastMessages(ending)
-            self.get_logger().info(f"the way is at its end after {self._vehicle_world.time:.1f} s")
+            self.get_logger().info(f"the way is at its end after {self._world.time:.1f} s")
 
     def _last_publishers(self) -> tuple[Publisher, ...]:
         """Return further publishers whose last message must arrive before the node ends."""

@@ -1,0 +1,28 @@
+"""What every sight can do: a node's inputs and a recording hand instruments to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol, Self, TypeVar
+
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.messages.factory import Message
+
+
+class Sight(Protocol):
+    """Keeps what instruments have said so far: `CableSight` or `TargetSight`."""
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+
+    def configure(self, values: Mapping[str, object]) -> None:
+        """Take other values of all its parameters, by name, and keep the measurements."""
+
+    def forget_all(self) -> None:
+        """Forget all measurements; the calibration stays."""
+
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+
+
+AnySight = TypeVar("AnySight", bound=Sight)
