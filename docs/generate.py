@@ -15,25 +15,29 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.example_controller.controller import ControllerSettings
+from cable_tracker.example_controller.target_follower import FollowSettings
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import (
-    CONTROLLER_PARAMETERS,
-    FOLLOWER_PARAMETERS,
-    REPLAY_RUNTIME_PARAMETERS,
-    REPLAY_START_PARAMETERS,
-    SIMULATOR_PARAMETERS,
     TARGET_RUNTIME_PARAMETERS,
-    TARGET_SIMULATOR_PARAMETERS,
     TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
+    ControllerNodeParameters,
+    FollowerNodeParameters,
+    ReplayRuntimeParameters,
+    ReplayStartParameters,
+    SimulatorNodeParameters,
+    VehicleNodeParameters,
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.targets.chase import ChaseSettings
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -64,8 +68,7 @@ TARGET_TITLES = {
 INTRODUCTION = """\
 # Parameters
 
-Made from the tables in `cable_tracker/cable/parameters/parameters.py` and
-`cable_tracker/node_parameter_tables.py` by `make docs`; do not edit.
+Made from the classes derived from `ParameterSet` in `cable_tracker/` by `make docs`; do not edit.
 
 Lengths are for an image 320 px wide and scale with the image. Variances and rates are per frame at
 25 frames per second and scale with the real time between frames. A whole number is accepted where
@@ -134,6 +137,11 @@ def node_section(
     return f"{text}\nMay be changed while it runs:\n\n{node_table(runtime)}" if runtime else text
 
 
+def tables_of(*kinds: type[ParameterSet]) -> tuple[ParameterSpec, ...]:
+    """Return the parameters of some sets, one set after the other."""
+    return tuple(spec for kind in kinds for spec in parameter_table(kind))
+
+
 def parameters_page() -> str:
     """Return docs/parameters.md."""
     presets = {name: PRESETS[name] for name in TITLES}
@@ -144,11 +152,22 @@ def parameters_page() -> str:
             node_section(
                 "The node `tracker` besides", TRACKER_START_PARAMETERS, TRACKER_RUNTIME_PARAMETERS
             ),
-            node_section("The node `replay`", REPLAY_START_PARAMETERS, REPLAY_RUNTIME_PARAMETERS),
-            node_section("The node `simulator`", SIMULATOR_PARAMETERS),
-            node_section("The node `controller`, an example", CONTROLLER_PARAMETERS),
-            node_section("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
-            node_section("The node `follower`, an example", FOLLOWER_PARAMETERS),
+            node_section(
+                "The node `replay`",
+                parameter_table(ReplayStartParameters),
+                parameter_table(ReplayRuntimeParameters),
+            ),
+            node_section("The node `simulator`", tables_of(LiveSettings, SimulatorNodeParameters)),
+            node_section(
+                "The node `controller`, an example",
+                tables_of(ControllerSettings, ControllerNodeParameters),
+            ),
+            node_section(
+                "The node `target_simulator`", tables_of(ChaseSettings, VehicleNodeParameters)
+            ),
+            node_section(
+                "The node `follower`, an example", tables_of(FollowSettings, FollowerNodeParameters)
+            ),
             "\n## The filter of targets\n\n",
             TARGET_INTRODUCTION,
             preset_table(parameter_table(TargetParameters), TARGET_PRESETS),

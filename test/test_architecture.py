@@ -63,7 +63,7 @@ MAY_IMPORT = {
         "contour", "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
         "tracking", "particle_filter", "marked_page",
     },
-    "example_controller": set(),
+    "example_controller": {"tracking"},
     "ros": {
         "benchmark", "gui", "offline", "evaluation", "trackers", "simulation", "detection",
         "example_controller",

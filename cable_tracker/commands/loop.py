@@ -137,8 +137,18 @@ def loop(  # noqa: PLR0917
         refuse_without_effect(of_several, "can only do something for several runs")
     ros = need_ros("rigs.closed_loop.loop")
     sand = min(5.0, length / 4) if buried is None else buried
+    width, height = parse_size(size)
     request = ros.LoopRequest(
-        world=LiveSettings(seed, length, sand, altitude, current, parse_size(size), rate),
+        world=LiveSettings(
+            seed=seed,
+            length=length,
+            buried=sand,
+            altitude=altitude,
+            current=current,
+            image_width=width,
+            image_height=height,
+            rate=rate,
+        ),
         method=methods[0],
         tracker=_tracker_values(params, seed, detector),
         speed=speed,
@@ -192,11 +202,11 @@ def _shared_arguments(
 ) -> tuple[str, ...]:
     """Return the options of `cable-tracker loop` that each run of several is started with."""
     world = request.world
-    width, height = world.image_size
     return (
         f"--length={world.length}", f"--buried={world.buried}", f"--current={world.current}",
-        f"--altitude={world.altitude}", f"--speed={request.speed}", f"--size={width}x{height}",
-        f"--rate={world.rate}", f"--standstill={request.standstill}",
+        f"--altitude={world.altitude}", f"--speed={request.speed}",
+        f"--size={world.image_width}x{world.image_height}", f"--rate={world.rate}",
+        f"--standstill={request.standstill}",
         "--video" if request.with_video else "--no-video",
         *([f"--detector={detector}"] if detector is not None else []),
         *([f"--params={params.resolve()}"] if params is not None else []),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 from cable_tracker.example_controller.cable_memory import (
@@ -15,6 +15,7 @@ from cable_tracker.example_controller.cable_memory import (
 from cable_tracker.example_controller.command import PATIENCE, STOP, Command
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings, LineOfSight
 from cable_tracker.example_controller.step_clock import StepClock
+from cable_tracker.tracking.parameter_table import number
 
 NEAR, NEAR_TURNED = 0.2, math.radians(20.0)
 """Largest distance and angle of the cable from where it is expected [m, rad]."""
@@ -35,6 +36,22 @@ LONGEST_SEARCH = 3.0
 head current of half its speed leaves it whole, and one that holds the vehicle does not let it
 search for ever."""
 
+PAUSE = 1.0
+"""Time of standstill after the last command has gone on without an answer [s]."""
+
+STRAIGHT = 6.0
+"""Way over which the search follows the remembered line itself [m]."""
+
+SWEEP_GROWTH, MOST_SWEEP = 0.25, 1.5
+"""Growth of the sweeps to both sides after that, for each metre [m/m], and the farthest sweep to a
+side [m]."""
+
+SWEEP_LENGTH = 6.0
+"""Way along the line for a sweep to both sides [m]."""
+
+CONFIRMATIONS = 5
+"""Sightings in a row that end the search; refused frames between them do not count."""
+
 FASTEST, MOST_JITTER, MOST_YAW_JITTER = 2.0, 0.3, math.radians(30.0)
 """A pose farther from the last one than so many times the fastest command, and by these more [m,
 rad], is no motion of the vehicle: odometry has begun anew or was corrected."""
@@ -53,56 +70,21 @@ class Mode(Enum):
     """End of a search without success; the vehicle stands still."""
 
 
-@dataclass(frozen=True, slots=True)
-class SearchSettings:
-    """Settings of the search for a lost cable.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControllerSettings(GuidanceSettings):
+    """Settings of the steering, and of the search for a lost cable."""
 
-    Attributes
-    ----------
-    patience : float
-        Time for which the last command goes on without an answer [s].
-    pause : float
-        Time of standstill after that [s].
-    speed : float
-        Speed of the search [m/s].
-    straight : float
-        Way over which the search follows the remembered line itself [m].
-    sweep_growth : float
-        Growth of the sweeps to both sides after that, for each metre [m/m].
-    most_sweep : float
-        The farthest sweep to a side [m].
-    sweep_length : float
-        Way along the line for a sweep to both sides [m].
-    give_up : float
-        Way along the line at which the search ends [m]; a vehicle that does not get there ends it
-        after a time.
-    confirmations : int
-        Number of sightings in a row that end the search; refused frames between them do not count.
-    """
-
-    patience: float = PATIENCE
-    pause: float = 1.0
-    speed: float = 0.35
-    straight: float = 6.0
-    sweep_growth: float = 0.25
-    most_sweep: float = 1.5
-    sweep_length: float = 6.0
-    give_up: float = 25.0
-    confirmations: int = 5
-
-    def sweep(self, progress: float) -> float:
-        """Return how far to the left of the line to be after some way along it [m]."""
-        beyond = max(progress - self.straight, 0.0)
-        reach = min(self.sweep_growth * beyond, self.most_sweep)
-        return reach * math.sin(2 * math.pi * beyond / self.sweep_length)
+    search_speed: float = number(0.35, "m/s", 0.0, 5.0, "Speed while the cable is looked for.")
+    search_length: float = number(
+        25.0, "m", 0.0, 1e4, "Search so far along the line where the cable was, then give up."
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerSettings:
-    """How to follow and how to search."""
-
-    guidance: GuidanceSettings = field(default_factory=GuidanceSettings)
-    search: SearchSettings = field(default_factory=SearchSettings)
+def sweep(progress: float) -> float:
+    """Return how far to the left of the line a search is after some way along it [m]."""
+    beyond = max(progress - STRAIGHT, 0.0)
+    reach = min(SWEEP_GROWTH * beyond, MOST_SWEEP)
+    return reach * math.sin(2 * math.pi * beyond / SWEEP_LENGTH)
 
 
 class Controller:
@@ -111,12 +93,12 @@ class Controller:
     Parameters
     ----------
     settings : ControllerSettings
-        How.
+        How to follow and how to search.
     """
 
     def __init__(self, settings: ControllerSettings = ControllerSettings()) -> None:
         self._settings = settings
-        self._guidance = LineOfSight(settings.guidance)
+        self._guidance = LineOfSight(settings)
         self._mode = Mode.WAITING
         self._clock = StepClock()
         self._last_seen = -math.inf
@@ -164,7 +146,7 @@ class Controller:
             self._last_pose = self._clock.now, pose
         if cable is not None and self._is_credible(cable, pose):
             self._in_a_row += 1
-            is_back = self._in_a_row >= self._settings.search.confirmations
+            is_back = self._in_a_row >= CONFIRMATIONS
             if is_back or self._mode is Mode.FOLLOWING:
                 return self._follow(seconds, cable, pose)
         elif is_look:
@@ -177,13 +159,13 @@ class Controller:
         if pose is None or self._last_pose is None:
             return False
         then, before = self._last_pose
-        guidance, seconds = self._settings.guidance, self._clock.now - then
+        settings, seconds = self._settings, self._clock.now - then
         way = math.dist((before.x, before.y), (pose.x, pose.y))
         turned = abs(math.remainder(pose.yaw - before.yaw, 2 * math.pi))
-        speed = max(guidance.speed, self._settings.search.speed)
+        speed = max(settings.speed, settings.search_speed)
         return (
             way > FASTEST * speed * seconds + MOST_JITTER
-            or turned > FASTEST * guidance.most_turn * seconds + MOST_YAW_JITTER
+            or turned > FASTEST * settings.most_turn * seconds + MOST_YAW_JITTER
         )
 
     def _follow(self, seconds: float, cable: Cable, pose: Pose | None) -> Command:
@@ -217,26 +199,29 @@ class Controller:
 
     def _without(self, seconds: float, pose: Pose | None) -> Command:
         """Return the command while the cable is not seen."""
-        search = self._settings.search
+        settings = self._settings
         if self._mode in {Mode.WAITING, Mode.GIVEN_UP}:
             return STOP
         waited = self._clock.now - self._last_seen
-        if waited <= search.patience:
+        if waited <= PATIENCE:
             return self._command
         if self._mode is Mode.FOLLOWING:
             self._searched = 0.0
             self._remember()
-        if waited <= search.patience + search.pause or pose is None or self._line is None:
+        if waited <= PATIENCE + PAUSE or pose is None or self._line is None:
             self._mode = Mode.STOPPED
             return STOP
         progress = self._line.progress(pose)
-        self._searched += search.speed * seconds
-        if progress > search.give_up or self._searched > LONGEST_SEARCH * search.give_up:
+        self._searched += settings.search_speed * seconds
+        if (
+            progress > settings.search_length
+            or self._searched > LONGEST_SEARCH * settings.search_length
+        ):
             self._mode = Mode.GIVEN_UP
             return STOP
         self._mode = Mode.SEARCHING
-        wanted = self._line.seen_from(pose, search.sweep(progress))
-        return self._guidance.steer(wanted, seconds, search.speed)
+        wanted = self._line.seen_from(pose, sweep(progress))
+        return self._guidance.steer(wanted, seconds, settings.search_speed)
 
     def _remember(self) -> None:
         """Choose the line to search along.

@@ -11,34 +11,23 @@ import math
 from dataclasses import dataclass
 
 from cable_tracker.example_controller.command import Command
+from cable_tracker.tracking.parameter_table import ParameterSet, number
+
+MOST_INTEGRAL = 1.5
+"""Largest shift of the cable by the integral part [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class GuidanceSettings:
-    """Settings of the steering.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GuidanceSettings(ParameterSet):
+    """Settings of the steering."""
 
-    Attributes
-    ----------
-    speed : float
-        Speed forward, through the water [m/s].
-    look_ahead : float
-        Distance ahead of the point of the cable that the vehicle steers for [m].
-    integral_gain : float
-        Gain against a lasting offset [1/s].
-    most_integral : float
-        Largest shift of the cable by the integral part [m].
-    turn_gain : float
-        Rate of turn for each radian off the course to steer [1/s].
-    most_turn : float
-        Largest rate of turn [rad/s].
-    """
-
-    speed: float = 0.5
-    look_ahead: float = 1.2
-    integral_gain: float = 0.1
-    most_integral: float = 1.5
-    turn_gain: float = 1.2
-    most_turn: float = 0.5
+    speed: float = number(0.5, "m/s", 0.0, 5.0, "Speed forward, through the water.")
+    look_ahead: float = number(
+        1.2, "m", 0.1, 50.0, "Steer for the point of the cable so far ahead."
+    )
+    integral_gain: float = number(0.1, "1/s", 0.0, 1.0, "Integral gain against current.")
+    turn_gain: float = number(1.2, "1/s", 0.0, 10.0, "Rate of turn per radian off the course.")
+    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Fastest turn.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +76,7 @@ class LineOfSight:
         ahead = settings.look_ahead
         share = ahead**2 / (ahead**2 + (error + self._integral) ** 2)
         grown = self._integral + settings.integral_gain * error * share * seconds
-        self._integral = min(max(grown, -settings.most_integral), settings.most_integral)
+        self._integral = min(max(grown, -MOST_INTEGRAL), MOST_INTEGRAL)
         course = cable.heading + math.atan2(error + self._integral, ahead)
         turn = min(max(settings.turn_gain * course, -settings.most_turn), settings.most_turn)
         wanted = settings.speed if speed is None else speed

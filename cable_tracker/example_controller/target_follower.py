@@ -14,51 +14,39 @@ from enum import Enum
 
 from cable_tracker.example_controller.command import PATIENCE, STOP, Command
 from cable_tracker.example_controller.step_clock import StepClock
+from cable_tracker.tracking.parameter_table import ParameterSet, number
 
 
-@dataclass(frozen=True, slots=True)
-class FollowSettings:
-    """Settings of the follower.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FollowSettings(ParameterSet):
+    """Settings of the follower."""
 
-    Attributes
-    ----------
-    distance : float
-        Distance to be kept [m].
-    gain, integral_gain : float
-        Surge for each metre too far [1/s], and gain against a lasting error of distance [1/s²].
-    most_surge : float
-        Largest surge forward; backward half of it [m/s].
-    turn_gain : float
-        Rate of turn for each radian of bearing [1/s].
-    most_turn : float
-        Largest rate of turn [rad/s].
-    climb_gain : float
-        Heave for each metre above [1/s].
-    most_heave : float
-        Largest heave [m/s].
-    memory_time : float
-        Time for which a lost target is followed where it should be [s].
-    give_up : float
-        Time without it after which the vehicle stands still [s].
-    search_turn : float
-        Rate of turn while it is looked for, at most `most_turn` [rad/s].
-    search_angle : float
-        Angle to either side of the course at first, and its growth every time [rad]; 0: the vehicle
-        does not look around.
-    """
-
-    distance: float = 2.5
-    gain: float = 0.5
-    integral_gain: float = 0.06
-    most_surge: float = 0.8
-    turn_gain: float = 1.0
-    most_turn: float = 0.5
-    climb_gain: float = 0.5
-    most_heave: float = 0.2
-    memory_time: float = 8.0
-    give_up: float = 60.0
-    search_turn: float = 0.3
-    search_angle: float = 0.4
+    distance: float = number(2.5, "m", 0.3, 100.0, "Distance from the target that is kept.")
+    gain: float = number(0.5, "1/s", 0.0, 10.0, "Surge for each metre too far.")
+    integral_gain: float = number(
+        0.06, "1/s²", 0.0, 10.0, "Integral gain against a lasting error of the distance."
+    )
+    most_surge: float = number(0.8, "m/s", 0.0, 5.0, "Fastest surge forward; backward half of it.")
+    turn_gain: float = number(1.0, "1/s", 0.0, 10.0, "Rate of turn per radian of bearing.")
+    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Fastest turn.")
+    climb_gain: float = number(
+        0.5, "1/s", 0.0, 10.0, "Heave for each metre that the target is higher."
+    )
+    most_heave: float = number(0.2, "m/s", 0.0, 2.0, "Fastest heave, up and down.")
+    memory_time: float = number(8.0, "s", 0.0, 600.0, "A lost target is followed on for so long.")
+    give_up: float = number(
+        60.0, "s", 0.0, 1e5, "After so long without the target the vehicle stands still."
+    )
+    search_turn: float = number(
+        0.3,
+        "rad/s",
+        0.0,
+        3.0,
+        "Rate of turn while the target is looked for, at most `most_turn`.",
+    )
+    search_angle: float = number(
+        0.4, "rad", 0.05, 3.0, "Search: angle to either side at first; then ever farther."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,8 +159,6 @@ class TargetController:
         """Look to both sides, `seconds` after the search has begun."""
         settings = self._settings
         surge, side = self._limited(self._integral), 1.0 if bearing >= 0.0 else -1.0
-        if settings.search_angle == 0.0:
-            return Command(surge)
         # Each leg goes from one side to the other, and farther than the one before: by 1, 3, 5 ...
         # times the first angle, so that the first n of them take n squared times as long.
         turn = min(settings.search_turn, settings.most_turn)

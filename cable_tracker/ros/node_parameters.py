@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
-from typing import Any, TypeVar, cast
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -22,8 +20,6 @@ from cable_tracker.tracking.parameter_table import (
     ParameterValue,
     parameter_table,
 )
-
-Settings = TypeVar("Settings")
 
 QOS_PREFIX = "qos_overrides."
 """Begin of overrides that rclpy reads only where a topic asks for it, which none of ours does."""
@@ -100,29 +96,19 @@ def declare_all(
     return {spec.name: declare(node, spec, spec.default, read_only=read_only) for spec in specs}
 
 
-def settings_of(
-    kind: type[Settings], values: Mapping[str, ParameterValue], **others: object
-) -> Settings:
-    """Return settings, a dataclass, from the parameters that its fields are named like.
-
-    `others` are the values of further fields; what is neither has its default.
-    """
-    names = {each.name for each in fields(cast(Any, kind))} & set(values)
-    settings: Settings = cast(Any, kind)(**{name: values[name] for name in names}, **others)
-    return settings
-
-
-def declare_filter(node: Node, preset: Parameters) -> Parameters:
-    """Declare the parameters of a filter with the values of a preset; return those at start.
+def declare_set(node: Node, defaults: Parameters, *, read_only: bool = False) -> Parameters:
+    """Declare the parameters of a set, by default with its values; return those at start.
 
     Raises
     ------
     ParameterError
         What was given at start is not acceptable.
     """
-    defaults = preset.as_mapping()
-    specs = parameter_table(type(preset))
-    return preset.replaced({spec.name: declare(node, spec, defaults[spec.name]) for spec in specs})
+    values = defaults.as_mapping()
+    specs = parameter_table(type(defaults))
+    return defaults.replaced(
+        {spec.name: declare(node, spec, values[spec.name], read_only=read_only) for spec in specs}
+    )
 
 
 def warn_of_unknown_overrides(node: Node) -> None:

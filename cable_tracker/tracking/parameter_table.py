@@ -1,4 +1,4 @@
-"""How the parameters of a tracker are declared, checked and replaced.
+"""How the parameters of trackers, nodes and worlds are declared, checked and replaced.
 
 A set of parameters is a frozen dataclass; everything that is shown or checked of a parameter stands
 in the declaration of its field. ROS descriptors, validation, the preset files in config/ and the
@@ -138,9 +138,14 @@ def word(default: str, choices: tuple[str, ...], meaning: str) -> Any:  # noqa: 
     return dataclasses.field(default=default, metadata={"choices": choices, "meaning": meaning})
 
 
+def flag(default: bool, meaning: str) -> Any:  # noqa: ANN401
+    """Declare a field of a `ParameterSet` that is a switch."""
+    return dataclasses.field(default=default, metadata={"meaning": meaning})
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterSet:
-    """Base of the parameters of a tracker: their values are checked when they are set.
+    """Base of parameters of a tracker, node or world: their values are checked when they are set.
 
     Raises
     ------

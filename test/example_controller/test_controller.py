@@ -9,17 +9,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.example_controller.cable_memory import Pose, RememberedLine
-from cable_tracker.example_controller.command import STOP, Command
+from cable_tracker.example_controller.command import PATIENCE, STOP, Command
 from cable_tracker.example_controller.controller import (
+    CONFIRMATIONS,
+    MOST_SWEEP,
+    PAUSE,
+    STRAIGHT,
     Controller,
     ControllerSettings,
     Mode,
-    SearchSettings,
+    sweep,
 )
 from cable_tracker.example_controller.line_of_sight import Cable
 
 STEP = 0.1
-SEARCH = SearchSettings()
+SETTINGS = ControllerSettings()
 AHEAD = Cable(0.0, 0.0)
 
 
@@ -76,10 +80,10 @@ def test_before_the_cable_is_seen_the_vehicle_stands_still(count):
 def test_the_cable_must_be_seen_several_times_in_a_row():
     trial = Trial()
     for _ in range(3):
-        for _ in range(SEARCH.confirmations - 1):
+        for _ in range(CONFIRMATIONS - 1):
             assert trial.sees(AHEAD) == STOP
         trial.sees(None)
-    for _ in range(SEARCH.confirmations):
+    for _ in range(CONFIRMATIONS):
         trial.sees(AHEAD)
     assert trial.mode is Mode.FOLLOWING
     assert trial.command.surge > 0.0
@@ -87,7 +91,7 @@ def test_the_cable_must_be_seen_several_times_in_a_row():
 
 def test_frames_that_were_refused_neither_confirm_a_cable_nor_interrupt_its_sightings():
     trial = Trial()
-    for number in range(SEARCH.confirmations):
+    for number in range(CONFIRMATIONS):
         assert trial.mode is Mode.WAITING
         for _ in range(number):
             trial.passes_over_a_frame()
@@ -96,7 +100,7 @@ def test_frames_that_were_refused_neither_confirm_a_cable_nor_interrupt_its_sigh
 
 
 def test_of_refused_frames_alone_a_vehicle_does_not_go_on(following):
-    for _ in range(round((SEARCH.patience + SEARCH.pause) / STEP) - 1):
+    for _ in range(round((PATIENCE + PAUSE) / STEP) - 1):
         following.passes_over_a_frame()
     assert following.command == STOP
     assert following.mode is Mode.STOPPED
@@ -109,7 +113,7 @@ def test_a_frame_without_an_answer_changes_nothing(following):
 
 
 def test_when_the_cable_is_lost_the_vehicle_stops(following):
-    commands = list(following.sees_nothing(SEARCH.patience + SEARCH.pause - STEP))
+    commands = list(following.sees_nothing(PATIENCE + PAUSE - STEP))
     assert commands[-1] == STOP
     assert following.mode is Mode.STOPPED
 
@@ -118,7 +122,7 @@ def test_then_it_searches_along_the_line(following):
     start = following.pose.x
     for command in following.sees_nothing(12.0):
         if following.mode is Mode.SEARCHING:
-            assert command.surge <= SEARCH.speed
+            assert command.surge <= SETTINGS.search_speed
     assert following.mode is Mode.SEARCHING
     assert following.pose.x > start + 2.0
     assert abs(following.pose.y) < 0.05
@@ -153,7 +157,7 @@ def test_a_moderate_head_current_does_not_shorten_the_search(following):
         if following.mode is Mode.GIVEN_UP:
             break
     assert following.mode is Mode.GIVEN_UP
-    assert following.pose.x > start + 0.95 * SEARCH.give_up
+    assert following.pose.x > start + 0.95 * SETTINGS.search_length
 
 
 def test_each_search_has_its_time_anew(following):
@@ -162,7 +166,7 @@ def test_each_search_has_its_time_anew(following):
         for _ in following.sees_nothing(100.0):
             following.pose = held
         assert following.mode is Mode.SEARCHING
-        for _ in range(SEARCH.confirmations):
+        for _ in range(CONFIRMATIONS):
             following.sees(AHEAD)
         assert following.mode is Mode.FOLLOWING
         following.pose = held
@@ -187,10 +191,10 @@ def test_after_giving_up_a_cable_may_lie_anywhere_but_must_be_seen_in_a_row(foll
         pass
     elsewhere = Cable(5.0, 1.0)
     for _ in range(3):
-        for _ in range(SEARCH.confirmations - 1):
+        for _ in range(CONFIRMATIONS - 1):
             assert following.sees(elsewhere) == STOP
         following.sees(None)
-    for _ in range(SEARCH.confirmations):
+    for _ in range(CONFIRMATIONS):
         following.sees(elsewhere)
     assert following.mode is Mode.FOLLOWING
 
@@ -213,7 +217,7 @@ def test_along_a_line_from_before_a_jump_of_odometry_nothing_is_searched(followi
     following.pose = replace(following.pose, y=following.pose.y + 5.0)
     assert following.sees(None) == STOP
     assert following.mode is Mode.STOPPED
-    for _ in range(SEARCH.confirmations):
+    for _ in range(CONFIRMATIONS):
         following.sees(AHEAD)
     assert following.mode is Mode.FOLLOWING
 
@@ -259,7 +263,7 @@ def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_be
         for _ in trial.sees_nothing(seconds):
             pass
         line = RememberedLine(trial.pose.x, other.offset, other.heading)
-        for _ in range(2 * SEARCH.confirmations):
+        for _ in range(2 * CONFIRMATIONS):
             trial.sees(line.seen_from(trial.pose))
     assert soon.mode is not Mode.FOLLOWING
     assert late.mode is Mode.FOLLOWING
@@ -273,7 +277,7 @@ def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
 
 def test_a_single_sighting_is_enough_to_search_along():
     trial = Trial()
-    for _ in range(SEARCH.confirmations):
+    for _ in range(CONFIRMATIONS):
         trial.sees(AHEAD)
     assert trial.mode is Mode.FOLLOWING
     for _ in trial.sees_nothing(8.0):
@@ -333,9 +337,8 @@ def test_without_odometry_a_lost_cable_is_not_searched_for():
 
 @given(st.floats(0.0, 100.0))
 def test_sweeps_keep_within_their_limit(progress):
-    settings = ControllerSettings().search
-    assert abs(settings.sweep(progress)) <= settings.most_sweep
-    assert settings.sweep(min(progress, settings.straight)) == 0.0
+    assert abs(sweep(progress)) <= MOST_SWEEP
+    assert sweep(min(progress, STRAIGHT)) == 0.0
 
 
 def test_a_clock_that_is_set_back_does_not_let_the_vehicle_go_on_blindly():

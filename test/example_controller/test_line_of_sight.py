@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cable_tracker.example_controller.line_of_sight import (
+    MOST_INTEGRAL,
     Cable,
     GuidanceSettings,
     LineOfSight,
@@ -95,7 +96,7 @@ def test_the_integral_keeps_within_its_limit(errors):
         # Straight over the cable, it is the integral alone that is steered by.
         over = guidance.steer(Cable(0.0, 0.0), 0.0)
         integral = SETTINGS.look_ahead * math.tan(math.acos(over.surge / SETTINGS.speed))
-        assert integral <= SETTINGS.most_integral + 1e-9
+        assert integral <= MOST_INTEGRAL + 1e-9
 
 
 def test_turning_comes_before_going_on():

@@ -95,8 +95,8 @@ def test_each_leg_of_the_search_goes_farther_beyond_the_course_than_the_one_befo
     assert farthest[:4] == pytest.approx([0.4, -0.8, 1.2, -1.6], abs=0.02)
 
 
-def test_without_an_angle_it_does_not_look_around():
-    follower = TargetController(FollowSettings(memory_time=1.0, search_angle=0.0))
+def test_without_a_rate_of_turn_it_does_not_look_around():
+    follower = TargetController(FollowSettings(memory_time=1.0, search_turn=0.0))
     follower.step(0.0, TargetPlace(3.0, 1.0, 0.0))
     assert follower.step(5.0, None).turn == 0.0
     assert follower.mode is FollowMode.SEARCHING

@@ -11,26 +11,34 @@ import pytest
 import yaml
 
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
+from cable_tracker.example_controller.controller import ControllerSettings
 from cable_tracker.node_parameter_tables import (
-    CONTROLLER_PARAMETERS,
-    REPLAY_NODE_PARAMETERS,
-    SIMULATOR_PARAMETERS,
     TARGET_NODE_PARAMETERS,
     TRACKER_NODE_PARAMETERS,
+    ControllerNodeParameters,
+    ReplayRuntimeParameters,
+    ReplayStartParameters,
+    SimulatorNodeParameters,
 )
+from cable_tracker.simulation.motion.live_world import LiveSettings
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.parameter_table import parameter_table
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
 
 ROOT = Path(__file__).resolve().parents[2]
 LAUNCH = ROOT / "launch"
-SPECS: dict[str, dict[str, Any]] = {
+
+
+def specs_of(*kinds: type[ParameterSet]) -> dict[str, ParameterSpec]:
+    return {spec.name: spec for kind in kinds for spec in parameter_table(kind)}
+
+
+SPECS: dict[str, dict[str, ParameterSpec]] = {
     "tracker": dict(PARAMETERS_BY_NAME) | {spec.name: spec for spec in TRACKER_NODE_PARAMETERS},
-    "target_tracker": {
-        spec.name: spec for spec in (*parameter_table(TargetParameters), *TARGET_NODE_PARAMETERS)
-    },
-    "replay": {spec.name: spec for spec in REPLAY_NODE_PARAMETERS},
-    "simulator": {spec.name: spec for spec in SIMULATOR_PARAMETERS},
-    "controller": {spec.name: spec for spec in CONTROLLER_PARAMETERS},
+    "target_tracker": specs_of(TargetParameters)
+    | {spec.name: spec for spec in TARGET_NODE_PARAMETERS},
+    "replay": specs_of(ReplayStartParameters, ReplayRuntimeParameters),
+    "simulator": specs_of(LiveSettings, SimulatorNodeParameters),
+    "controller": specs_of(ControllerSettings, ControllerNodeParameters),
 }
 NEEDED = {"replay.launch.py": {"source": "/data/dive"}}
 OF_ROS = {"use_sim_time"}

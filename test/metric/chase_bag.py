@@ -27,7 +27,9 @@ def write_chase_bag(path, frames, *, instruments=("camera_info", "odometry"), tu
 
     One frame may be `tiny`, too small to be used.
     """
-    world = ChaseWorld(ChaseSettings(seed=1, speed=0.0, image_size=(320, 240), rate=RATE))
+    world = ChaseWorld(
+        ChaseSettings(seed=1, speed=0.0, image_width=320, image_height=240, rate=RATE)
+    )
     factory, truths = RosbagsMessages(), []
     with BagWriter(path) as bag:
         for index in range(frames):

@@ -17,9 +17,14 @@ from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
-from cable_tracker.node_parameter_tables import REPLAY_NODE_PARAMETERS, TRACKER_NODE_PARAMETERS
+from cable_tracker.node_parameter_tables import (
+    TRACKER_NODE_PARAMETERS,
+    ReplayRuntimeParameters,
+    ReplayStartParameters,
+)
 from cable_tracker.ros import node_parameters
 from cable_tracker.sequences.messages.cable import read_state
+from cable_tracker.tracking.parameter_table import parameter_table
 
 ALL = (*PARAMETER_TABLE, *TRACKER_NODE_PARAMETERS)
 
@@ -79,8 +84,9 @@ class TestDescriptors:
 
     def test_the_replay_declares_its_own(self, world: Any, make_dive: Callable[..., Any]) -> None:
         node = world.replay(source=str(make_dive(1)), paused=True)
-        for spec in REPLAY_NODE_PARAMETERS:
-            assert spec.meaning in node.describe_parameter(spec.name).description
+        for kind in (ReplayStartParameters, ReplayRuntimeParameters):
+            for spec in parameter_table(kind):
+                assert spec.meaning in node.describe_parameter(spec.name).description
 
 
 class TestStart:

@@ -11,6 +11,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import (
     ParameterSet,
     check_name,
+    flag,
     number,
     parameter_table,
     word,
@@ -27,6 +28,7 @@ class LampParameters(ParameterSet):
     colour: str = word("white", ("white", "red"), "Of the light.")
     place: str = word("desk", (), "Where it stands.")
     note: str = word("", (), "What is written on it.")
+    lit: bool = flag(True, "Whether it gives light.")
 
     def check_together(self):
         if self.colour == "red" and self.bulbs > 1:
@@ -36,10 +38,11 @@ class LampParameters(ParameterSet):
 def test_every_field_is_a_row_in_the_order_of_the_fields():
     table = parameter_table(LampParameters)
     assert [spec.name for spec in table] == [
-        "dimmest", "brightest", "bulbs", "colour", "place", "note",
+        "dimmest", "brightest", "bulbs", "colour", "place", "note", "lit",
     ]  # fmt: skip
-    assert [spec.kind for spec in table] == [float, float, int, str, str, str]
+    assert [spec.kind for spec in table] == [float, float, int, str, str, str, bool]
     assert table[0].range_text() == "0 .. 100"
+    assert (table[-1].default, table[-1].range_text()) == (True, "true | false")
 
 
 def test_values_are_checked_one_by_one():

@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
-from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
+from cable_tracker.node_parameter_tables import CameraStartParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
@@ -104,10 +104,10 @@ class CameraNode(ProcessNode):
         self._unchecked: dict[int, str] = {}
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
-        start = node_parameters.declare_all(self, CAMERA_START_PARAMETERS, read_only=True)
-        self._answers_every_frame = start["image_reliability"] == "reliable"
+        start = node_parameters.declare_set(self, CameraStartParameters(), read_only=True)
+        self._answers_every_frame = start.image_reliability == "reliable"
         self._input = ImageInput(
-            self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
+            self, start.image_transport, start.image_reliability, self._statistics
         )
         self._start_profiles: dict[str, InputProfile] = {}
         self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)

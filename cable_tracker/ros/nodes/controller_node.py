@@ -8,19 +8,13 @@ from typing import Any
 
 from cable_tracker.example_controller.cable_memory import Pose
 from cable_tracker.example_controller.command import Command
-from cable_tracker.example_controller.controller import (
-    Controller,
-    ControllerSettings,
-    Mode,
-    SearchSettings,
-)
-from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
+from cable_tracker.example_controller.controller import Controller, ControllerSettings, Mode
+from cable_tracker.example_controller.line_of_sight import Cable
 from cable_tracker.metric.odometry.motion import LONGEST_HOLD
-from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
+from cable_tracker.node_parameter_tables import ControllerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import cable_topics
-from cable_tracker.ros.node_parameters import settings_of
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -29,7 +23,7 @@ from cable_tracker.sequences.messages.poses import unit_quaternion, yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 
-class ControllerNode(GuidanceNode):
+class ControllerNode(GuidanceNode[ControllerSettings]):
     """Steers along the cable, answering each `state` of the tracker with a `cmd_vel`.
 
     Parameters
@@ -47,11 +41,13 @@ class ControllerNode(GuidanceNode):
     REPORT = node_topics.FRAME_REPORT
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
-        super().__init__("controller", CONTROLLER_PARAMETERS, **node_arguments)
-        self._controller = Controller(self._settings())
+        super().__init__(
+            "controller", ControllerSettings(), ControllerNodeParameters(), **node_arguments
+        )
+        self._controller = Controller(self._settings)
         self._cables: OrderedDict[int, Cable] = OrderedDict()
         self._poses: OrderedDict[int, Pose] = OrderedDict()
-        reliability = "reliable" if self._values["lockstep"] else "best_effort"
+        reliability = "reliable" if self._own.lockstep else "best_effort"
         subscription(
             self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
@@ -61,14 +57,6 @@ class ControllerNode(GuidanceNode):
     def mode(self) -> Mode:
         """Mode of the controller, as diagnostics show it."""
         return self._controller.mode
-
-    def _settings(self) -> ControllerSettings:
-        return ControllerSettings(
-            settings_of(GuidanceSettings, self._values),
-            SearchSettings(
-                speed=self._number("search_speed"), give_up=self._number("search_length")
-            ),
-        )
 
     def on_odometry(self, message: Message) -> None:
         """Remember where the vehicle was, unless odometry does not know."""
@@ -92,7 +80,7 @@ class ControllerNode(GuidanceNode):
 
     def _knows_pose(self, stamp: int) -> bool:
         """Tell whether waiting would bring no better pose for a time [ns]."""
-        if self._values["lockstep"]:
+        if self._own.lockstep:
             return stamp in self._poses
         # On a vehicle odometry has a clock of its own: its stamps are never the camera's.
         if not self._poses or max(self._poses) >= stamp:

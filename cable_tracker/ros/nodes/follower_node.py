@@ -12,11 +12,10 @@ from cable_tracker.example_controller.target_follower import (
     TargetController,
     TargetPlace,
 )
-from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
+from cable_tracker.node_parameter_tables import FollowerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.announced_topics import target_topics
-from cable_tracker.ros.node_parameters import settings_of
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -24,7 +23,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.stamps import NANOSECONDS
 
 
-class FollowerNode(GuidanceNode):
+class FollowerNode(GuidanceNode[FollowSettings]):
     """Follows a target, answering each `state` of the target tracker with a `cmd_vel`.
 
     Parameters
@@ -42,8 +41,8 @@ class FollowerNode(GuidanceNode):
     REPORT = node_topics.TARGET_REPORT
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
-        super().__init__("follower", FOLLOWER_PARAMETERS, **node_arguments)
-        self._follower = TargetController(settings_of(FollowSettings, self._values))
+        super().__init__("follower", FollowSettings(), FollowerNodeParameters(), **node_arguments)
+        self._follower = TargetController(self._settings)
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
         subscription(self, node_topics.RELATIVE_POSE, self.on_relative_pose, qos.RESULTS)
 

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
 
 from cable_tracker.example_controller.command import STOP, Command
-from cable_tracker.metric.settings import number
+from cable_tracker.node_parameter_tables import GuidanceNodeParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
@@ -24,11 +23,12 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
 from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.tracking.parameter_table import ParameterSpec
+from cable_tracker.tracking.parameter_table import ParameterSet
 from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
 from cable_tracker.tracking.succession import is_out_of_order
 
 Kept = TypeVar("Kept")
+Settings = TypeVar("Settings", bound=ParameterSet)
 
 KEPT = 100
 """Messages of each kind that are kept until their `state` comes."""
@@ -69,7 +69,7 @@ UNREPORTED = Reported(has_place=True, is_refused=False)
 """What is taken for granted of a frame whose report has not come."""
 
 
-class GuidanceNode(ProcessNode):
+class GuidanceNode(ProcessNode, Generic[Settings]):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped (one of a time that no message has
@@ -83,8 +83,10 @@ class GuidanceNode(ProcessNode):
     ----------
     name : str
         Name of the node.
-    parameters : sequence of ParameterSpec
-        Parameters of the node, `lockstep`, `settle_time` and `state_timeout` among them.
+    settings : ParameterSet
+        Default settings of its controller.
+    parameters : GuidanceNodeParameters
+        Default parameters of the node beside them.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 
@@ -103,11 +105,13 @@ class GuidanceNode(ProcessNode):
     def __init__(
         self,
         name: str,
-        parameters: Sequence[ParameterSpec],
+        settings: Settings,
+        parameters: GuidanceNodeParameters,
         **node_arguments: Any,  # noqa: ANN401
     ) -> None:
         super().__init__(name, **node_arguments)
-        self._values = node_parameters.declare_all(self, parameters, read_only=True)
+        self._settings = node_parameters.declare_set(self, settings, read_only=True)
+        self._own = node_parameters.declare_set(self, parameters, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
         self._told: str | None = None
         self._states: list[tuple[int, bool, float]] = []
@@ -162,9 +166,6 @@ class GuidanceNode(ProcessNode):
         """
         raise NotImplementedError
 
-    def _number(self, name: str) -> float:
-        return number(self._values, name)
-
     def on_state(self, message: Message) -> None:
         """Take note that the tracker has seen a frame, and whether it claims something in it."""
         now = time.monotonic()
@@ -174,7 +175,7 @@ class GuidanceNode(ProcessNode):
         if has_room_for(stamp):
             self._last_state = now
             self._states.append((stamp, bool(message.position), now))
-        if not self._values["lockstep"]:
+        if not self._own.lockstep:
             self._miss_reports(now)
 
     def _miss_reports(self, now: float) -> None:
@@ -217,7 +218,7 @@ class GuidanceNode(ProcessNode):
         # A refused frame among others is passed over; of refused ones alone a vehicle that follows
         # or searches would learn nothing.
         blind_for = time.monotonic() - self._last_accepted if self._status == REFUSED else 0.0
-        is_idle = self._status in IDLE_STATUSES or blind_for > self._number("state_timeout")
+        is_idle = self._status in IDLE_STATUSES or blind_for > self._own.state_timeout
         return self._status if is_idle else ""
 
     def seconds_until_due(self) -> float:
@@ -228,19 +229,19 @@ class GuidanceNode(ProcessNode):
         """Answer the oldest `state`, or stop the vehicle if none comes."""
         if self._states:
             self._answer(*self._states[0])
-        elif not self._values["lockstep"]:
+        elif not self._own.lockstep:
             self._stop_if_silent()
 
     def _answer(self, stamp: int, is_claimed: bool, came: float) -> None:
         # A first command without a subscriber would stop a lockstep simulator for ever.
-        if self._values["lockstep"] and not self._commands.get_subscription_count():
+        if self._own.lockstep and not self._commands.get_subscription_count():
             return
-        idle = "" if self._values["lockstep"] else self._idle_status()
+        idle = "" if self._own.lockstep else self._idle_status()
         if idle:
             self._states.pop(0)
             self._stop_while_idle(stamp, idle)
             return
-        has_time = time.monotonic() - came < self._number("settle_time")
+        has_time = time.monotonic() - came < self._own.settle_time
         is_placed = is_claimed and self._reports.get(stamp, UNREPORTED).has_place
         if has_time and not self._is_complete(stamp, is_placed):
             return
@@ -261,7 +262,7 @@ class GuidanceNode(ProcessNode):
             self._report(stamp, status, Level.WARN)
 
     def _stop_if_silent(self) -> None:
-        is_silent = time.monotonic() - self._last_state > self._number("state_timeout")
+        is_silent = time.monotonic() - self._last_state > self._own.state_timeout
         if is_silent and self._is_news(NO_STATE):
             is_moving = self._stop()
             self.get_logger().warning(
@@ -311,7 +312,7 @@ class GuidanceNode(ProcessNode):
 
     def destroy_node(self) -> None:
         """Let the vehicle stop, and destroy the node: nothing would stop it afterwards."""
-        if self.context.ok() and not self._values["lockstep"] and self._stop():
+        if self.context.ok() and not self._own.lockstep and self._stop():
             # The publisher must not be gone before its last message is.
             self._commands.wait_for_all_acked(Duration(seconds=STOP_PATIENCE))
         super().destroy_node()

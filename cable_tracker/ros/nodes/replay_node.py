@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
-from cable_tracker.metric.settings import number
-from cable_tracker.node_parameter_tables import (
-    REPLAY_RUNTIME_PARAMETERS,
-    REPLAY_START_PARAMETERS,
-)
+from cable_tracker.node_parameter_tables import ReplayRuntimeParameters, ReplayStartParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
@@ -32,6 +28,7 @@ from cable_tracker.sequences.messages.headers import make_header, make_time, sta
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import parameter_table
 
 PATIENCE = 3.0
 """Longest time for discovery [s]; only then a missing subscriber is worth a warning."""
@@ -70,25 +67,25 @@ class ReplayNode(ProcessNode):
         super().__init__("replay", **node_arguments)
         self._factory = RclpyMessages()
         self._declare_parameters()
-        if not self._text("source"):
+        parameters = self._own
+        if not parameters.source:
             raise ParameterError(
                 "source: name the recording, for instance --ros-args -p source:=/data/dive.mcap"
             )
-        frame_rate = number(self._start_values, "frame_rate")
         # Time between two frames, for what comes after the last [s]; a single frame tells of none.
-        self._interval = 1.0 / frame_rate
+        self._interval = 1.0 / parameters.frame_rate
         self._source = open_source(
-            Path(self._text("source")),
-            topic=self._text("topic") or None,
-            rate=frame_rate,
-            truth=Path(self._text("truth")) if self._text("truth") else None,
-            skip_bad_frames=self._flag("skip_bad_frames"),
-            allow_outside=self._flag("allow_outside"),
+            Path(parameters.source),
+            topic=parameters.topic or None,
+            rate=parameters.frame_rate,
+            truth=Path(parameters.truth) if parameters.truth else None,
+            skip_bad_frames=parameters.skip_bad_frames,
+            allow_outside=parameters.allow_outside,
         )
         self._source.__enter__()
         if self._source.note:
             self.get_logger().warning(self._source.note)
-        self._paused = self._flag("paused")
+        self._paused = parameters.paused
         self._steps = 0
         self._sent = 0
         self._connected = False
@@ -103,32 +100,25 @@ class ReplayNode(ProcessNode):
         """Number of frames that are published."""
         return self._sent
 
-    def _text(self, name: str) -> str:
-        return str(self._start_values[name])
-
-    def _flag(self, name: str) -> bool:
-        return bool(self._start_values[name])
-
     def _declare_parameters(self) -> None:
-        self._start_values = node_parameters.declare_all(
-            self, REPLAY_START_PARAMETERS, read_only=True
-        )
-        self._values: dict[str, object] = dict(
-            node_parameters.declare_all(self, REPLAY_RUNTIME_PARAMETERS)
-        )
-        specs = {spec.name: spec for spec in REPLAY_RUNTIME_PARAMETERS}
-        node_parameters.watch(self, specs, self._values.update)
+        self._own = node_parameters.declare_set(self, ReplayStartParameters(), read_only=True)
+        self._playing = node_parameters.declare_set(self, ReplayRuntimeParameters())
+        specs = {spec.name: spec for spec in parameter_table(ReplayRuntimeParameters)}
+        node_parameters.watch(self, specs, self._apply)
         node_parameters.warn_of_unknown_overrides(self)
 
+    def _apply(self, values: Mapping[str, object]) -> None:
+        self._playing = self._playing.replaced(values)
+
     def _instrument_replay(self) -> InstrumentReplay | None:
-        if not self._flag("instruments"):
+        if not self._own.instruments:
             return None
-        chosen = {each: self._text(f"{each.value}_topic") for each in Instrument}
+        parameters = self._own
+        chosen = {each: getattr(parameters, f"{each.value}_topic") for each in Instrument}
         choice = InstrumentChoice({each: topic for each, topic in chosen.items() if topic})
-        vehicle = Path(self._text("vehicle")) if self._text("vehicle") else None
-        lockstep = self._flag("lockstep")
+        vehicle = Path(parameters.vehicle) if parameters.vehicle else None
         return InstrumentReplay(
-            self, self._factory, self._source, choice, vehicle, in_lockstep=lockstep
+            self, self._factory, self._source, choice, vehicle, in_lockstep=parameters.lockstep
         )
 
     def _create_publishers(self) -> None:
@@ -138,7 +128,7 @@ class ReplayNode(ProcessNode):
             self._image = publisher(self, node_topics.IMAGE, qos.PICTURES)
         self._truth = publisher(self, node_topics.GROUND_TRUTH, qos.RESULTS)
         self._clock_publisher = None
-        if self._flag("publish_clock"):
+        if self._own.publish_clock:
             self._clock_publisher = publisher(
                 self, node_topics.CLOCK, qos.RESULTS, name=node_topics.CLOCK.global_name
             )
@@ -154,7 +144,7 @@ class ReplayNode(ProcessNode):
         self._frames: Iterator[Frame] = self._source.chosen_frames(self._is_from_start_on)
         self._first_stamp: int | None = None
         # Kept: a change of the parameter takes effect at the next restart only.
-        self._start = self._nanoseconds("start")
+        self._start = _nanoseconds(self._playing.start)
         self._found_start = False
         self._last_stamp: int | None = None
         self._be_due_now()
@@ -173,7 +163,7 @@ class ReplayNode(ProcessNode):
     @property
     def _due(self) -> float:
         """When the next frame is due, on the monotonic clock [s]; a change of `rate` counts."""
-        return self._since + self._pause / number(self._values, "rate")
+        return self._since + self._pause / self._playing.rate
 
     def _read_next(self) -> Frame | None:
         try:
@@ -195,12 +185,9 @@ class ReplayNode(ProcessNode):
         frame = next(self._frames, None)
         if frame is None or self._first_stamp is None:
             return None
-        duration = self._nanoseconds("duration")
+        duration = _nanoseconds(self._playing.duration)
         elapsed = frame.stamp - self._first_stamp - self._start
         return None if 0 < duration <= elapsed else frame
-
-    def _nanoseconds(self, name: str) -> int:
-        return round(number(self._values, name) * NANOSECONDS)
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -209,7 +196,7 @@ class ReplayNode(ProcessNode):
             return WAKE_UP
         if self._last is not None:
             return LOOK_AGAIN
-        return 0.0 if self._flag("lockstep") else self._due - time.monotonic()
+        return 0.0 if self._own.lockstep else self._due - time.monotonic()
 
     def work(self) -> None:
         """Send the next frame if it is due; end, or begin again, after the last."""
@@ -225,7 +212,7 @@ class ReplayNode(ProcessNode):
             return
         if self._paused and not self._steps:
             return
-        if not self._flag("lockstep") and not self._steps and time.monotonic() < self._due:
+        if not self._own.lockstep and not self._steps and time.monotonic() < self._due:
             return
         self._send(self._next)
 
@@ -242,14 +229,14 @@ class ReplayNode(ProcessNode):
             )
             return
         waited = time.monotonic() - self._waits_since
-        if waited < min(PATIENCE, self._answer_timeout):
+        if waited < min(PATIENCE, self._own.answer_timeout):
             return
         missing = self._words_on_missing()
-        if self._flag("lockstep") and waited > self._answer_timeout:
+        if self._own.lockstep and waited > self._own.answer_timeout:
             raise RosError(missing)
         self.get_logger().warning(
             f"waiting: {missing}"
-            + ("" if self._flag("lockstep") else " (wait_for_tracker:=false plays all the same)"),
+            + ("" if self._own.lockstep else " (wait_for_tracker:=false plays all the same)"),
             throttle_duration_sec=WARNING_PAUSE,
         )
 
@@ -270,10 +257,6 @@ class ReplayNode(ProcessNode):
             )
         return f"images are subscribed to, but no node publishes {self._state.topic_name}"
 
-    @property
-    def _answer_timeout(self) -> float:
-        return number(self._start_values, "answer_timeout")
-
     def _words_on_other_topics(self) -> str:
         """Name the topics on which images are awaited and none come."""
         own = self._image.topic_name
@@ -291,13 +274,13 @@ class ReplayNode(ProcessNode):
     def _connect(self) -> bool:
         if self._connected:
             return True
-        lockstep = self._flag("lockstep")
+        lockstep = self._own.lockstep
         is_heard = self._image.get_subscription_count() > 0
         # A tracker subscribes to instruments before it subscribes to images.
         all_heard = self._instruments is None or not self._instruments.unheard()
         in_step = not lockstep or (all_heard and self._is_answered())
         is_ready = is_heard and in_step and not self._warming.names()
-        waits = lockstep or self._flag("wait_for_tracker")
+        waits = lockstep or self._own.wait_for_tracker
         self._connected = is_ready or not waits
         self._be_due_now()
         if self._connected and not is_heard:
@@ -338,9 +321,9 @@ class ReplayNode(ProcessNode):
             message = make_compressed_image(self._factory, frame.image, header)
         if self._instruments is not None:
             self._instruments.send_until(frame)
-        if self._flag("lockstep"):
+        if self._own.lockstep:
             self._awaited, self._awaited_index = frame.stamp, frame.index
-            self._answer_deadline = time.monotonic() + self._answer_timeout
+            self._answer_deadline = time.monotonic() + self._own.answer_timeout
         self._image.publish(message)
         self._sent += 1
         self._last_stamp = frame.stamp
@@ -373,17 +356,17 @@ class ReplayNode(ProcessNode):
     def _check_answer_deadline(self) -> None:
         if self._warming.names():
             # A changed parameter may need other code; the frame is answered all the same.
-            self._answer_deadline = time.monotonic() + self._answer_timeout
+            self._answer_deadline = time.monotonic() + self._own.answer_timeout
         if time.monotonic() < self._answer_deadline:
             return
         raise RosError(
             f"no `state` came for frame {self._awaited_index} within"
-            f" {self._start_values['answer_timeout']:g} s; is the tracker running, is its"
+            f" {self._own.answer_timeout:g} s; is the tracker running, is its"
             " image_transport that of this recording, and its image_reliability `reliable`?"
         )
 
     def _end_or_loop(self) -> None:
-        if self._values["loop"] and self._sent and self._damage is None:
+        if self._playing.loop and self._sent and self._damage is None:
             self._begin_next_round()
             if self._next is not None:
                 return
@@ -412,7 +395,7 @@ class ReplayNode(ProcessNode):
     def _has_arrived(self) -> bool:
         if self._last is None:
             # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
-            is_answered = self._flag("lockstep")
+            is_answered = self._own.lockstep
             self._last = LastMessages([self._truth] if is_answered else [self._image, self._truth])
         return self._last.have_arrived()
 
@@ -464,3 +447,7 @@ class ReplayNode(ProcessNode):
             self._instruments.close()
         self._source.__exit__(None, None, None)
         super().destroy_node()
+
+
+def _nanoseconds(seconds: float) -> int:
+    return round(seconds * NANOSECONDS)

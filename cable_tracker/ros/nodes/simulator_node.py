@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from rclpy.publisher import Publisher
 
 from cable_tracker.metric.messages import make_cross_track
-from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
+from cable_tracker.node_parameter_tables import SimulatorNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
@@ -21,10 +21,9 @@ from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.instruments.instrument_messages import BASE, CAMERA, make_range
 from cable_tracker.simulation.motion.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
-from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class SimulatorNode(VehicleNode[LiveWorld]):
+class SimulatorNode(VehicleNode[LiveWorld, SimulatorNodeParameters]):
     """Lets a vehicle follow a cable.
 
     Parameters
@@ -38,15 +37,12 @@ class SimulatorNode(VehicleNode[LiveWorld]):
         A parameter is not acceptable.
     """
 
-    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = SIMULATOR_PARAMETERS
-
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         self._farthest = (0.0, 0.0)
         self._last_moved = 0.0
-        super().__init__("simulator", **node_arguments)
-
-    def _make_world(self) -> LiveWorld:
-        return LiveWorld(self._settings(LiveSettings))
+        super().__init__(
+            "simulator", LiveWorld, LiveSettings(), SimulatorNodeParameters(), **node_arguments
+        )
 
     @property
     def world(self) -> LiveWorld:
@@ -90,14 +86,14 @@ class SimulatorNode(VehicleNode[LiveWorld]):
         is_driven = self._current_command() != VelocityCommand()
         if truth.along >= farthest + 1.0 and is_driven:
             self._farthest = (truth.along, self._world.time)
-        is_stuck = self._world.time - since > self._number("patience")
+        is_stuck = self._world.time - since > self._own.patience
         return truth.along >= self._world.settings.length or is_stuck or self._stands_still()
 
     def _stands_still(self) -> bool:
         """Tell whether all commands have been zero for long."""
         if self._command != VelocityCommand():
             self._last_moved = self._world.time
-        standstill = self._number("standstill")
+        standstill = self._own.standstill
         return 0.0 < standstill < self._world.time - self._last_moved
 
     def _last_publishers(self) -> tuple[Publisher, ...]:

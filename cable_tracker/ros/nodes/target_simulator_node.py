@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from rclpy.publisher import Publisher
 
-from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
+from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
@@ -20,10 +20,9 @@ from cable_tracker.sequences.messages.target import make_relative_pose
 from cable_tracker.simulation.instruments.instrument_messages import BASE
 from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
-from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class TargetSimulatorNode(VehicleNode[ChaseWorld]):
+class TargetSimulatorNode(VehicleNode[ChaseWorld, VehicleNodeParameters]):
     """Tows a red float before a vehicle's camera; clouds of silt hide it now and then.
 
     `ground_truth/target` has a variance of 1e6 while nothing of it can be seen.
@@ -39,14 +38,15 @@ class TargetSimulatorNode(VehicleNode[ChaseWorld]):
         A parameter is not acceptable.
     """
 
-    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = TARGET_SIMULATOR_PARAMETERS
-
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         self._view: ChaseView | None = None
-        super().__init__("target_simulator", **node_arguments)
-
-    def _make_world(self) -> ChaseWorld:
-        return ChaseWorld(self._settings(ChaseSettings))
+        super().__init__(
+            "target_simulator",
+            ChaseWorld,
+            ChaseSettings(),
+            VehicleNodeParameters(),
+            **node_arguments,
+        )
 
     def _create_topics(self) -> None:
         super()._create_topics()

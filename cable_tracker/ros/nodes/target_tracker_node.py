@@ -12,8 +12,8 @@ from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.node_parameter_tables import (
-    TARGET_OWN_START_PARAMETERS,
     TARGET_RUNTIME_PARAMETERS,
+    TargetStartParameters,
 )
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.warm_up import WarmUp
@@ -69,13 +69,13 @@ class TargetTrackerNode(CameraNode):
         return self._group
 
     def _declare_parameters(self) -> None:
-        start = node_parameters.declare_all(self, TARGET_OWN_START_PARAMETERS, read_only=True)
-        count = int(start["target_count"])
+        start = node_parameters.declare_set(self, TargetStartParameters(), read_only=True)
+        count = start.target_count
         self._prefixes = [""] if count == 1 else [f"target_{number}/" for number in range(count)]
-        preset = target_preset(str(start["preset"]))
-        self._filter_parameters = node_parameters.declare_filter(self, preset)
+        preset = target_preset(start.preset)
+        self._filter_parameters = node_parameters.declare_set(self, preset)
         runtime = node_parameters.declare_all(self, TARGET_RUNTIME_PARAMETERS)
-        self._instrument_reliability = str(start["instrument_reliability"])
+        self._instrument_reliability = start.instrument_reliability
         self._begins = self._read_start(str(runtime["initial_target"]))
         self._group = TargetGroup(count, self._with_detector())
         self._instruments: TargetInputs = TargetInputs(self, count)

@@ -20,8 +20,8 @@ from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.node_parameter_tables import (
-    TRACKER_OWN_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
+    TrackerStartParameters,
 )
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import estimate_values
@@ -70,10 +70,10 @@ class TrackerNode(CameraNode):
         return self._tracker
 
     def _declare_parameters(self) -> None:
-        start = node_parameters.declare_all(self, TRACKER_OWN_START_PARAMETERS, read_only=True)
-        parameters = node_parameters.declare_filter(self, preset(str(start["preset"])))
+        start = node_parameters.declare_set(self, TrackerStartParameters(), read_only=True)
+        parameters = node_parameters.declare_set(self, preset(start.preset))
         runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
-        self._instrument_reliability = str(start["instrument_reliability"])
+        self._instrument_reliability = start.instrument_reliability
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(str(runtime["initial_state"]), pair_limits(parameters))

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import asdict
-from typing import Any, ClassVar, Generic, TypeVar, cast
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
 
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
 from cable_tracker.errors import RosError
-from cable_tracker.metric.settings import number
+from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.node_parameters import Settings, settings_of
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
@@ -36,32 +35,31 @@ from cable_tracker.simulation.motion.live_world import LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 from cable_tracker.simulation.targets.chase import ChaseWorld
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
-from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
+from cable_tracker.tracking.parameter_table import Parameters
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""
 
-
-def parameters_of_world(settings: Any) -> dict[str, ParameterValue]:  # noqa: ANN401
-    """Return a node's parameters from the settings of its world, a dataclass: they share names."""
-    values = asdict(settings)
-    width, height = values.pop("image_size")
-    return {**values, "image_width": width, "image_height": height}
-
-
 World = TypeVar("World", bound=LiveWorld | ChaseWorld)
+OwnParameters = TypeVar("OwnParameters", bound=VehicleNodeParameters)
 
 
-class VehicleNode(ProcessNode, Generic[World]):
+class VehicleNode(ProcessNode, Generic[World, OwnParameters]):
     """Lets a vehicle move as it is told, in real time or in lockstep with what tells it.
 
-    Holds what does not depend on the world: commands, time, odometry and imu. A subclass names its
-    parameters and implements the methods that raise `NotImplementedError`.
+    Holds what does not depend on the world: commands, time, odometry and imu. A subclass implements
+    the methods that raise `NotImplementedError`.
 
     Parameters
     ----------
     name : str
         Name of the node.
+    make_world : callable
+        Makes the world, given its settings.
+    settings : ParameterSet
+        Default settings of the world.
+    parameters : VehicleNodeParameters
+        Default parameters of the node beside them.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 
@@ -71,16 +69,20 @@ class VehicleNode(ProcessNode, Generic[World]):
         A parameter is not acceptable.
     """
 
-    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = ()
-    """Parameters of the node."""
-
-    def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
+    def __init__(
+        self,
+        name: str,
+        make_world: Callable[[Parameters], World],
+        settings: Parameters,
+        parameters: OwnParameters,
+        **node_arguments: Any,  # noqa: ANN401
+    ) -> None:
         super().__init__(name, **node_arguments)
         self._factory = RclpyMessages()
-        self._values = node_parameters.declare_all(self, self.PARAMETERS, read_only=True)
+        settings = node_parameters.declare_set(self, settings, read_only=True)
+        self._own = node_parameters.declare_set(self, parameters, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
-        self._lockstep = bool(self._values["lockstep"])
-        self._world = self._make_world()
+        self._world = make_world(settings)
         self._altitude = self._world.settings.altitude
         self._command = VelocityCommand()
         self._command_time = -math.inf
@@ -93,20 +95,6 @@ class VehicleNode(ProcessNode, Generic[World]):
         self._due = 0.0
         self._create_topics()
         self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
-
-    def _number(self, name: str) -> float:
-        return number(self._values, name)
-
-    def _whole(self, name: str) -> int:
-        return int(cast(int, self._values[name]))
-
-    def _settings(self, kind: type[Settings]) -> Settings:
-        """Return the settings of a world, see `parameters_of_world`."""
-        size = self._whole("image_width"), self._whole("image_height")
-        return settings_of(kind, self._values, image_size=size)
-
-    def _make_world(self) -> World:
-        raise NotImplementedError
 
     def _publish_altitude(self, stamp: int) -> None:
         """Publish what the altimeter reads at a frame, if the vehicle has one."""
@@ -131,7 +119,7 @@ class VehicleNode(ProcessNode, Generic[World]):
         self._odometry = publisher(self, node_topics.ODOMETRY, qos.RESULTS)
         self._true_odometry = publisher(self, node_topics.TRUE_ODOMETRY, qos.RESULTS)
         self._clock_publisher = None
-        if self._values["publish_clock"]:
+        if self._own.publish_clock:
             self._clock_publisher = publisher(
                 self, node_topics.CLOCK, qos.RESULTS, name=node_topics.CLOCK.global_name
             )
@@ -157,7 +145,7 @@ class VehicleNode(ProcessNode, Generic[World]):
             return LOOK_AGAIN
         if not self._begun or self._awaits_command:
             return WAKE_UP
-        return 0.0 if self._lockstep else self._due - time.monotonic()
+        return 0.0 if self._own.lockstep else self._due - time.monotonic()
 
     def work(self) -> None:
         """Let the vehicle go on when it is time, and tell what its instruments say."""
@@ -170,28 +158,28 @@ class VehicleNode(ProcessNode, Generic[World]):
         if self._awaits_command:
             self._check_deadline()
             return
-        if not self._lockstep and time.monotonic() < self._due:
+        if not self._own.lockstep and time.monotonic() < self._due:
             return
         self._go_on()
 
     def _begin(self) -> None:
         readers = (
-            (self._image, self._whole("image_readers")),
-            (self._odometry, self._whole("odometry_readers")),
-            *((each, self._whole("truth_readers")) for each in self._last_publishers()),
+            (self._image, self._own.image_readers),
+            (self._odometry, self._own.odometry_readers),
+            *((each, self._own.truth_readers) for each in self._last_publishers()),
         )
         if any(each.get_subscription_count() < count for each, count in readers):
             return
         self._begun = True
         self._due = time.monotonic()
-        if not self._lockstep:
+        if not self._own.lockstep:
             self._first_stamp = int(self.get_clock().now().nanoseconds)
 
     def _check_deadline(self) -> None:
         if time.monotonic() > self._deadline:
             raise RosError(
                 f"no cmd_vel came for frame {self.frames - 1} within"
-                f" {self._number('answer_timeout'):g} s; are tracker and controller running?"
+                f" {self._own.answer_timeout:g} s; are tracker and controller running?"
             )
 
     def _go_on(self) -> None:
@@ -211,8 +199,8 @@ class VehicleNode(ProcessNode, Generic[World]):
         self._due = max(self._due + period, time.monotonic() - period)
 
     def _current_command(self) -> VelocityCommand:
-        is_old = time.monotonic() - self._command_time > self._number("command_timeout")
-        return VelocityCommand() if is_old and not self._lockstep else self._command
+        is_old = time.monotonic() - self._command_time > self._own.command_timeout
+        return VelocityCommand() if is_old and not self._own.lockstep else self._command
 
     def _publish_readings(self, state: VehicleState, stamp: int, passed: float) -> None:
         instruments = self._world.instruments
@@ -237,8 +225,8 @@ class VehicleNode(ProcessNode, Generic[World]):
         self._publish_altitude(stamp)
         self._publish_truth(state, stamp)
         is_at_end = self._is_at_end(state)
-        self._awaits_command = self._lockstep and not is_at_end
-        self._deadline = time.monotonic() + self._number("answer_timeout")
+        self._awaits_command = self._own.lockstep and not is_at_end
+        self._deadline = time.monotonic() + self._own.answer_timeout
         self._image.publish(make_image(self._factory, picture, camera_header))
         if is_at_end:
             ending = (self._image, self._true_odometry, *self._last_publishers())

@@ -10,7 +10,7 @@ name and topics, how frames wait for their instruments, metres with their covari
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from dataclasses import dataclass
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -19,13 +19,17 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.evaluation.methods import BASELINES, METHODS, Method
-from cable_tracker.node_parameter_tables import word
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
+from cable_tracker.tracking.parameter_table import ParameterSet, word
 
-METHOD_PARAMETER: Final = word("method", BASELINES[0], "Baseline to track with.", BASELINES)
-"""Read at start only."""
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselineParameters(ParameterSet):
+    """Of the node that stands in for the tracker, beside the tracker's; read at start only."""
+
+    method: str = word(BASELINES[0], BASELINES, "Baseline to track with.")
 
 
 class MethodTracker:
@@ -86,5 +90,5 @@ class BaselineNode(TrackerNode):
     """
 
     def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
-        name = str(node_parameters.declare(self, METHOD_PARAMETER, BASELINES[0], read_only=True))
-        return MethodTracker(METHODS[name].make, parameters)
+        own = node_parameters.declare_set(self, BaselineParameters(), read_only=True)
+        return MethodTracker(METHODS[own.method].make, parameters)

@@ -30,7 +30,8 @@ from cable_tracker.simulation.seen_cable import (
     cable_points,
     nearest_along,
 )
-from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+from cable_tracker.simulation.setting_checks import LARGEST_SIDE, SMALLEST_SIDE
+from cable_tracker.tracking.parameter_table import ParameterSet, number
 
 BURIAL_RAMP = 0.3
 """Way over which the sand rises and falls at the ends of the buried stretch [m]."""
@@ -51,50 +52,46 @@ LOOK = Look(
 """An overgrown cable in fairly clear water, with a rope or furrow here and there."""
 
 
-@dataclass(frozen=True, slots=True)
-class LiveSettings:
-    """Settings of the closed-loop simulation.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveSettings(ParameterSet):
+    """Settings of the closed-loop simulation, as the node `simulator` has them too."""
 
-    Attributes
-    ----------
-    seed : int
-        Not negative; draws course, current, surfaces, and the errors of all instruments.
-    length : float
-        Length of the cable's course that is to be followed, above 0 [m].
-    buried : float
-        Length of the stretch in its middle that sand hides [m]; 0 for none.
-    altitude : float
-        Altitude that the vehicle keeps [m].
-    current : float
-        Speed of the water [m/s]; its direction is drawn.
-    image_size : (int, int)
-        Width and height [px], each 32 to 4096.
-    rate : float
-        Frames per second.
+    seed: int = number(
+        0, "", 0, 2**31 - 1, "The same one gives the same world and the same errors."
+    )
+    length: float = number(100.0, "m", 1.0, 1e5, "Length of the cable; at its end the node ends.")
+    buried: float = number(
+        5.0,
+        "m",
+        0.0,
+        1e5,
+        "Length of the stretch in the middle of the cable that lies under sand.",
+    )
+    altitude: float = number(2.0, "m", 0.3, 20.0, "Altitude that the vehicle keeps.")
+    current: float = number(0.1, "m/s", 0.0, 2.0, "Speed of the water; its direction is drawn.")
+    image_width: int = number(
+        320, "", SMALLEST_SIDE, LARGEST_SIDE, "Width of the camera's images [px]."
+    )
+    image_height: int = number(
+        240, "", SMALLEST_SIDE, LARGEST_SIDE, "Height of the camera's images [px]."
+    )
+    rate: float = number(12.5, "1/s", 1.0, 100.0, "Frames per second.")
 
-    Raises
-    ------
-    ParameterError
-        A value is out of its range.
-    """
+    def check_together(self) -> None:
+        """Refuse a buried stretch that is longer than the cable.
 
-    seed: int = 0
-    length: float = 100.0
-    buried: float = 5.0
-    altitude: float = 2.0
-    current: float = 0.1
-    image_size: tuple[int, int] = (320, 240)
-    rate: float = 12.5
-
-    def __post_init__(self) -> None:
-        check_seed(self.seed)
-        check_size(self.image_size)
-        check_range("length", self.length, (1.0, 1e5), "m of cable")
-        if not 0.0 <= self.buried <= self.length:
+        Raises
+        ------
+        ParameterError
+            It is.
+        """
+        if self.buried > self.length:
             raise ParameterError(f"buried is {self.buried}: give 0 m to the length of the cable")
-        check_range("altitude", self.altitude, (0.3, 20.0), "m")
-        check_range("current", self.current, (0.0, 2.0), "m/s")
-        check_range("rate", self.rate, (1.0, 100.0), "frames per second")
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """Width and height of the images [px]."""
+        return self.image_width, self.image_height
 
     @property
     def buried_from(self) -> float:

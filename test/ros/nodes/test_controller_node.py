@@ -14,12 +14,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from cable_tracker.example_controller.command import Command
-from cable_tracker.example_controller.controller import Mode, SearchSettings
+from cable_tracker.example_controller.controller import CONFIRMATIONS, Mode
 from cable_tracker.ros.nodes import guidance_node
 from cable_tracker.ros.nodes.controller_node import ControllerNode
 from cable_tracker.ros.process.ros_context import started_context
 
-CONFIRMATIONS = SearchSettings().confirmations
 PATIENT = {"settle_time": 60.0, "state_timeout": 60.0}
 
 

@@ -27,7 +27,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
+from cable_tracker.node_parameter_tables import ReplayStartParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node
 from cable_tracker.ros.process import last_messages
@@ -352,8 +352,7 @@ class TestTiming:
     def test_it_waits_for_a_subscriber_unless_told_otherwise(
         self, world: Any, make_dive: Dive
     ) -> None:
-        specs = {spec.name: spec for spec in REPLAY_START_PARAMETERS}
-        assert specs["wait_for_tracker"].default is True
+        assert ReplayStartParameters().wait_for_tracker is True
         node = world.replay(source=str(make_dive(3)), rate=100, wait_for_tracker=True)
         world.pass_time(0.2)
         assert node.sent == 0

@@ -11,7 +11,7 @@ from cable_tracker.simulation.motion.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 from cable_tracker.simulation.seen_cable import cable_course
 
-SMALL = LiveSettings(seed=3, length=20.0, buried=5.0, image_size=(64, 48))
+SMALL = LiveSettings(seed=3, length=20.0, buried=5.0, image_width=64, image_height=48)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,8 @@ def over_the_cable(world: LiveWorld, along: float, aside: float = 0.0, turned: f
         {"current": -1.0},
         {"rate": 0.0},
         {"seed": -1},
-        {"image_size": (8, 8)},
+        {"image_width": 8},
+        {"image_height": 8},
     ],
 )
 def test_values_out_of_their_range_are_refused(change):
@@ -104,5 +105,5 @@ def test_the_same_seed_gives_the_same_pictures():
         own.advance(VelocityCommand(surge=0.4), SMALL.altitude, 0.5)
         pictures.append(own.picture(own.state()))
     assert np.array_equal(*pictures)
-    other = LiveWorld(LiveSettings(seed=4, length=20.0, image_size=(64, 48)))
+    other = LiveWorld(LiveSettings(seed=4, length=20.0, image_width=64, image_height=48))
     assert not np.array_equal(pictures[0], other.picture(other.state()))

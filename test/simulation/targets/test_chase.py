@@ -81,7 +81,7 @@ def test_one_may_look_all_round_without_a_seam():
 
 @pytest.mark.parametrize("width", [320, 640])
 def test_after_a_whole_turn_the_camera_sees_the_same(width):
-    world = ChaseWorld(ChaseSettings(image_size=(width, 60)))
+    world = ChaseWorld(ChaseSettings(image_width=width, image_height=60))
     surroundings, around = world._surroundings, world._around
     first = surroundings.panorama[:, surroundings.margin :][:, :width]
     again = surroundings.panorama[:, surroundings.margin + around :][:, :width]

@@ -18,7 +18,6 @@ from cable_tracker.evaluation.targets.chase_table import (
 )
 from cable_tracker.ros.clients.lockstep import DRIVEN, PATIENT, READY_SOON
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.nodes.vehicle_node import parameters_of_world
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
 from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
 from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
@@ -129,7 +128,7 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "settle_time": SETTLE_TIME,
         },
         "target_simulator": {
-            **parameters_of_world(request.world),
+            **request.world.as_mapping(),
             "lockstep": True,
             "publish_clock": True,
             "truth_readers": 1,

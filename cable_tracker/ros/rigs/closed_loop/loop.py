@@ -30,7 +30,6 @@ from cable_tracker.ros.clients.lockstep import (
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.nodes.vehicle_node import parameters_of_world
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder, SeenFrame
@@ -190,7 +189,7 @@ def _controller_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
 
 def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
     return {
-        **parameters_of_world(request.world),
+        **request.world.as_mapping(),
         "lockstep": not request.realtime,
         "publish_clock": True,
         "image_readers": 2 if request.with_video else 1,

@@ -9,7 +9,9 @@ from cable_tracker.simulation.targets.chase import ChaseSettings
 
 @pytest.mark.slow
 def test_in_lockstep_the_same_seed_gives_the_same_table(tmp_path):
-    request = ChaseRequest(ChaseSettings(seed=2, duration=1.5, rate=8.0, image_size=(160, 120)))
+    request = ChaseRequest(
+        ChaseSettings(seed=2, duration=1.5, rate=8.0, image_width=160, image_height=120)
+    )
     counts: list[int] = []
     first = run_chase(request, tmp_path / "first", advance=counts.append)
     second = run_chase(request, tmp_path / "second")

@@ -36,7 +36,9 @@ SLOWLY = {"speed": 0.2, "standstill": 0.0, "patience": 300.0}
 
 
 def request(length: float = 2.0, rate: float = 12.5, **changes: Any) -> LoopRequest:
-    world = LiveSettings(seed=5, length=length, rate=rate, buried=0.0, image_size=(160, 120))
+    world = LiveSettings(
+        seed=5, length=length, rate=rate, buried=0.0, image_width=160, image_height=120
+    )
     return LoopRequest(world=world, tracker={"seed": 5, **START}, **changes)
 
 
