@@ -389,6 +389,3 @@ MOUNTING_PARAMETERS = (
     "camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw",
 )  # fmt: skip
 """Parameters that say where the camera is in base_link, and how it is turned."""
-
-METRIC_PARAMETERS = parameter_table(CableVehicleParameters)
-TARGET_METRIC_PARAMETERS = parameter_table(TargetVehicleParameters)

@@ -6,7 +6,6 @@ The same for a node that hears instruments and for a recording that holds them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -23,8 +22,9 @@ from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import Odometry
 from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
 from cable_tracker.metric.odometry.unaided import SWITCHED_OFF, Unaided
-from cable_tracker.metric.settings import instrument_settings, number
+from cable_tracker.metric.settings import instrument_settings
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 
@@ -39,8 +39,8 @@ class CableSight:
 
     Parameters
     ----------
-    values : mapping of str to object
-        All of `METRIC_PARAMETERS`, by name.
+    parameters : CableVehicleParameters
+        How camera and instruments are mounted and read.
     calibration : Calibration or None
         Calibration given by the user, which overrides messages; None: use messages.
     texture_pause : float
@@ -54,24 +54,24 @@ class CableSight:
 
     def __init__(
         self,
-        values: Mapping[str, object],
+        parameters: CableVehicleParameters,
         calibration: Calibration | None = None,
         texture_pause: float = 0.0,
     ) -> None:
-        self._values = dict(values)
+        self._parameters = parameters
         self._texture_pause = texture_pause
         self._calibration = KnownCalibration(
-            calibration, is_rectified=bool(values["image_is_rectified"])
+            calibration, is_rectified=parameters.image_is_rectified
         )
-        self._instruments = Instruments(instrument_settings(values))
+        self._instruments = Instruments(instrument_settings(parameters))
         self._use_calibration()
         self._forget_motion()
 
-    def configure(self, values: Mapping[str, object]) -> None:
-        """Take other values of `METRIC_PARAMETERS`, and keep the measurements."""
-        self._values = dict(values)
-        self._instruments.configure(instrument_settings(values))
-        self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
+    def configure(self, parameters: CableVehicleParameters) -> None:
+        """Take other parameters, and keep the measurements."""
+        self._parameters = parameters
+        self._instruments.configure(instrument_settings(parameters))
+        self._calibration.configure(is_rectified=parameters.image_is_rectified)
         self._use_calibration()
 
     def forget_all(self) -> None:
@@ -92,14 +92,14 @@ class CableSight:
         elif instrument is Instrument.ALTITUDE:
             self._instruments.take_altitude(stamp, *_read_altitude(message))
         elif instrument is Instrument.IMU:
-            least = math.radians(number(self._values, "imu_sigma"))
+            least = math.radians(self._parameters.imu_sigma)
             attitude = read_attitude(message, least)
             if attitude is not None:
                 self._instruments.take_attitude(stamp, attitude)
         elif instrument is Instrument.ODOMETRY:
             least_sigmas = (
-                number(self._values, "velocity_sigma"),
-                math.radians(number(self._values, "turn_sigma")),
+                self._parameters.velocity_sigma,
+                math.radians(self._parameters.turn_sigma),
             )
             self._odometry.add(stamp, *read_twist(message, least_sigmas))
 
@@ -131,7 +131,7 @@ class CableSight:
         image : Image
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
-        if not self._values["motion_aid"]:
+        if not self._parameters.motion_aid:
             self.unaided = SWITCHED_OFF
             self._aiding.forget_picture()
             return None

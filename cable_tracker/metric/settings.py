@@ -1,10 +1,8 @@
-"""From the parameters of `METRIC_PARAMETERS` to settings, and from a bag's frames to parameters."""
+"""From the vehicle's parameters to settings, and from a bag's frames to parameters."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from typing import cast
 
 import numpy as np
 
@@ -14,58 +12,45 @@ from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
 from cable_tracker.metric.instruments import InstrumentSettings
 from cable_tracker.metric.targets.target_metres import TargetSettings
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
-from cable_tracker.tracking.parameter_table import ParameterSpec
+from cable_tracker.node_parameter_tables import (
+    MOUNTING_PARAMETERS,
+    CableVehicleParameters,
+    TargetVehicleParameters,
+)
 
 
-def default_values(specs: Iterable[ParameterSpec] = METRIC_PARAMETERS) -> dict[str, object]:
-    """Return the values of parameters, by name, as they are without anything else being said."""
-    return {spec.name: spec.default for spec in specs}
-
-
-def number(values: Mapping[str, object], name: str) -> float:
-    """Return a parameter that is a number."""
-    return float(cast(float, values[name]))
-
-
-def mounting_of(values: Mapping[str, object]) -> Mounting:
+def mounting_of(parameters: CableVehicleParameters | TargetVehicleParameters) -> Mounting:
     """Return the mounting that the parameters `camera_*` describe."""
     return Mounting(
-        number(values, "camera_x"),
-        number(values, "camera_y"),
-        number(values, "camera_z"),
-        math.radians(number(values, "camera_roll")),
-        math.radians(number(values, "camera_pitch")),
-        math.radians(number(values, "camera_yaw")),
+        parameters.camera_x,
+        parameters.camera_y,
+        parameters.camera_z,
+        math.radians(parameters.camera_roll),
+        math.radians(parameters.camera_pitch),
+        math.radians(parameters.camera_yaw),
     )
 
 
-def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
-    """Return how instruments are to be read, of all of `METRIC_PARAMETERS` by name."""
+def instrument_settings(parameters: CableVehicleParameters) -> InstrumentSettings:
+    """Return how instruments are to be read."""
     return InstrumentSettings(
         metric=MetricSettings(
-            mounting_of(values), number(values, "look_ahead"), number(values, "cable_height")
+            mounting_of(parameters), parameters.look_ahead, parameters.cable_height
         ),
         altimeter=Altimeter(
-            (
-                number(values, "altimeter_x"),
-                number(values, "altimeter_y"),
-                number(values, "altimeter_z"),
-            ),
-            bool(values["altitude_is_vertical"]),
-            number(values, "altitude_sigma"),
+            (parameters.altimeter_x, parameters.altimeter_y, parameters.altimeter_z),
+            parameters.altitude_is_vertical,
+            parameters.altitude_sigma,
         ),
-        fixed_altitude=number(values, "fixed_altitude"),
-        timeout=number(values, "instrument_timeout"),
-        level_sigma=math.radians(number(values, "level_sigma")),
+        fixed_altitude=parameters.fixed_altitude,
+        timeout=parameters.instrument_timeout,
+        level_sigma=math.radians(parameters.level_sigma),
     )
 
 
-def target_settings(values: Mapping[str, object]) -> TargetSettings:
-    """Return how targets are to be measured, of all of `TARGET_METRIC_PARAMETERS` by name."""
-    return TargetSettings(
-        mounting_of(values), number(values, "target_size"), bool(values["motion_aid"])
-    )
+def target_settings(parameters: TargetVehicleParameters) -> TargetSettings:
+    """Return how targets are to be measured."""
+    return TargetSettings(mounting_of(parameters), parameters.target_size, parameters.motion_aid)
 
 
 def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, object]:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 
+VehicleParameters_contra = TypeVar(
+    "VehicleParameters_contra",
+    bound=CableVehicleParameters | TargetVehicleParameters,
+    contravariant=True,
+)
 
-class Sight(Protocol):
+
+class Sight(Protocol[VehicleParameters_contra]):
     """Keeps what instruments have said so far: `CableSight` or `TargetSight`."""
 
     def copy(self) -> Self:
         """Return another one that goes on as this one would."""
 
-    def configure(self, values: Mapping[str, object]) -> None:
-        """Take other values of all its parameters, by name, and keep the measurements."""
+    def configure(self, parameters: VehicleParameters_contra) -> None:
+        """Take other parameters, and keep the measurements."""
 
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
@@ -25,4 +31,4 @@ class Sight(Protocol):
         """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
 
 
-AnySight = TypeVar("AnySight", bound=Sight)
+AnySight = TypeVar("AnySight", bound=Sight[Any])

@@ -16,6 +16,7 @@ from rclpy.parameter import Parameter
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import (
     Parameters,
+    ParameterSet,
     ParameterSpec,
     ParameterValue,
     parameter_table,
@@ -83,19 +84,6 @@ def declare(
     return value
 
 
-def declare_all(
-    node: Node, specs: Iterable[ParameterSpec], *, read_only: bool = False
-) -> dict[str, ParameterValue]:
-    """Declare parameters with the defaults of their table; return the values at start by name.
-
-    Raises
-    ------
-    ParameterError
-        What was given at start is not acceptable.
-    """
-    return {spec.name: declare(node, spec, spec.default, read_only=read_only) for spec in specs}
-
-
 def declare_set(node: Node, defaults: Parameters, *, read_only: bool = False) -> Parameters:
     """Declare the parameters of a set, by default with its values; return those at start.
 
@@ -135,14 +123,26 @@ def is_given_at_start(node: Node, name: str) -> bool:
     return name in node._parameter_overrides
 
 
-def those_in(specs: Mapping[str, ParameterSpec], values: Mapping[str, object]) -> dict[str, object]:
-    """Return those of some values that a table describes."""
-    return {name: value for name, value in values.items() if name in specs}
+def those_in(kind: type[ParameterSet], values: Mapping[str, object]) -> dict[str, object]:
+    """Return those of some values, by name, that are parameters of a kind of set."""
+    own = {spec.name for spec in parameter_table(kind)}
+    return {name: value for name, value in values.items() if name in own}
+
+
+def with_those_in(parameters: Parameters, values: Mapping[str, object]) -> Parameters:
+    """Return a set with those of some values, by name, that are its own parameters.
+
+    Raises
+    ------
+    ParameterError
+        A value is not acceptable, or the set contradicts itself.
+    """
+    return parameters.replaced(those_in(type(parameters), values))
 
 
 def watch(
     node: Node,
-    specs: Mapping[str, ParameterSpec],
+    table: Iterable[ParameterSpec],
     apply: Callable[[Mapping[str, object]], None],
     validate: Callable[[Mapping[str, object]], object] = lambda values: None,
 ) -> None:
@@ -152,7 +152,7 @@ def watch(
     ----------
     node : Node
         The node, all of whose parameters are declared.
-    specs : mapping
+    table : iterable of ParameterSpec
         The parameters that are watched.
     apply : callable
         Called with the changed values by name once they are accepted.
@@ -160,6 +160,7 @@ def watch(
         Called with the changed values by name before anything is changed; raises `ParameterError`
         to refuse all of them.
     """
+    specs = {spec.name: spec for spec in table}
 
     def watched(parameters: Sequence[Parameter]) -> dict[str, object]:
         return {

@@ -12,8 +12,8 @@ from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
-from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
@@ -28,7 +28,7 @@ def estimate(make_estimate):
 
 
 def calibrated(**values):
-    sight = CableSight(default_values() | values)
+    sight = CableSight(CableVehicleParameters(**values))
     sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     return sight
 
@@ -39,7 +39,7 @@ def reason(result) -> Reason:
 
 
 def test_calibration_altitude_and_attitude_make_metres(estimate):
-    sight = CableSight(default_values())
+    sight = CableSight(CableVehicleParameters())
     assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
     sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     assert reason(sight.measure(estimate)) is Reason.NO_CALIBRATION
@@ -83,15 +83,15 @@ def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture(
     sight = calibrated(fixed_altitude=1.4)
     pictures = [cv2.blur(rng.integers(0, 255, (240, 320), np.uint8), (5, 5)) for _ in range(2)]
     sight.motion(SECOND, pictures[0])
-    sight.configure(default_values() | {"fixed_altitude": 1.4, "motion_aid": False})
+    sight.configure(CableVehicleParameters(fixed_altitude=1.4, motion_aid=False))
     sight.motion(SECOND + FRAME, pictures[1])
     assert sight.texture_motion is None
-    sight.configure(default_values() | {"fixed_altitude": 1.4})
+    sight.configure(CableVehicleParameters(fixed_altitude=1.4))
     assert sight._aiding._texture.compare(pictures[1], np.eye(3)) is None
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):
-    sight = CableSight(default_values() | {"fixed_altitude": 1.4}, calibrations["pinhole"])
+    sight = CableSight(CableVehicleParameters(fixed_altitude=1.4), calibrations["pinhole"])
     expected = sight.measure(estimate)
     sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     assert sight.measure(estimate).offset == expected.offset
@@ -115,7 +115,7 @@ def test_an_instrument_that_does_not_count_is_ignored(estimate):
 def test_other_values_keep_the_measurements_and_read_the_calibration_anew(estimate):
     sight = calibrated()
     sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    sight.configure(default_values() | {"image_is_rectified": True, "camera_y": 0.5})
+    sight.configure(CableVehicleParameters(image_is_rectified=True, camera_y=0.5))
     assert sight.measure(estimate).offset == pytest.approx(0.5 + 50.0 * 1.4 / 250.0, rel=0.01)
 
 

@@ -7,12 +7,11 @@ from hypothesis import strategies as st
 from cable_tracker.metric.frames import Mounting
 from cable_tracker.metric.settings import (
     camera_parameters,
-    default_values,
     instrument_settings,
     mounting_of,
     target_settings,
 )
-from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 
 angles = st.floats(-math.pi, math.pi)
 
@@ -20,8 +19,8 @@ angles = st.floats(-math.pi, math.pi)
 @given(roll=angles, pitch=st.floats(-1.5, 1.5), yaw=angles)
 def test_a_mounting_from_tf_looks_where_the_camera_looks(roll, pitch, yaw):
     rotation = Mounting(roll=roll, pitch=pitch, yaw=yaw).rotation
-    values = default_values() | camera_parameters(rotation, np.array([0.1, -0.2, 0.3]))
-    mounting = instrument_settings(values).metric.mounting
+    values = camera_parameters(rotation, np.array([0.1, -0.2, 0.3]))
+    mounting = instrument_settings(CableVehicleParameters(**values)).metric.mounting
     np.testing.assert_allclose(mounting.rotation, rotation, atol=1e-6)
     np.testing.assert_allclose(mounting.position, [0.1, -0.2, 0.3])
 
@@ -29,21 +28,21 @@ def test_a_mounting_from_tf_looks_where_the_camera_looks(roll, pitch, yaw):
 @given(yaw=angles)
 def test_straight_down_has_a_mounting_too(yaw):
     rotation = Mounting(pitch=math.pi / 2, yaw=yaw).rotation
-    values = default_values() | camera_parameters(rotation, np.zeros(3))
+    parameters = CableVehicleParameters(**camera_parameters(rotation, np.zeros(3)))
     np.testing.assert_allclose(
-        instrument_settings(values).metric.mounting.rotation, rotation, atol=1e-6
+        instrument_settings(parameters).metric.mounting.rotation, rotation, atol=1e-6
     )
 
 
 def test_the_defaults_look_straight_down_without_an_altitude():
-    settings = instrument_settings(default_values())
+    settings = instrument_settings(CableVehicleParameters())
     assert settings.metric.mounting.pitch == math.pi / 2
     assert settings.fixed_altitude == 0.0
 
 
 def test_a_camera_for_targets_looks_ahead_by_default():
-    values = default_values(TARGET_METRIC_PARAMETERS) | {"camera_x": 0.5, "target_size": 0.4}
-    settings = target_settings(values)
-    assert settings.mounting == mounting_of(values)
+    parameters = TargetVehicleParameters(camera_x=0.5, target_size=0.4)
+    settings = target_settings(parameters)
+    assert settings.mounting == mounting_of(parameters)
     assert (settings.mounting.x, settings.mounting.pitch) == (0.5, 0.0)
     assert (settings.target_size, settings.uses_motion) == (0.4, True)

@@ -12,12 +12,21 @@ from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.commands.console.terminal import messages
 from cable_tracker.errors import ParameterError
 from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.tracking.parameter_files import parse_parameters, read_parameter_file
-from cable_tracker.tracking.parameter_table import Parameters, ParameterSet, preset_of
+from cable_tracker.tracking.parameter_table import (
+    Parameters,
+    ParameterSet,
+    parameter_table,
+    preset_of,
+)
 
 OF_TARGETS = {"initial_target", "target_count", "target_size"}
-VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)} - OF_TARGETS
+VEHICLE_NAMES = {
+    spec.name
+    for kind in (CableVehicleParameters, TargetVehicleParameters)
+    for spec in parameter_table(kind)
+} - OF_TARGETS
 TEXTS = {
     spec.name
     for spec in (*CABLE.table, *TARGET.table, *CABLE.of_node, *TARGET.of_node)

@@ -84,18 +84,18 @@ class RecordedMetres(RecordedInstruments[CableSight]):
         self._measured = self._stood_in = 0
         self._stand_in = ""
         super().__init__(InstrumentFeed(source, pauses.of_instruments()))
-        self._aids = bool(vehicle.values["motion_aid"]) and (
+        self._aids = vehicle.parameters.motion_aid and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
 
     @property
     def base_frame(self) -> str:
         """Name of the vehicle's frame."""
-        return str(self._vehicle.values["base_frame"])
+        return self._vehicle.parameters.base_frame
 
     def _first_sight(self) -> CableSight:
         vehicle = self._vehicle
-        return CableSight(vehicle.values, vehicle.calibration, self._pauses.texture)
+        return CableSight(vehicle.parameters, vehicle.calibration, self._pauses.texture)
 
     @property
     def instruments(self) -> Instruments:

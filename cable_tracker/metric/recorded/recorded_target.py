@@ -10,21 +10,22 @@ from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
-from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.targets.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.targets.target_sight import TargetSight
-from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
-from cable_tracker.tracking.parameter_table import ParameterValue
+from cable_tracker.tracking.parameter_table import ParameterValue, parameter_table
 
 LONGEST_WAIT = 60.0
 """Longest wait for the instruments of a frame [s]; a replay has sent them before it."""
 
 
-def target_values(vehicle: VehicleDescription, target_size: float = 0.0) -> dict[str, object]:
-    """Return `TARGET_METRIC_PARAMETERS` as a vehicle is described.
+def target_parameters(
+    vehicle: VehicleDescription, target_size: float = 0.0
+) -> TargetVehicleParameters:
+    """Return the parameters of a tracker of targets as a vehicle is described.
 
     A camera of which nothing is said looks straight ahead, not down.
 
@@ -35,9 +36,9 @@ def target_values(vehicle: VehicleDescription, target_size: float = 0.0) -> dict
     target_size : float
         Root of the area that the target shows [m]; 0: not known.
     """
-    values = default_values(TARGET_METRIC_PARAMETERS)
-    values |= {name: vehicle.values[name] for name in vehicle.said if name in values}
-    return values | {"target_size": target_size}
+    own = {spec.name for spec in parameter_table(TargetVehicleParameters)}
+    said = {name: getattr(vehicle.parameters, name) for name in vehicle.said & own}
+    return TargetVehicleParameters(target_size=target_size).replaced(said)
 
 
 def node_values(described: RecordedVehicle, target_size: float) -> dict[str, ParameterValue]:
@@ -46,9 +47,7 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
         return {}
     found = set() if described.source is None else set(described.source.found.topics)
     waits = bool(found & {Instrument.IMU, Instrument.ODOMETRY})
-    values = target_values(described.vehicle, target_size)
-    specs = {spec.name: spec for spec in TARGET_METRIC_PARAMETERS}
-    return {name: specs[name].coerce(value) for name, value in values.items()} | {
+    return target_parameters(described.vehicle, target_size).as_mapping() | {
         "instrument_reliability": "reliable",
         "instrument_wait": LONGEST_WAIT if waits else 0.0,
     }
@@ -71,13 +70,13 @@ class RecordedSight(RecordedInstruments[TargetSight]):
     """
 
     def __init__(self, described: RecordedVehicle, target_size: float = 0.0) -> None:
-        self._values = target_values(described.vehicle, target_size)
+        self._parameters = target_parameters(described.vehicle, target_size)
         self._calibration = described.vehicle.calibration
-        self.base_frame = str(self._values["base_frame"])
+        self.base_frame = self._parameters.base_frame
         super().__init__(InstrumentFeed(described.source))
 
     def _first_sight(self) -> TargetSight:
-        return TargetSight(self._values, self._calibration)
+        return TargetSight(self._parameters, self._calibration)
 
     @property
     def settings(self) -> TargetSettings:

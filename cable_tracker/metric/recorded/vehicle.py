@@ -17,12 +17,13 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.settings import camera_parameters, default_values
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
+from cable_tracker.metric.settings import camera_parameters
+from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.static_transforms import place_in
 from cable_tracker.tracking.parameter_files import read_parameter_file
+from cable_tracker.tracking.parameter_table import parameter_table
 
 CALIBRATION_NAMES = (
     "image_width", "image_height", "distortion_model", "camera_matrix", "distortion_coefficients",
@@ -49,19 +50,19 @@ class VehicleDescription:
 
     Attributes
     ----------
-    values : dict
-        All of `METRIC_PARAMETERS`, by name.
+    parameters : CableVehicleParameters
+        Mounting of camera and instruments, and how they are read.
     calibration : Calibration or None
         Calibration of the camera, where no topic gives one.
     notes_on_frames : tuple of str
         What the user should know of the bag's frames.
     said : frozenset of str
-        Names of those values that the bag's frames or the file say; the others are defaults.
+        Names of those parameters that the bag's frames or the file say; the others are defaults.
     is_mounting_unknown : bool
         There is a calibration, so that metres can be told, but neither says how the camera looks.
     """
 
-    values: dict[str, object] = field(default_factory=default_values)
+    parameters: CableVehicleParameters = field(default_factory=CableVehicleParameters)
     calibration: Calibration | None = None
     notes_on_frames: tuple[str, ...] = ()
     said: frozenset[str] = frozenset()
@@ -98,7 +99,7 @@ def read_vehicle_file(path: Path) -> VehicleFile:
         It cannot be read, names something unknown, or a value is not acceptable.
     """
     content = read_parameter_file(path)
-    specs = {spec.name: spec for spec in METRIC_PARAMETERS}
+    specs = {spec.name: spec for spec in parameter_table(CableVehicleParameters)}
     known = (*specs, *CALIBRATION_NAMES, PROJECTION, *IGNORED_NAMES)
     unknown = sorted(set(content) - set(known))
     if unknown:
@@ -181,7 +182,7 @@ def describe_vehicle(
     has_calibration = source is not None and Instrument.CAMERA_INFO in source.found.topics
     is_said = any(name in said for name in MOUNTING_PARAMETERS)
     return VehicleDescription(
-        default_values() | said,
+        CableVehicleParameters().replaced(said),
         file.calibration,
         tuple(notes),
         frozenset(said),

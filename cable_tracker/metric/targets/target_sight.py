@@ -6,7 +6,7 @@ The same for a node that hears instruments and for a recording that holds them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.known_calibration import KnownCalibration
@@ -21,6 +21,7 @@ from cable_tracker.metric.targets.target_metres import (
     VehicleMotion,
     turn_of_picture,
 )
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.target.model.camera_motion import CameraMotion
@@ -40,8 +41,8 @@ class TargetSight:
 
     Parameters
     ----------
-    values : mapping of str to object
-        All of `TARGET_METRIC_PARAMETERS`, by name.
+    parameters : TargetVehicleParameters
+        How the camera is mounted and read, and how large the target is.
     calibration : Calibration or None
         Calibration given by the user, which overrides messages; None: use messages.
     count : int
@@ -55,14 +56,14 @@ class TargetSight:
 
     def __init__(
         self,
-        values: Mapping[str, object],
+        parameters: TargetVehicleParameters,
         calibration: Calibration | None = None,
         count: int = 1,
     ) -> None:
-        self._settings = target_settings(values)
+        self._settings = target_settings(parameters)
         self._motion = VehicleMotion()
         self._calibration = KnownCalibration(
-            calibration, is_rectified=bool(values["image_is_rectified"])
+            calibration, is_rectified=parameters.image_is_rectified
         )
         self._use_calibration()
         self._ranges = [TargetRange(self._settings) for _ in range(count)]
@@ -78,12 +79,12 @@ class TargetSight:
         """Settings in force."""
         return self._settings
 
-    def configure(self, values: Mapping[str, object]) -> None:
-        """Take other values of `TARGET_METRIC_PARAMETERS`, and keep the measurements."""
-        self._settings = target_settings(values)
+    def configure(self, parameters: TargetVehicleParameters) -> None:
+        """Take other parameters, and keep the measurements."""
+        self._settings = target_settings(parameters)
         for each in self._ranges:
             each.configure(self._settings)
-        self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
+        self._calibration.configure(is_rectified=parameters.image_is_rectified)
         self._use_calibration()
 
     def forget(self, number: int | None = None) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import cast
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
@@ -87,7 +86,7 @@ def track_recording_over_ros(
 def _vehicle_parameters(vehicle: RecordedVehicle) -> dict[str, ParameterValue]:
     if not vehicle.wants_metres:
         return {}
-    values = cast(dict[str, ParameterValue], vehicle.vehicle.values)
+    values = vehicle.vehicle.parameters.as_mapping()
     # Without instruments nothing is sent that a frame could wait for.
     return {**values, **EVERY_MEASUREMENT} if vehicle.has_instruments else values
 

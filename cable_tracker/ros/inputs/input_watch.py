@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import cast
 
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.node_parameter_tables import CameraRuntimeParameters
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, STALE_INPUT
 from cable_tracker.stamps import NANOSECONDS
 
@@ -84,13 +83,11 @@ class InputWatch:
         self._is_frozen = False
         self._frozen = FrozenInput()
 
-    def apply(self, values: Mapping[str, object]) -> None:
-        """Take what is given of `input_timeout`, `frozen_timeout` and `maximum_gap` [s]."""
-        self._timeout = float(cast(float, values.get("input_timeout", self._timeout)))
-        self._frozen_timeout = float(
-            cast(float, values.get("frozen_timeout", self._frozen_timeout))
-        )
-        self._maximum_gap = float(cast(float, values.get("maximum_gap", self._maximum_gap)))
+    def configure(self, parameters: CameraRuntimeParameters, maximum_gap: float) -> None:
+        """Take other time-outs, and the longest pause between frames that the filter bears [s]."""
+        self._timeout = parameters.input_timeout
+        self._frozen_timeout = parameters.frozen_timeout
+        self._maximum_gap = maximum_gap
 
     @property
     def timeout(self) -> float:

@@ -2,56 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Generic
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, Generic, TypeVar
 
 from rclpy.node import Node
 
-from cable_tracker.metric.settings import default_values, number
 from cable_tracker.metric.sight import AnySight
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.ros.node_parameters import with_those_in
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.tracking.parameter_table import ParameterSpec
+
+VehicleParameters = TypeVar(
+    "VehicleParameters", bound=CableVehicleParameters | TargetVehicleParameters
+)
 
 
-class InstrumentInputs(Generic[AnySight]):
+class InstrumentInputs(Generic[AnySight, VehicleParameters]):
     """Listens to the instruments, and knows whether they have told of the time of a frame.
 
     Parameters
     ----------
     node : Node
         The tracker's node.
-    specs : sequence of ParameterSpec
-        Parameters of the sight, with `instrument_wait` and `base_frame`.
+    parameters : CableVehicleParameters or TargetVehicleParameters
+        Parameters of the sight, as the node has them at its start.
     make_sight : callable
-        Makes the sight, given the default values of its parameters.
+        Makes the sight, given its parameters.
     instruments : collection of Instrument
         Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
         Stamped instruments that a frame waits for even before their first message.
-
-    Attributes
-    ----------
-    wait : float
-        How long a frame may be held back for the instruments [s].
     """
 
     def __init__(
         self,
         node: Node,
-        specs: Sequence[ParameterSpec],
-        make_sight: Callable[[Mapping[str, object]], AnySight],
+        parameters: VehicleParameters,
+        make_sight: Callable[[VehicleParameters], AnySight],
         instruments: Collection[Instrument],
         required: Collection[Instrument] = (),
     ) -> None:
         self._node = node
-        self._values = default_values(specs)
-        self.wait = number(self._values, "instrument_wait")
-        self._sight = make_sight(self._values)
+        self._parameters = parameters
+        self._sight = make_sight(parameters)
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
         self._newest: dict[Instrument, int] = {}
@@ -104,9 +102,14 @@ class InstrumentInputs(Generic[AnySight]):
         self._sight.take_message(instrument, stamp, message)
 
     @property
+    def wait(self) -> float:
+        """How long a frame may be held back for the instruments [s]."""
+        return self._parameters.instrument_wait
+
+    @property
     def base_frame(self) -> str:
         """Frame of what is in metres."""
-        return str(self._values["base_frame"])
+        return self._parameters.base_frame
 
     def has_all_of(self, stamp: int) -> bool:
         """Tell whether the calibration is known, and the measurements of a time [ns].
@@ -126,8 +129,7 @@ class InstrumentInputs(Generic[AnySight]):
 
     def apply(self, values: Mapping[str, object]) -> None:
         """Take those of the sight's parameters that are given, by name."""
-        own = {name: values[name] for name in values.keys() & self._values.keys()}
-        if own:
-            self._values.update(own)
-            self.wait = number(self._values, "instrument_wait")
-            self._sight.configure(self._values)
+        changed = with_those_in(self._parameters, values)
+        if changed != self._parameters:
+            self._parameters = changed
+            self._sight.configure(changed)

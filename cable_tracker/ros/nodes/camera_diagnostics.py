@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping
-from typing import cast
+from collections.abc import Iterable
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -64,10 +63,6 @@ class CameraDiagnostics:
         self._publisher = publisher(
             node, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
-
-    def apply(self, values: Mapping[str, object]) -> None:
-        """Take the parameter `diagnostics_period` [s], if it is given."""
-        self.period = float(cast(float, values.get("diagnostics_period", self.period)))
 
     def is_due(self, now: float) -> bool:
         """Tell whether the next message is due, on the monotonic clock [s]."""

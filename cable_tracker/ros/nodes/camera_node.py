@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
-from cable_tracker.node_parameter_tables import CameraStartParameters
+from cable_tracker.node_parameter_tables import CameraRuntimeParameters, CameraStartParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
@@ -90,7 +90,7 @@ class CameraNode(ProcessNode):
         A parameter given at start is not acceptable.
     """
 
-    _instruments: InstrumentInputs[Any]
+    _instruments: InstrumentInputs[Any, Any]
     _outputs: TrackerOutputs | TargetOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
@@ -105,6 +105,7 @@ class CameraNode(ProcessNode):
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
         start = node_parameters.declare_set(self, CameraStartParameters(), read_only=True)
+        self._camera_parameters = node_parameters.declare_set(self, CameraRuntimeParameters())
         self._answers_every_frame = start.image_reliability == "reliable"
         self._input = ImageInput(
             self, start.image_transport, start.image_reliability, self._statistics
@@ -259,10 +260,20 @@ class CameraNode(ProcessNode):
             self.get_logger().info(f"waiting for images on {self._input.topic}")
         self.publish_diagnostics()
 
-    def _apply_camera_values(self, values: Mapping[str, object]) -> None:
-        """Take what is given of `CAMERA_RUNTIME_PARAMETERS`, and `maximum_gap`, by name."""
-        self._watch.apply(values)
-        self._diagnostics.apply(values)
+    def _apply_camera_values(self, values: Mapping[str, object], maximum_gap: float) -> None:
+        """Take what is given by name of the camera's and the instruments' parameters.
+
+        Parameters
+        ----------
+        values : mapping
+            Changed values of the node's parameters.
+        maximum_gap : float
+            Longest pause between frames that the filter bears [s].
+        """
+        self._camera_parameters = node_parameters.with_those_in(self._camera_parameters, values)
+        self._watch.configure(self._camera_parameters, maximum_gap)
+        self._diagnostics.period = self._camera_parameters.diagnostics_period
+        self._instruments.apply(values)
         if self._watchdog is not None:
             self._watchdog.timer_period_ns = round(self._watchdog_period() * NANOSECONDS)
 

@@ -13,9 +13,8 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages
-from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
+from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
@@ -41,21 +40,29 @@ MOUNTING_NOT_GIVEN = (
 NO_FRAME = Withheld(Reason.NOT_TRACKING, "no frame has come")
 
 
-class MetricInputs(InstrumentInputs[CableSight]):
+class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
     """Listens to the instruments, and publishes `cross_track`.
 
     Parameters
     ----------
     node : Node
         The tracker node.
+    parameters : CableVehicleParameters
+        How camera and instruments are mounted and read, as the node has it at its start.
     factory : MessageFactory
         Makes its messages.
     publishers : WatchedPublishers
         Creates its publishers.
     """
 
-    def __init__(self, node: Node, factory: MessageFactory, publishers: WatchedPublishers) -> None:
-        super().__init__(node, METRIC_PARAMETERS, CableSight, CABLE_INSTRUMENTS, AWAITED)
+    def __init__(
+        self,
+        node: Node,
+        parameters: CableVehicleParameters,
+        factory: MessageFactory,
+        publishers: WatchedPublishers,
+    ) -> None:
+        super().__init__(node, parameters, CableSight, CABLE_INSTRUMENTS, AWAITED)
         self._factory = factory
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = NO_FRAME
@@ -118,9 +125,9 @@ class MetricInputs(InstrumentInputs[CableSight]):
         if self._is_mounting_told:
             return
         self._is_mounting_told = True
-        defaults = default_values()
+        defaults = CableVehicleParameters()
         if all(
-            self._values[name] == defaults[name]
+            getattr(self._parameters, name) == getattr(defaults, name)
             and not node_parameters.is_given_at_start(self._node, name)
             for name in MOUNTING_PARAMETERS
         ):

@@ -103,8 +103,7 @@ class ReplayNode(ProcessNode):
     def _declare_parameters(self) -> None:
         self._own = node_parameters.declare_set(self, ReplayStartParameters(), read_only=True)
         self._playing = node_parameters.declare_set(self, ReplayRuntimeParameters())
-        specs = {spec.name: spec for spec in parameter_table(ReplayRuntimeParameters)}
-        node_parameters.watch(self, specs, self._apply)
+        node_parameters.watch(self, parameter_table(ReplayRuntimeParameters), self._apply)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _apply(self, values: Mapping[str, object]) -> None:

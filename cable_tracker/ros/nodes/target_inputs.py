@@ -13,7 +13,7 @@ from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight
 from cable_tracker.metric.withheld import newly_withheld
-from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -22,20 +22,23 @@ REASON_PAUSE = 10.0
 """A reason for missing metres that comes sooner after another one is not told [s]."""
 
 
-class TargetInputs(InstrumentInputs[TargetSight]):
+class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
     """Listens to the instruments, and turns estimates into bearings and ranges.
 
     Parameters
     ----------
     node : Node
         The node.
+    parameters : TargetVehicleParameters
+        How the camera is mounted and read, and how large a target is, as the node has it at its
+        start.
     count : int
         Number of targets.
     """
 
-    def __init__(self, node: Node, count: int) -> None:
+    def __init__(self, node: Node, parameters: TargetVehicleParameters, count: int) -> None:
         make_sight = partial(TargetSight, count=count)
-        super().__init__(node, TARGET_METRIC_PARAMETERS, make_sight, TARGET_INSTRUMENTS)
+        super().__init__(node, parameters, make_sight, TARGET_INSTRUMENTS)
         self._results: list[TargetMetres] = []
 
     @property

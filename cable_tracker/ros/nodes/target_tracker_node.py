@@ -13,7 +13,9 @@ from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.node_parameter_tables import (
     TARGET_RUNTIME_PARAMETERS,
+    TargetRuntimeParameters,
     TargetStartParameters,
+    TargetVehicleParameters,
 )
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.warm_up import WarmUp
@@ -35,8 +37,6 @@ from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.target.warming import warm_up_target
 from cable_tracker.tracking.parameter_table import parameter_table
 from cable_tracker.tracking.status import TrackingStatus
-
-FILTER_SPECS = {spec.name: spec for spec in parameter_table(TargetParameters)}
 
 
 class TargetTrackerNode(CameraNode):
@@ -74,14 +74,15 @@ class TargetTrackerNode(CameraNode):
         self._prefixes = [""] if count == 1 else [f"target_{number}/" for number in range(count)]
         preset = target_preset(start.preset)
         self._filter_parameters = node_parameters.declare_set(self, preset)
-        runtime = node_parameters.declare_all(self, TARGET_RUNTIME_PARAMETERS)
+        runtime = node_parameters.declare_set(self, TargetRuntimeParameters())
+        vehicle = node_parameters.declare_set(self, TargetVehicleParameters())
         self._instrument_reliability = start.instrument_reliability
-        self._begins = self._read_start(str(runtime["initial_target"]))
+        self._begins = self._read_start(runtime.initial_target)
         self._group = TargetGroup(count, self._with_detector())
-        self._instruments: TargetInputs = TargetInputs(self, count)
-        self._apply_runtime_values({**runtime, "maximum_gap": self._filter_parameters.maximum_gap})
-        specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
-        node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
+        self._instruments: TargetInputs = TargetInputs(self, vehicle, count)
+        self._apply_camera_values({}, self._filter_parameters.maximum_gap)
+        table = (*parameter_table(TargetParameters), *TARGET_RUNTIME_PARAMETERS)
+        node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _read_start(self, text: str) -> StartText:
@@ -96,10 +97,6 @@ class TargetTrackerNode(CameraNode):
             )
         return start
 
-    def _with_filter_values(self, values: Mapping[str, object]) -> TargetParameters:
-        """Return the filter's parameters with those of some values that are among them."""
-        return self._filter_parameters.replaced(node_parameters.those_in(FILTER_SPECS, values))
-
     def _with_detector(self) -> TargetParameters:
         """Return the filter's parameters, with a detector where the start needs one."""
         parameters = self._filter_parameters
@@ -108,21 +105,17 @@ class TargetTrackerNode(CameraNode):
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         if "initial_target" in values:
             self._read_start(str(values["initial_target"]))
-        self._with_filter_values(values)
+        node_parameters.with_those_in(self._filter_parameters, values)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
         if "initial_target" in values:
             self._begins = self._read_start(str(values["initial_target"]))
-        self._filter_parameters = self._with_filter_values(values)
+        self._filter_parameters = node_parameters.with_those_in(self._filter_parameters, values)
         effective = self._with_detector()
         if effective != self._group.parameters:
             self._group.configure(effective)
             self._warm_up_for_change()
-        self._apply_runtime_values(values)
-
-    def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
-        self._instruments.apply(values)
-        self._apply_camera_values(values)
+        self._apply_camera_values(values, self._filter_parameters.maximum_gap)
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._group.parameters

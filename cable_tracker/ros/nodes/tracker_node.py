@@ -12,7 +12,7 @@ from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import (
-    PARAMETERS_BY_NAME,
+    PARAMETER_TABLE,
     TrackerParameters,
 )
 from cable_tracker.cable.parameters.presets import preset
@@ -21,6 +21,8 @@ from cable_tracker.errors import FrameError
 from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
+    CableVehicleParameters,
+    TrackerRuntimeParameters,
     TrackerStartParameters,
 )
 from cable_tracker.ros import node_parameters
@@ -54,9 +56,6 @@ class TrackerNode(CameraNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("tracker", **node_arguments)
-        self._instruments: MetricInputs = MetricInputs(
-            self, self._factory, self._watched_publishers
-        )
         self._estimate: CableEstimate | None = None
         self._prior_while_disabled: GivenState | None = None
         self._declare_parameters()
@@ -72,14 +71,18 @@ class TrackerNode(CameraNode):
     def _declare_parameters(self) -> None:
         start = node_parameters.declare_set(self, TrackerStartParameters(), read_only=True)
         parameters = node_parameters.declare_set(self, preset(start.preset))
-        runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
+        runtime = node_parameters.declare_set(self, TrackerRuntimeParameters())
+        vehicle = node_parameters.declare_set(self, CableVehicleParameters())
         self._instrument_reliability = start.instrument_reliability
+        self._instruments: MetricInputs = MetricInputs(
+            self, vehicle, self._factory, self._watched_publishers
+        )
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
-        self._search = InitialSearch(str(runtime["initial_state"]), pair_limits(parameters))
-        self._apply_runtime_values({**runtime, "maximum_gap": parameters.maximum_gap})
-        specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
-        node_parameters.watch(self, specs, self._apply_parameters, self._validate_parameters)
+        self._search = InitialSearch(runtime.initial_state, pair_limits(parameters))
+        self._apply_camera_values({}, parameters.maximum_gap)
+        table = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
+        node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)
 
     def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
@@ -90,12 +93,12 @@ class TrackerNode(CameraNode):
         if "initial_state" in values:
             InitialSearch(str(values["initial_state"]))
         present = self._tracker.parameters
-        changed = present.replaced(node_parameters.those_in(PARAMETERS_BY_NAME, values))
+        changed = node_parameters.with_those_in(present, values)
         if changed.response_table != present.response_table:
             load_table(changed.response_table)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
-        filter_values = node_parameters.those_in(PARAMETERS_BY_NAME, values)
+        filter_values = node_parameters.those_in(TrackerParameters, values)
         if filter_values:
             before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
@@ -103,20 +106,16 @@ class TrackerNode(CameraNode):
             self._search.limit(pair_limits(changed))
             self._warm_up_for_change()
             self._warn_of_remarks(before)
-        self._apply_runtime_values(values)
+        if "initial_state" in values:
+            limits = pair_limits(self._tracker.parameters)
+            self._search = self._search.changed_to(str(values["initial_state"]), limits)
+        self._apply_camera_values(values, self._tracker.parameters.maximum_gap)
 
     def _warn_of_remarks(self, known: tuple[str, ...]) -> None:
         """Log what is hardly meant about the filter's parameters, unless it was said before."""
         for remark in self._tracker.parameters.remarks():
             if remark not in known:
                 self.get_logger().warning(remark)
-
-    def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
-        if "initial_state" in values:
-            limits = pair_limits(self._tracker.parameters)
-            self._search = self._search.changed_to(str(values["initial_state"]), limits)
-        self._instruments.apply(values)
-        self._apply_camera_values(values)
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._tracker.parameters

@@ -13,11 +13,12 @@ from cable_tracker.metric.recorded.recorded_target import (
     LONGEST_WAIT,
     RecordedSight,
     node_values,
-    target_values,
+    target_parameters,
 )
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.targets.chase import shown_size
@@ -144,13 +145,13 @@ def test_without_calibration_there_is_no_bearing(tmp_path):
 
 
 def test_a_camera_of_which_nothing_is_said_looks_ahead():
-    assert target_values(VehicleDescription())["camera_pitch"] == 0.0
+    assert target_parameters(VehicleDescription()).camera_pitch == 0.0
     said = VehicleDescription(
-        {"camera_pitch": 30.0, "look_ahead": 2.0}, said=frozenset({"camera_pitch"})
+        CableVehicleParameters(camera_pitch=30.0, look_ahead=2.0), said=frozenset({"camera_pitch"})
     )
-    assert target_values(said, 0.4) == target_values(VehicleDescription(), 0.4) | {
-        "camera_pitch": 30.0
-    }
+    assert target_parameters(said, 0.4) == TargetVehicleParameters(
+        camera_pitch=30.0, target_size=0.4
+    )
 
 
 def test_a_node_waits_for_what_a_replay_sends_of_the_motion(turning, tmp_path):

@@ -39,8 +39,8 @@ def test_what_the_file_does_not_say_is_as_always(tmp_path):
     vehicle = describe_vehicle(
         None, "", read_vehicle_file(written(tmp_path, "cable_height: 0.1\n"))
     )
-    assert vehicle.values["cable_height"] == 0.1
-    assert vehicle.values["camera_pitch"] == 90.0
+    assert vehicle.parameters.cable_height == 0.1
+    assert vehicle.parameters.camera_pitch == 90.0
 
 
 def test_rectified_images_are_calibrated_by_the_projection(tmp_path):
@@ -117,7 +117,7 @@ class FramesOfABag:
 def test_an_altimeter_that_looks_down_needs_no_note(lowered):
     vehicle = describe_vehicle(FramesOfABag(lowered), "eye")
     assert vehicle.notes == ()
-    assert vehicle.values["altimeter_x"] == 0.2
+    assert vehicle.parameters.altimeter_x == 0.2
 
 
 @pytest.mark.parametrize(("lowered", "degrees"), [(60.0, 30), (83.0, 7), (0.0, 90), (-90.0, 180)])

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from instrument_messages import camera_info, imu, odometry
 
-from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -17,10 +16,6 @@ SECOND = 1_000_000_000
 FRAME = SECOND // 25
 SIZE = (320, 240)
 TURN = 0.5
-
-
-def values(**others):
-    return default_values(TARGET_METRIC_PARAMETERS) | others
 
 
 def seen(index):
@@ -42,7 +37,7 @@ def turn_of(sight, instrument, make):
 
 
 def calibrated(**others):
-    sight = TargetSight(values(**others))
+    sight = TargetSight(TargetVehicleParameters(**others))
     sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     return sight
 
@@ -93,13 +88,13 @@ def test_a_target_of_known_size_has_a_range():
 
 def test_other_values_read_the_calibration_anew():
     sight = calibrated(target_size=0.5)
-    sight.configure(values(target_size=0.5, image_is_rectified=True))
+    sight.configure(TargetVehicleParameters(target_size=0.5, image_is_rectified=True))
     (metres,) = sight.take([seen(0)])
     assert metres.relative.range == pytest.approx(0.5 * 250.0 / 20.0, rel=0.01)
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations):
-    sight = TargetSight(values(), calibrations["pinhole"])
+    sight = TargetSight(TargetVehicleParameters(), calibrations["pinhole"])
     (before,) = sight.take([seen(0)])
     sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info(640))
     (after,) = sight.take([seen(1)])
@@ -107,6 +102,6 @@ def test_a_calibration_that_is_given_wins_over_messages(calibrations):
 
 
 def test_without_a_calibration_there_is_no_bearing():
-    (metres,) = TargetSight(values()).take([seen(0)])
+    (metres,) = TargetSight(TargetVehicleParameters()).take([seen(0)])
     assert isinstance(metres.ray, Withheld)
     assert metres.ray.reason is Reason.NO_CALIBRATION

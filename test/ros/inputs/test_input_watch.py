@@ -1,17 +1,20 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
+from cable_tracker.node_parameter_tables import CameraRuntimeParameters
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, STALE_INPUT
 from cable_tracker.ros.inputs.input_watch import FrozenInput, InputWatch, same
 
 SECOND = 1_000_000_000
 
 
-def watch(**values: float) -> InputWatch:
+def watch(frozen_timeout: float = 2.0, maximum_gap: float = math.inf) -> InputWatch:
     made = InputWatch(100.0)
-    made.apply({"input_timeout": 1.0, "frozen_timeout": 2.0, **values})
+    made.configure(CameraRuntimeParameters(frozen_timeout=frozen_timeout), maximum_gap)
     return made
 
 
@@ -60,12 +63,6 @@ def test_a_timeout_of_zero_never_freezes_and_the_time_is_measured_all_the_same()
     assert watched.same_for == 8.0
 
 
-def test_what_is_not_given_stays() -> None:
-    watched = watch()
-    watched.apply({"frozen_timeout": 9.0})
-    assert watched.timeout == 1.0
-
-
 def picture(value: int = 90, dtype: type = np.uint8) -> np.ndarray:
     return np.full((40, 60), value, dtype)
 
@@ -107,5 +104,5 @@ def test_a_jump_of_the_clock_is_no_time_in_which_the_picture_was_the_same() -> N
 def test_the_watch_counts_no_longer_pause_than_the_filter_bears() -> None:
     watched = watch(maximum_gap=5.0)
     assert not any(watched.is_frozen(picture(), stamp * SECOND) for stamp in (1, 7, 8))
-    watched.apply({"maximum_gap": 6.0})
+    watched.configure(CameraRuntimeParameters(), 6.0)
     assert watched.is_frozen(picture(), 14 * SECOND)

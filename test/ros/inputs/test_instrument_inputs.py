@@ -7,7 +7,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Imu, JointState
 from std_msgs.msg import Header
 
-from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.sequences.bags.instruments import Instrument
 
@@ -18,12 +18,12 @@ INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)
 class NotedSight:
     """Notes what it is given."""
 
-    def __init__(self, values: Any) -> None:
-        self.values = dict(values)
+    def __init__(self, parameters: TargetVehicleParameters) -> None:
+        self.parameters = parameters
         self.taken: list[tuple[Instrument, int]] = []
 
-    def configure(self, values: Any) -> None:
-        self.values = dict(values)
+    def configure(self, parameters: TargetVehicleParameters) -> None:
+        self.parameters = parameters
 
     def take_message(self, instrument: Instrument, stamp: int, _message: Any) -> None:
         self.taken.append((instrument, stamp))
@@ -37,9 +37,9 @@ def header(sec: int) -> Header:
 
 @pytest.fixture
 def make(world: Any) -> Any:
-    def made(required: Any = ()) -> tuple[InstrumentInputs[NotedSight], NotedSight]:
+    def made(required: Any = ()) -> tuple[InstrumentInputs[Any, Any], NotedSight]:
         inputs = InstrumentInputs(
-            world.me, TARGET_METRIC_PARAMETERS, NotedSight, INSTRUMENTS, required
+            world.me, TargetVehicleParameters(), NotedSight, INSTRUMENTS, required
         )
         return inputs, inputs._sight
 
@@ -121,11 +121,11 @@ def test_what_a_replay_says_it_has_sent_is_awaited(make: Any) -> None:
 
 def test_parameters_of_the_sight_reach_it_and_others_do_not(make: Any) -> None:
     inputs, sight = make()
-    before = sight.values
+    before = sight.parameters
     inputs.apply({"particle_count": 3})
-    assert sight.values == before
+    assert sight.parameters == before == TargetVehicleParameters()
     inputs.apply({"camera_x": 0.5, "instrument_wait": 2.0, "base_frame": "rov", "other": 1})
-    assert sight.values == before | {
-        "camera_x": 0.5, "instrument_wait": 2.0, "base_frame": "rov",
-    }  # fmt: skip
+    assert sight.parameters == TargetVehicleParameters(
+        camera_x=0.5, instrument_wait=2.0, base_frame="rov"
+    )
     assert (inputs.wait, inputs.base_frame) == (2.0, "rov")

@@ -102,11 +102,17 @@ def test_a_shorter_period_counts_at_once(world: Any, diagnostics: Callable[..., 
     world.spin(lambda: len(diagnostics(node)) > count + 1)
 
 
+def test_a_changed_time_out_leaves_the_other(world: Any) -> None:
+    node = world.tracker(input_timeout=7.0, diagnostics_period=3600.0)
+    assert node.set_parameters([Parameter("frozen_timeout", value=9.0)])[0].successful
+    assert (node._watch.timeout, node._diagnostics.period) == (7.0, 3600.0)
+
+
 def test_that_the_watchdog_comes_late_does_not_lengthen_the_period(
     world: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     diagnostics = world.tracker(diagnostics_period=3600.0)._diagnostics
-    diagnostics.apply({"diagnostics_period": 1.0})
+    diagnostics.period = 1.0
     clock = SimpleNamespace()
     monkeypatch.setattr(camera_diagnostics, "time", clock)
     start = time.monotonic() + 3600.0
