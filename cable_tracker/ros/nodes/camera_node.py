@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,6 +38,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import ParameterSpec
 from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP, TrackingStatus
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
@@ -62,10 +63,13 @@ class FrameResult:
         Status after the frame, as on /diagnostics.
     event : str
         Reason why tracking started anew with the frame; empty if it went on.
+    publish_rest : callable
+        Publishes the pictures for people and, last, the state: a controller waits for neither.
     """
 
     status: str
     event: str
+    publish_rest: Callable[[], None]
 
 
 class CameraNode(ProcessNode):
@@ -123,8 +127,8 @@ class CameraNode(ProcessNode):
         """Start the warm-up of the code that the present parameters choose."""
         raise NotImplementedError
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
-        """Track on a frame and publish the results.
+    def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
+        """Track on a frame and publish what is claimed; the rest is published afterwards.
 
         Parameters
         ----------
@@ -134,14 +138,26 @@ class CameraNode(ProcessNode):
             Time of the frame [ns].
         picture : Image
             Decoded pixels, as returned by `_decode`.
-        arrival : float
-            Time of reception, on the clock of `time.perf_counter` [s].
 
         Raises
         ------
         FrameError
             The frame cannot be used.
         """
+        raise NotImplementedError
+
+    def _validate_parameters(self, values: Mapping[str, object]) -> None:
+        """Refuse changed values, by name, that do not fit those that stay.
+
+        Raises
+        ------
+        ParameterError
+            They do not.
+        """
+        raise NotImplementedError
+
+    def _apply_parameters(self, values: Mapping[str, object]) -> None:
+        """Take changed values, by name."""
         raise NotImplementedError
 
     def _restart(self) -> None:
@@ -167,6 +183,20 @@ class CameraNode(ProcessNode):
         """Do what follows the restart when the node is enabled again."""
 
     # For subclasses.
+
+    def _end_declarations(self, table: Iterable[ParameterSpec], maximum_gap: float) -> None:
+        """Put the camera's parameters into force, and react to changes from now on.
+
+        Parameters
+        ----------
+        table : iterable of ParameterSpec
+            The parameters that may be changed while the node runs.
+        maximum_gap : float
+            Longest pause between frames that the filter bears [s].
+        """
+        self._apply_camera_values({}, maximum_gap)
+        node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
+        node_parameters.warn_of_unknown_overrides(self)
 
     def _take_starts(
         self, topic: NodeTopic, take: Callable[[Message], None], name: str | None = None
@@ -340,7 +370,10 @@ class CameraNode(ProcessNode):
             if self._watch.is_frozen(picture, stamp):
                 self._answer_frozen(header)
                 return
-            outcome = self._use(header, stamp, picture, frame.arrival)
+            outcome = self._use(header, stamp, picture)
+            self._statistics.latency.add((time.perf_counter() - frame.arrival) * 1e3)
+            self._statistics.tracked += 1
+            outcome.publish_rest()
         except FrameError as error:
             self._note_refusal(str(error))
             self._outputs.answer_without_estimate(header, REFUSED, str(error))

@@ -84,19 +84,28 @@ class TargetOutputs:
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
         makers = messages_without_target(self._factory, header, status, reason)
-        self.publish_states([makers] * len(self._targets))
+        self._publish_states([makers] * len(self._targets))
 
     def publish_results(self, makers: Sequence[MessageMakers]) -> None:
         """Publish what is claimed: centre, outline, bearing, range."""
         for target, own in zip(self._targets, makers, strict=True):
             target.publish(own, RESULTS)
 
-    def publish_pictures(self, makers: Sequence[MessageMakers]) -> None:
-        """Publish what people look at, but for the overlay."""
+    def publish_rest(
+        self,
+        makers: Sequence[MessageMakers],
+        header: Message,
+        estimates: Sequence[TargetEstimate],
+        particles: Sequence[Particles | None],
+        picture: Picture,
+    ) -> None:
+        """Publish what people look at, and last the states."""
         for target, own in zip(self._targets, makers, strict=True):
             target.publish(own, PICTURES)
+        self._publish_overlay(header, estimates, particles, picture)
+        self._publish_states(makers)
 
-    def publish_overlay(
+    def _publish_overlay(
         self,
         header: Message,
         estimates: Sequence[TargetEstimate],
@@ -112,7 +121,7 @@ class TargetOutputs:
             drawn = draw_target(drawn, estimate, states, line=line)
         self._overlay.publish(header, drawn)
 
-    def publish_states(self, makers: Sequence[MessageMakers]) -> None:
+    def _publish_states(self, makers: Sequence[MessageMakers]) -> None:
         """Publish report and states; last, because a lockstep replay goes on upon a state.
 
         The report is one message with the entries of all targets, in their order.

@@ -80,10 +80,8 @@ class TargetTrackerNode(CameraNode):
         self._begins = self._read_start(runtime.initial_target)
         self._group = TargetGroup(count, self._with_detector())
         self._instruments: TargetInputs = TargetInputs(self, vehicle, count)
-        self._apply_camera_values({}, self._filter_parameters.maximum_gap)
         table = (*parameter_table(TargetParameters), *TARGET_RUNTIME_PARAMETERS)
-        node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
-        node_parameters.warn_of_unknown_overrides(self)
+        self._end_declarations(table, self._filter_parameters.maximum_gap)
 
     def _read_start(self, text: str) -> StartText:
         try:
@@ -132,7 +130,7 @@ class TargetTrackerNode(CameraNode):
         """Return the picture in colour with the steps that its levels have, shape (H, W, 3)."""
         return decode_bgr_levels(image)
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
+    def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
         size = (picture.shape[1], picture.shape[0])
         self._take_marks(size)
@@ -153,14 +151,10 @@ class TargetTrackerNode(CameraNode):
             for estimate, cloud, told in zip(estimates, clouds, metres, strict=True)
         ]
         self._outputs.publish_results(makers)
-        self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
-        self._statistics.tracked += 1
         self._estimates = estimates
-        self._outputs.publish_pictures(makers)
-        self._outputs.publish_overlay(header, estimates, clouds, picture)
-        self._outputs.publish_states(makers)
+        rest = partial(self._outputs.publish_rest, makers, header, estimates, clouds, picture)
         events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
-        return FrameResult(status_of(estimates), "; ".join(events))
+        return FrameResult(status_of(estimates), "; ".join(events), rest)
 
     def _take_marks(self, size: tuple[int, int]) -> None:
         """Hand on what is marked, if a frame of this size can hold it."""

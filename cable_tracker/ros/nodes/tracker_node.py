@@ -80,10 +80,8 @@ class TrackerNode(CameraNode):
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(runtime.initial_state, pair_limits(parameters))
-        self._apply_camera_values({}, parameters.maximum_gap)
         table = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
-        node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
-        node_parameters.warn_of_unknown_overrides(self)
+        self._end_declarations(table, parameters.maximum_gap)
 
     def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
         """Make what tracks; a node that compares methods puts another one here."""
@@ -125,7 +123,7 @@ class TrackerNode(CameraNode):
         self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         self._take_starts(node_topics.INITIAL_STATE, self.on_initial_state)
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
+    def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
         seen = self._search.look(picture) if self._search.is_seeking else None
         if seen is not None:
@@ -140,15 +138,11 @@ class TrackerNode(CameraNode):
         self._outputs.publish_centreline(makers)
         self._instruments.observe(estimate)
         self._instruments.publish(header, estimate)
-        self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
-        self._statistics.tracked += 1
         if estimate.is_claimed:
             self._search.stop()
         self._estimate = estimate
-        self._outputs.publish_pictures(makers)
-        self._outputs.publish_overlay(header, estimate, particles, picture)
-        self._outputs.publish_state(makers)
-        return FrameResult(estimate.status.value, estimate.event)
+        rest = partial(self._outputs.publish_rest, makers, header, estimate, particles, picture)
+        return FrameResult(estimate.status.value, estimate.event, rest)
 
     def _restart(self) -> None:
         self._tracker.reset()

@@ -41,25 +41,28 @@ class TrackerOutputs:
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        self.publish_state(messages_without_cable(self._factory, header, status, reason))
+        self._publish_state(messages_without_cable(self._factory, header, status, reason))
 
     def publish_centreline(self, makers: MessageMakers) -> None:
         """Publish where the cable runs, if one is claimed."""
         publish_wanted(self._wanted, makers, node_topics.CENTRELINE)
 
-    def publish_pictures(self, makers: MessageMakers) -> None:
-        """Publish what people look at, but for the overlay."""
-        publish_wanted(self._wanted, makers, node_topics.PARTICLES, node_topics.MARKERS)
-
-    def publish_overlay(
-        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
+    def publish_rest(
+        self,
+        makers: MessageMakers,
+        header: Message,
+        estimate: CableEstimate,
+        particles: Particles | None,
+        grey: Picture,
     ) -> None:
-        """Publish the frame, with what was found drawn into it."""
+        """Publish what people look at, and last the state."""
+        publish_wanted(self._wanted, makers, node_topics.PARTICLES, node_topics.MARKERS)
         if self._overlay.is_wanted:
             cloud = cloud_of(particles) if particles is not None else None
             self._overlay.publish(header, draw_estimate(grey, estimate, cloud))
+        self._publish_state(makers)
 
-    def publish_state(self, makers: MessageMakers) -> None:
+    def _publish_state(self, makers: MessageMakers) -> None:
         """Publish report and state.
 
         The state goes last, because a lockstep replay sends the next frame upon it, and always,
