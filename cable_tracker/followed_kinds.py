@@ -19,8 +19,8 @@ from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_table import (
     ParameterSet,
     ParameterSpec,
+    check_name,
     parameter_table,
-    preset_of,
 )
 
 KindParameters_co = TypeVar("KindParameters_co", bound=ParameterSet, covariant=True)
@@ -51,6 +51,11 @@ class FollowedKind(Generic[KindParameters_co]):
         """The filter's parameters."""
         return parameter_table(type(self.presets["default"]))
 
+    def preset(self, name: str) -> KindParameters_co:
+        """Return a preset of the filter; a `ParameterError` if there is none of the name."""
+        check_name("preset", name, self.presets)
+        return self.presets[name]
+
     def with_values(self, preset_name: str, values: Mapping[str, object]) -> KindParameters_co:
         """Return a preset with the values of a file, passing over those that only the node knows.
 
@@ -62,7 +67,7 @@ class FollowedKind(Generic[KindParameters_co]):
         """
         of_node = {spec.name for spec in self.of_node}
         own = {name: value for name, value in values.items() if name not in of_node}
-        return preset_of(self.presets, preset_name).replaced(own)
+        return self.preset(preset_name).replaced(own)
 
 
 CABLE: FollowedKind[TrackerParameters] = FollowedKind(

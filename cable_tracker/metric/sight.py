@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -17,9 +17,6 @@ VehicleParameters_contra = TypeVar(
 
 class Sight(Protocol[VehicleParameters_contra]):
     """Keeps what instruments have said so far: `CableSight` or `TargetSight`."""
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
 
     def configure(self, parameters: VehicleParameters_contra) -> None:
         """Take other parameters, and keep the measurements."""

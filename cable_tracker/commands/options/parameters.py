@@ -18,7 +18,6 @@ from cable_tracker.tracking.parameter_table import (
     Parameters,
     ParameterSet,
     parameter_table,
-    preset_of,
 )
 
 OF_TARGETS = {"initial_target", "target_count", "target_size"}
@@ -143,7 +142,7 @@ def _base_name(
 ) -> str:
     """Return the preset to start from; values win over the option, which a note says."""
     if option is not None:
-        preset_of(kind.presets, option)
+        kind.preset(option)
     if "preset" not in values:
         return option or "default"
     named = str(values["preset"])
