@@ -53,12 +53,13 @@ class CameraRuntimeParameters(ParameterSet):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraPlaceParameters(ParameterSet):
-    """Place and roll of the camera in base_link, alike for cables and targets."""
+    """Where the camera is in base_link, alike for cables and targets but for its pitch."""
 
     camera_x: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: forward.")
     camera_y: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: to the left.")
     camera_z: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: upwards.")
     camera_roll: float = number(0.0, "deg", -180.0, 180.0, "Camera turned about its line of sight.")
+    camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Camera turned to the left.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +73,6 @@ class CableVehicleParameters(CameraPlaceParameters):
         180.0,
         "Camera tilted; 90: straight down, the top of the image to the front; 0: straight ahead.",
     )
-    camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Camera turned to the left.")
     image_is_rectified: bool = flag(
         False, "The images are rectified: use P of camera_info, not K, D."
     )
@@ -129,8 +129,6 @@ class TargetVehicleParameters(CameraPlaceParameters):
     See docs/targets.md.
     """
 
-    # Not inherited: docs/parameters.md has it before the pitch of targets, after that of cables.
-    camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Camera turned to the left.")
     camera_pitch: float = number(
         0.0, "deg", -180.0, 180.0, "Camera tilted; 0: straight ahead; 90: straight down."
     )
