@@ -12,6 +12,9 @@ seams (`Changes.banked`, `SEAMED`) with the fourth. Trenches, strakes, overgrown
 light, animals, ropes and ledges came with 5000 steps more and 3500 in which there were more of them
 (half of the scenes in both, and in the fourth). Its weights are means of those before these
 8500 steps and those after (`--blend`): what was new is known, and what was known is less forgotten.
+So they are of what 4800 steps more made of it, in which crisp shadows of the vehicle's frame
+(`barred`), scars in the ground (`scarred`), other ground apart from the cable (`APART`) and cables
+buried over whole stretches (`BURIED`) came in.
 
 Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
 (`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world

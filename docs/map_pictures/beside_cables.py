@@ -11,10 +11,13 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.map_network import CELL
 from map_pictures.grounds import GROUNDS, seen_aslant, waves
 from map_pictures.light import about_any_place
-from map_pictures.surface import Surface, coarse_noise, logistic, surface
+from map_pictures.surface import Surface, at_pixels, coarse_noise, logistic, surface
 
 TRENCHED = 0.2
 """Share of the cables that lie in a trench."""
+
+APART = 0.3
+"""Share of other ground beside a cable that begins apart from it."""
 
 SEAMED = 0.2
 """Share of the cables with a dark seam along one flank or both, where they touch the ground."""
@@ -85,7 +88,7 @@ def rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     warp += rng.random() * np.sin(across / rng.uniform(40.0, 120.0))
     wave = np.sin(2.0 * math.pi * (across / length + phase) + warp)
     wave = np.sign(wave) * np.abs(wave) ** math.exp(rng.uniform(-1.5, 1.5))
-    cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    cable = at_pixels(cells, levels.shape)
     over_cable = rng.uniform(0.0, 0.6) if rng.random() < 0.2 else 0.0
     share = 1.0 - cable * (1.0 - over_cable)
     return levels + np.float32(30.0 * rng.random() ** 2) * wave.astype(np.float32) * share
@@ -93,8 +96,7 @@ def rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
 
 def covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with other ground added, of one kind or two."""
-    height, width = levels.shape
-    cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    cable = at_pixels(cells, levels.shape)
     for kind in rng.choice(len(GROUNDS), rng.integers(1, 3), replace=False):
         ground = seen_aslant(GROUNDS[kind](rng), levels.shape, rng)
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
@@ -105,11 +107,14 @@ def covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
 def banked(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with other ground along one side of the cable, or along both.
 
-    Dumped rock, gravel, weed, or sand of another tone: it lies closest at the cable. Where there is
-    none, it lies along any line: what has one border is no cable.
+    Dumped rock, gravel, weed, or sand of another tone: it lies closest at the cable, or begins
+    farther off, so that the ground between has two borders. Where there is no cable, it lies along
+    any line: what has one border is none.
     """
-    cable = cv2.resize(cells, levels.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    cable = at_pixels(cells, levels.shape)
     outside, side = _sides(cells, levels.shape, rng)
+    if rng.random() < APART:
+        outside = outside - np.float32(5.0 * 16.0 ** rng.random())
     sides = (-1.0, 1.0) if rng.random() < 0.3 else (rng.choice((-1.0, 1.0)),)
     for each in sides:
         reach = 8.0 * 60.0 ** rng.random()
@@ -241,6 +246,31 @@ def trenched(levels: Image, at: Surface, rng: np.random.Generator) -> Image:
     return np.asarray(levels * np.exp(light * shown), np.float32)
 
 
+def scarred(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with grooves in the ground, as trawls and anchors leave them.
+
+    Their slopes are lit from one side, the ground goes on in them, and they end at the cable.
+    """
+    cable = at_pixels(cells, levels.shape)
+    light = np.zeros_like(levels)
+    turn, slope = math.pi * rng.random(), rng.normal(0.0, 0.7)
+    for _ in range(rng.integers(1, 4)):
+        _, aside = about_any_place(levels.shape, turn + 0.1 * rng.normal(), rng)
+        half = np.float32(3.0 * 12.0 ** rng.random())
+        aside = aside + np.float32(0.5 * rng.random()) * half * coarse_noise(
+            levels.shape, (12, 16), rng
+        )
+        off = aside / half
+        # A round bottom with steeper or gentler walls, and what was thrown up beside it.
+        power = 2.0 * 2.0 ** rng.random()
+        depth = np.exp(-(np.abs(off) ** np.float32(power)))
+        thrown_up = np.float32(rng.uniform(0.0, 0.5)) * np.exp(-(((np.abs(off) - 1.7) / 0.4) ** 2))
+        walls = depth * np.abs(off) ** np.float32(power - 1.0) * np.sign(off)
+        ridges = thrown_up * (np.abs(off) - 1.7) * np.sign(off)
+        light += slope * (walls - 2.0 * ridges) - np.float32(0.4 * rng.random()) * depth
+    return np.asarray(levels * np.exp(light * (1.0 - cable)), np.float32)
+
+
 def twinned(
     levels: Image, cells: Image, pose: FloatArray, rng: np.random.Generator
 ) -> tuple[Image, Image]:
@@ -270,7 +300,7 @@ def littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     Their borders are as straight as those of a cable, and shorter.
     """
     height, width = levels.shape
-    cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    cable = at_pixels(cells, levels.shape)
     deviation = np.float32(levels.std() + 5.0)
     light, littered = 2.0 * math.pi * rng.random(), levels
     for _ in range(rng.integers(1, 9)):

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from map_pictures.surface import at_pixels
 
 BLURRED, STREAKED = 0.4, 0.4
 """Shares of the pictures that are blurred, and of these that are blurred one way, as by motion."""
@@ -83,7 +84,7 @@ def bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, 
     across = across + np.float32(cos) * x - np.float32(sin) * y + np.float32(0.5 * (width - 1))
     down = down + np.float32(sin) * x + np.float32(cos) * y + np.float32(0.5 * (height - 1))
     moved = cv2.remap(levels, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
-    shares = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    shares = at_pixels(cells, levels.shape)
     shares = cv2.remap(shares, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
     return moved, cv2.resize(shares, cells.shape[::-1], interpolation=cv2.INTER_AREA)
 

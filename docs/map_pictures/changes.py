@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from map_pictures.beside_cables import banked, covered, littered, rippled, twinned, visited
+from map_pictures.beside_cables import (
+    banked,
+    covered,
+    littered,
+    rippled,
+    scarred,
+    twinned,
+    visited,
+)
 from map_pictures.camera import bent, recorded
-from map_pictures.light import dappled, lit, pooled, snowed, veiled
+from map_pictures.light import barred, dappled, lit, pooled, snowed, veiled
 from map_pictures.skins import with_any_skin
 from map_pictures.surface import true_map
 
@@ -22,66 +31,52 @@ TWINNED = 0.3
 no cable. Where there was none, the network took two cables and what is between for a wide one."""
 
 
+Ground = Callable[[Image, Image, np.random.Generator], Image]
+"""Changes levels (H, W) whose cable covers shares of the cells (H / 4, W / 4)."""
+
+View = Callable[[Image, np.random.Generator], Image]
+"""Changes levels (H, W), ground and cable alike."""
+
+
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """Shares of the pictures that are changed, in this order.
+    """Changes in their order, each with the share of the pictures that it is made to.
 
     Attributes
     ----------
-    rippled, covered : float
-        Crossed by ripples; other ground is added.
-    banked : float
-        Other ground lies along one side of the cable, or along both.
-    littered, visited : float
-        Plates and blocks lie on the bottom, with their shadows; animals and a slack rope lie there
-        and on the cable.
-    snowed, bent, lit : float
-        Behind particles; bent; lit by other lamps.
-    dappled : float
-        Under the net of light that waves make.
-    pooled, veiled : float
-        With pools of light or shade; with soft bands and steps of it.
+    of_ground : tuple of (float, Ground)
+        What lies on the ground, or is cut into it, and in part on the cable.
+    in_front : tuple of (float, View)
+        Animals, a slack rope and particles before all else.
+    bent : float
+        Share of the pictures that are bent, and their maps with them.
+    of_light : tuple of (float, View)
+        Light and shade.
     """
 
-    rippled: float
-    covered: float
-    banked: float
-    littered: float
-    visited: float
-    snowed: float
+    of_ground: tuple[tuple[float, Ground], ...]
+    in_front: tuple[tuple[float, View], ...]
     bent: float
-    lit: float
-    dappled: float
-    pooled: float
-    veiled: float
+    of_light: tuple[tuple[float, View], ...]
 
 
 OF_FRAMES = Changes(
-    rippled=0.3,
-    covered=0.5,
-    banked=0.35,
-    littered=0.3,
-    visited=0.2,
-    snowed=0.3,
+    of_ground=((0.3, rippled), (0.5, covered), (0.35, banked), (0.15, scarred), (0.3, littered)),
+    in_front=((0.2, visited), (0.3, snowed)),
     bent=0.5,
-    lit=0.3,
-    dappled=0.2,
-    pooled=0.3,
-    veiled=0.3,
+    of_light=((0.3, lit), (0.2, dappled), (0.3, pooled), (0.3, veiled), (0.15, barred)),
 )
 
+OF_INVERTED_FRAMES = replace(
+    OF_FRAMES, of_ground=OF_FRAMES.of_ground[:-1], of_light=OF_FRAMES.of_light[:-1]
+)
+"""Without plates and the vehicle's frame, which throw shadows."""
+
 OF_SCENES = Changes(
-    rippled=0.1,
-    covered=0.15,
-    banked=0.25,
-    littered=0.0,
-    visited=0.1,
-    snowed=0.3,
+    of_ground=((0.1, rippled), (0.15, covered), (0.25, banked)),
+    in_front=((0.1, visited), (0.3, snowed)),
     bent=0.5,
-    lit=0.15,
-    dappled=0.1,
-    pooled=0.15,
-    veiled=0.2,
+    of_light=((0.15, lit), (0.1, dappled), (0.15, pooled), (0.2, veiled), (0.12, barred)),
 )
 """Fewer: what is added to a scene has no part in its shadows."""
 
@@ -93,7 +88,7 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
     cells = true_map(pose)
     if not np.isnan(pose).any() and rng.random() < TWINNED:
         levels, cells = twinned(levels, cells, pose, rng)
-    changes = replace(OF_FRAMES, littered=0.0) if is_inverted else OF_FRAMES
+    changes = OF_INVERTED_FRAMES if is_inverted else OF_FRAMES
     levels, cells = _changed(levels, cells, changes, rng)
     return recorded(255.0 - levels if is_inverted else levels, rng), cells
 
@@ -109,29 +104,24 @@ def _changed(
     levels: Image, cells: Image, changes: Changes, rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Return a picture and its map with some of the changes, mirrored or not."""
-    if rng.random() < changes.rippled:
-        levels = rippled(levels, cells, rng)
-    if rng.random() < changes.covered:
-        levels = covered(levels, cells, rng)
-    if rng.random() < changes.banked:
-        levels = banked(levels, cells, rng)
-    if changes.littered and rng.random() < changes.littered:
-        levels = littered(levels, cells, rng)
-    if rng.random() < changes.visited:
-        levels = visited(levels, rng)
-    if rng.random() < changes.snowed:
-        levels = snowed(levels, rng)
+    for share, change in changes.of_ground:
+        if rng.random() < share:
+            levels = change(levels, cells, rng)
+    levels = _viewed(levels, changes.in_front, rng)
     if rng.random() < changes.bent:
         levels, cells = bent(levels, cells, rng)
-    if rng.random() < changes.lit:
-        levels = lit(levels, rng)
-    if rng.random() < changes.dappled:
-        levels = dappled(levels, rng)
-    if rng.random() < changes.pooled:
-        levels = pooled(levels, rng)
-    if rng.random() < changes.veiled:
-        levels = veiled(levels, rng)
+    levels = _viewed(levels, changes.of_light, rng)
     return _mirrored(levels, cells, rng)
+
+
+def _viewed(
+    levels: Image, changes: tuple[tuple[float, View], ...], rng: np.random.Generator
+) -> Image:
+    """Return a picture with some changes of what lies before it, or of its light."""
+    for share, change in changes:
+        if rng.random() < share:
+            levels = change(levels, rng)
+    return levels
 
 
 def _mirrored(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:

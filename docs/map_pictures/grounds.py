@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from map_pictures.surface import coarse_noise, nearest_of_any
+from map_pictures.surface import coarse_noise, logistic, nearest_of_any
 
 
 def seen_aslant(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
@@ -110,7 +110,7 @@ def _beds(rng: np.random.Generator) -> Image:
 def _step(rng: np.random.Generator) -> Image:
     """Return ground that is darker beyond one straight border: a shadow, a plate, a step."""
     across = np.arange(GROUND_SIDE, dtype=np.float32) / GROUND_SIDE - rng.uniform(0.2, 0.8)
-    level = 1.0 / (1.0 + np.exp(np.clip(-across * math.exp(rng.uniform(3.0, 6.5)), -20, 20)))
+    level = logistic(across * math.exp(rng.uniform(3.0, 6.5)))
     return np.tile(level.astype(np.float32), (GROUND_SIDE, 1))
 
 

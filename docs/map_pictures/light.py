@@ -11,6 +11,9 @@ from cable_tracker.arrays import Image
 from map_pictures.camera import STREAKED, bends, streaked
 from map_pictures.surface import logistic, nearest_of_any
 
+LEAST_TEXTURE = 0.04
+"""Standard deviation of the fine texture, over the mean, from which on ground shows in a shadow."""
+
 
 def lit(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture that is lit unevenly, by lamps here and there."""
@@ -33,7 +36,7 @@ def pooled(levels: Image, rng: np.random.Generator) -> Image:
         outside = np.hypot(along / np.float32(longer), aside / np.float32(shorter)) - 1.0
         sharpest = 0.03 if shorter > 0.5 * longer else 0.2
         rim = np.float32(sharpest ** rng.random())
-        light += np.float32(rng.uniform(-1.2, 1.2)) / (1.0 + np.exp(np.minimum(outside / rim, 20)))
+        light += np.float32(rng.uniform(-1.2, 1.2)) * logistic(-outside / rim)
     lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
 
@@ -66,6 +69,27 @@ def veiled(levels: Image, rng: np.random.Generator) -> Image:
         light += np.float32(0.4 * rng.normal()) * logistic((half - np.abs(aside)) / rim)
     lit: Image = levels * np.exp(light).astype(np.float32)
     return lit
+
+
+def barred(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with shadows of the vehicle's own frame: straight, crisp bands.
+
+    The ground shows through them, which tells them from one. Ground that shows nothing is left as
+    it is.
+    """
+    fine = levels - cv2.GaussianBlur(levels, (0, 0), 6.0)
+    if float(fine.std()) < LEAST_TEXTURE * float(levels.mean()):
+        return levels
+    shade = np.zeros_like(levels)
+    turn = math.pi * rng.random()
+    for _ in range(rng.integers(1, 4)):
+        if rng.random() < 0.3:
+            turn = math.pi * rng.random()
+        _, aside = about_any_place(levels.shape, turn, rng)
+        half, rim = 2.5 * 16.0 ** rng.random(), np.float32(0.4 * 8.0 ** rng.random())
+        within = logistic((np.float32(half) - np.abs(aside)) / rim)
+        shade = np.maximum(shade, np.float32(rng.uniform(0.15, 0.7)) * within)
+    return np.asarray(levels * (1.0 - shade), np.float32)
 
 
 def about_any_place(

@@ -29,6 +29,9 @@ OVERGROWN, FINNED = 0.06, 0.2
 """Shares of the painted cables that are grown over with what lies beside them, and, of the others,
 of those with fins wound around them."""
 
+BURIED = 0.45
+"""Share of the painted cables of which the ground covers a part."""
+
 PLAIN = 0.4
 """Share of the pictures without a cable whose ground is made plain before."""
 
@@ -69,10 +72,8 @@ def _painted(
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
     outside = roughened(at, rng) - np.float32(at.width * rng.uniform(0.0, 0.12)) * fins
     share = logistic(-outside / np.float32(rng.uniform(0.3, 1.5)))
-    if rng.random() < 1.0 / 3.0:
-        cover = seen_aslant(waves(rng), levels.shape, rng)
-        shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
-        share *= cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
+    if rng.random() < BURIED:
+        share *= shown_share(at, rng)
     side = rng.choice((-1.0, 1.0))
     if may_be_shaded and rng.random() < SHADED:
         levels = _beside_a_shadow(levels, at, side, rng)
@@ -83,6 +84,28 @@ def _painted(
         levels, painted = _lamplit(levels, painted, at, side, rng)
     mixed: Image = levels + share.astype(np.float32) * (painted - levels)
     return mixed
+
+
+def shown_share(at: Surface, rng: np.random.Generator) -> Image:
+    """Return the share of each pixel of a cable that the ground does not cover.
+
+    It covers patches, whole stretches, or the cable from one side on, and leaves a quarter or more
+    of it.
+    """
+    cover = seen_aslant(waves(rng), at.across.shape, rng)
+    cover /= np.float32(max(float(cover.std()), 0.3))
+    lying = rng.random()
+    if lying < 0.3:
+        length = np.float32(at.width * 0.5 * 12.0 ** rng.random() + 10.0)
+        phase = 2.0 * math.pi * (at.along / length + rng.random())
+        cover = np.float32(0.4) * cover + np.float32(2.0) * np.sin(phase)
+    elif lying < 0.6:
+        cover = np.float32(0.4) * cover + np.float32(rng.choice((-3.0, 3.0))) * at.across
+    on_cable = cover[at.outside < 0.0]
+    if len(on_cable) == 0:
+        return np.ones_like(cover)
+    shown = (cover < np.quantile(on_cable, rng.uniform(0.25, 1.0))).astype(np.float32)
+    return cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
 
 
 def _overgrown(
@@ -142,9 +165,7 @@ def _lamplit(
     dark = np.float32(rng.uniform(0.1, 0.6))
     soft = np.float32(rng.uniform(1.0, 1.0 + 0.15 * at.width))
     end = np.float32(at.width * 0.15 * (4.0 / 0.15) ** rng.random())
-    behind = (side * at.across > 0.0) / (
-        1.0 + np.exp(np.clip((at.outside - end) / soft, -20.0, 20.0))
-    )
+    behind = (side * at.across > 0.0) * logistic((end - at.outside) / soft)
     return (
         levels * (1.0 - (1.0 - dark) * behind).astype(np.float32),
         painted * (dark + (1.0 - dark) * body).astype(np.float32),

@@ -102,6 +102,11 @@ def nearest_of_any(count: int, side: int, rng: np.random.Generator) -> tuple[Ima
     )
 
 
+def at_pixels(cells: Image, shape: tuple[int, ...]) -> Image:
+    """Return shares of cells (H / 4, W / 4) interpolated to the pixels (H, W)."""
+    return cv2.resize(cells, shape[::-1], interpolation=cv2.INTER_LINEAR)
+
+
 def logistic(values: Image) -> Image:
     """Return a ramp from 0 to 1 about 0."""
     ramp: Image = 1.0 / (1.0 + np.exp(np.clip(-values, -20.0, 20.0)))

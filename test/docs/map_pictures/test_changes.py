@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_pictures.beside_cables import seamed, trenched, visited
+from map_pictures.beside_cables import scarred, seamed, trenched, visited
 from map_pictures.camera import bent
 from map_pictures.changes import augmented, augmented_scene
 from map_pictures.grounds import GROUNDS
-from map_pictures.light import dappled, lit, pooled, snowed, veiled
+from map_pictures.light import barred, dappled, lit, pooled, snowed, veiled
+from map_pictures.skins import shown_share
 from map_pictures.surface import any_pose, surface, true_map
 
 SHAPE = (240, 320)
 UPRIGHT = np.array([0.0, 0.0, 60.0, 0.0])
 NO_CABLE = np.full(4, np.nan)
-LIGHTS = (dappled, lit, pooled, snowed, veiled, visited)
+LIGHTS = (barred, dappled, lit, pooled, snowed, veiled, visited)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -92,6 +93,42 @@ def test_a_trench_leaves_the_cable_as_it_is(seed, width):
     inside = at.outside < -3.0
     assert ditch[inside] == pytest.approx(levels[inside], rel=0.05)
     assert not np.allclose(ditch, levels)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds)
+def test_scars_leave_the_cable_as_it_is(seed):
+    rng = np.random.default_rng(seed)
+    levels = ground(rng)
+    scars = scarred(levels, true_map(UPRIGHT), rng)
+    assert scars[:, 140:180] == pytest.approx(levels[:, 140:180], rel=1e-5)
+    assert not np.allclose(scars, levels)
+
+
+def test_the_shadow_of_a_frame_darkens_and_lets_the_ground_show_through(rng):
+    levels = ground(rng)
+    light = barred(levels, rng) / levels
+    assert light.max() <= 1.0
+    assert light.min() < 0.86
+    # Along a band the ground is darkened by one factor, however it differs from place to place.
+    deepest = light[np.isclose(light, light.min(), atol=1e-4)]
+    assert len(deepest) > 100
+
+
+def test_plain_ground_takes_no_shadow_of_a_frame(rng):
+    plain = np.full(SHAPE, 100.0, np.float32)
+    assert np.array_equal(barred(plain, rng), plain)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds, width=st.floats(20.0, 100.0))
+def test_a_quarter_of_a_buried_cable_or_more_is_shown(seed, width):
+    rng = np.random.default_rng(seed)
+    at = surface(np.array([0.0, 0.3, width, 0.0]), SHAPE)
+    shares = shown_share(at, rng)
+    assert shares.shape == SHAPE
+    assert ((shares >= 0.0) & (shares <= 1.0 + 1e-6)).all()
+    assert shares[at.outside < 0.0].mean() > 0.2
 
 
 def test_seams_are_dark_and_lie_along_the_flanks(rng):
