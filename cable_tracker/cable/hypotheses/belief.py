@@ -186,7 +186,7 @@ def updated_belief(
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and before.is_known(parameters.known_after)
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, scale)
+    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size)
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
     is_learnt_from = is_known or is_clear

@@ -17,6 +17,7 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
     MOST_MAPPED,
     UNLIKE_A_CABLE,
     USUAL_WIDTH,
+    are_borders_in_view,
     claim_score_by_map,
     claim_score_by_width,
     is_new_clear,
@@ -29,6 +30,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 PARAMETERS = TrackerParameters()
+SIZE = (320, 240)
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
 USUAL = USUAL_WIDTH * PARAMETERS.thin_width
 MEMORY = RememberedCable(LEADER[:4], 0.0, 100.0, math.log(30.0), tracked_time=60.0)
@@ -43,7 +45,7 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
         clear = hypotheses._replace(
             scaled_clearness=factor * needed, appearance=ORDINARY_APPEARANCE
         )
-        return is_new_clear(clear, memory, PARAMETERS, 1.0)
+        return is_new_clear(clear, memory, PARAMETERS, SIZE)
 
     memory = MEMORY.aged(seconds)
     factor = 1.0 + memory.width_deviation(width, PARAMETERS) ** 2
@@ -58,7 +60,7 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(
     ripples = hypotheses._replace(
         scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
     )
-    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, 1.0)
+    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, SIZE)
 
 
 @given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-5.0, 20.0), st.booleans())
@@ -73,7 +75,7 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     needed = min(by_borders, by_map) if is_mapped else by_borders
     for clearness in (needed - 1e-6, needed + 1e-6):
         looked_at = hypotheses._replace(scaled_clearness=clearness)
-        assert is_new_clear(looked_at, None, PARAMETERS, 1.0) == (clearness > needed)
+        assert is_new_clear(looked_at, None, PARAMETERS, SIZE) == (clearness > needed)
 
 
 @given(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.floats(4.0, 200.0))
@@ -110,8 +112,8 @@ def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
     looks = initial_belief(leader[None], 0.9).hypotheses._replace(
         appearance=UNLIKE_A_CABLE, scaled_clearness=PARAMETERS.evidence_to_find
     )
-    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, 1.0)
-    assert not is_new_clear(looks, None, PARAMETERS, 1.0)
+    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, SIZE)
+    assert not is_new_clear(looks, None, PARAMETERS, SIZE)
 
 
 def test_a_cable_of_the_usual_width_needs_what_the_parameter_says():
@@ -138,3 +140,37 @@ def test_a_wider_one_never_needs_more_and_there_are_limits(width, other):
 def test_who_asks_for_nothing_gets_any_width(evidence):
     parameters = TrackerParameters(evidence_to_find=evidence)
     assert needed_clearness(4.0, parameters, 1.0) == evidence
+
+
+@pytest.mark.parametrize(
+    ("pose", "is_in_view"),
+    [
+        ((0.0, 0.0, 30.0, 0.0), True),
+        ((0.0, 0.0, 220.0, 0.1), True),
+        ((130.0, 0.0, 20.0, 0.0), True),
+        ((90.0, 0.0, 180.0, 0.0), False),  # One edge through the middle.
+        ((90.0, 0.0, 120.0, 0.0), False),  # The other along the picture's own.
+        ((0.0, 1.57, 200.0, 0.0), True),
+        ((80.0, 1.57, 180.0, 0.0), False),
+        ((100.0, 0.8, 30.0, 0.0), True),
+    ],
+)
+@pytest.mark.parametrize("scale", [0.5, 1.0, 4.0])
+def test_a_single_edge_is_no_cable(pose, is_in_view, scale):
+    state = CableState(*pose).scaled(scale).to_array()
+    size = (round(320 * scale), round(240 * scale))
+    assert are_borders_in_view(state, size) == is_in_view
+    hypotheses = initial_belief(state[None], 0.9).hypotheses._replace(
+        scaled_clearness=100.0, appearance=ORDINARY_APPEARANCE
+    )
+    assert is_new_clear(hypotheses, None, PARAMETERS, size) == is_in_view
+
+
+@given(st.floats(-150.0, 150.0), st.floats(-3.1, 3.1), st.floats(4.0, 200.0))
+def test_mirrored_borders_are_as_much_in_view(distance, angle, width):
+    pose = CableState(distance, angle, width, 0.0).to_array()
+    turned = CableState(-distance, angle + math.pi, width, 0.0).to_array()
+    mirrored = CableState(-distance, -angle, width, 0.0).to_array()
+    is_in_view = are_borders_in_view(pose, SIZE)
+    assert are_borders_in_view(turned, SIZE) == is_in_view
+    assert are_borders_in_view(mirrored, SIZE) == is_in_view
