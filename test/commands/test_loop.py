@@ -26,10 +26,10 @@ def run(*arguments: str) -> None:
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("--length", "0", "length is 0"),
+        ("--length", "0", r"length: 0.0 is outside 1 \.\. 100000 m"),
         ("--buried", "200", "buried is 200"),
         ("--size", "large", "is not of the form 320x240"),
-        ("--seed", "-1", "seed is -1"),
+        ("--seed", "-1", "seed: -1 is outside 0"),
         ("--seeds", "0", "seeds is 0"),
         ("--method", "magic", "'magic' is none of default"),
     ],

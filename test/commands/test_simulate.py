@@ -84,8 +84,7 @@ def test_a_scenario_of_the_evaluation_is_simulated_to_its_end(command, monkeypat
 
 
 def test_an_unknown_scenario_is_refused_with_the_known_ones(command):
-    command("simulate", "out", "--scenario", "S9").assert_refused("S9")
-    assert "S1, S2" in command("simulate", "out", "--scenario", "S9").err
+    command("simulate", "out", "--scenario", "S9").assert_refused("'S9' is none of S1 | S2 | S3")
 
 
 def test_photographs_need_a_scenario(command, tmp_path):

@@ -35,7 +35,7 @@ def test_the_bag_holds_all_instruments(bag):
         vehicle = recorded_vehicle(recording)
     assert set(vehicle.source.found.topics) == set(Instrument)
     assert not vehicle.notes
-    assert vehicle.vehicle.values["cable_height"] > 0.0
+    assert vehicle.vehicle.parameters.cable_height > 0.0
 
 
 def test_odometry_speaks_some_fifty_times_a_second(bag):

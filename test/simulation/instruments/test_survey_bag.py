@@ -37,10 +37,10 @@ def test_the_bag_holds_all_instruments(bag):
 
 def test_mounting_and_heights_are_known_from_the_bag_alone(bag):
     with open_source(bag) as recording:
-        values = recorded_vehicle(recording).vehicle.values
-    assert values["camera_pitch"] == pytest.approx(70.0)
-    assert values["altitude_is_vertical"] is True
-    assert values["cable_height"] > 0.0
+        vehicle = recorded_vehicle(recording).vehicle.parameters
+    assert vehicle.camera_pitch == pytest.approx(70.0)
+    assert vehicle.altitude_is_vertical is True
+    assert vehicle.cable_height > 0.0
 
 
 def test_the_truth_of_the_course_lies_beside_it(bag):
