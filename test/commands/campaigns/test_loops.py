@@ -23,7 +23,7 @@ def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
         tasks, tmp_path, ClusterSettings(), resume=False, advance=lambda: done.append(True)
     )
     assert (bad.seed, bad.summary) == (-1, None)
-    assert bad.failure.startswith("seed is -1")
+    assert bad.failure.startswith("seed: -1 is outside 0")
     assert good.summary is not None and good.summary.seed == 5
     assert good.failure == ""
     assert len(done) == 2
