@@ -4,8 +4,8 @@
     python docs/train_cable_map.py new.onnx --go-on cable_map.onnx --steps 2400      # further
     python docs/train_cable_map.py mean.onnx --blend before.onnx new.onnx 0.5        # mean of both
 
-The log-odds of what is written are sharpened (`SHARPENED`, `RAISED`), and blunted again where a
-network is trained further. The one in use was trained in several runs, of which four had 5000 steps
+The log-odds of what is written are sharpened (`SHARPENED`), and blunted again where a network is
+trained further. The one in use was trained in several runs, of which four had 5000 steps
 each: scenes and pairs of cables (`TWINNED`) came with the first of these, soft bands of light and
 streaks (`Changes.veiled`, `STREAKED`) with the third, other ground along a side of the cable and
 seams (`Changes.banked`, `SEAMED`) with the fourth. Trenches, strakes, overgrown cables, nets of
@@ -68,9 +68,9 @@ HIGHEST_RATE, GOING_ON_RATE, WARM_UP = 4e-3, 5e-4, 0.15
 """Largest learning rates, of a new network and of one that is trained further, and the share of the
 steps until it is reached."""
 
-SHARPENED, RAISED = 1.2, 0.1
-"""Factor and constant of the log-odds. A network that has seen every picture changed in many ways
-is less sure of a single one than it could be; raised further, it takes more trenches for cables."""
+SHARPENED = 1.2
+"""Factor of the log-odds. A network that has seen every picture changed in many ways is less sure
+of a single one than it could be."""
 
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
@@ -328,14 +328,14 @@ def sharpen(network: MapNetwork) -> None:
     """Sharpen the log-odds of a network that has been trained."""
     last = network.log_odds
     last.weight.data = SHARPENED * last.weight.data
-    last.bias.data = SHARPENED * last.bias.data + RAISED
+    last.bias.data = SHARPENED * last.bias.data
 
 
 def blunt(network: MapNetwork) -> None:
     """Undo `sharpen`, to train a network further."""
     last = network.log_odds
     last.weight.data = last.weight.data / SHARPENED
-    last.bias.data = (last.bias.data - RAISED) / SHARPENED
+    last.bias.data = last.bias.data / SHARPENED
 
 
 def main() -> None:

@@ -2,8 +2,9 @@
 
 Its score for a claim is the clearness of its weaker border, and what its appearance is worth. A
 thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_strips`,
-unless a map of the frame says that it looks like a cable. And both borders have to be in view: a
-single edge may be that of a wide cable, but also where other ground begins.
+unless a map of the frame says that it looks like a cable. If one border of a wide one is not clear
+by itself, both have to be in view: a single edge may be its own, but also where other ground
+begins.
 """
 
 from __future__ import annotations
@@ -41,10 +42,10 @@ MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
 weight."""
 
-IN_VIEW, RIM = 0.5, 0.04
-"""How much of a border is in view at least, over that of the other, and the share of the picture's
-width along its edges that does not count. On a simulator written apart from this project single
-edges, claimed before, have 0.22 to 0.24, and right first claims 0.66 and more."""
+WIDE, IN_VIEW, RIM = 0.25, 0.5, 0.04
+"""Width, as a share of the picture's, from which on both borders have to be in view; how much of a
+border is in view at least, over that of the other; and the share of the picture's width along its
+edges that does not count. Where other ground begins, the ground on one side passes for a cable."""
 
 USUAL_WIDTH = 2.0
 """Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
@@ -65,8 +66,12 @@ def is_new_clear(
     What is much narrower or wider than the cable that was tracked has to be clearer. `image_size`:
     width and height of the frames [px].
     """
-    is_clear = _looks_clear(hypotheses, memory, parameters, pixel_scale(image_size[0]))
-    return is_clear and are_borders_in_view(hypotheses.clusters.means[0], image_size)
+    if not _looks_clear(hypotheses, memory, parameters, pixel_scale(image_size[0])):
+        return False
+    leader = hypotheses.clusters.means[0]
+    is_narrow = leader[WIDTH] < WIDE * image_size[0]
+    are_borders_clear = hypotheses.weaker_border_mean >= parameters.evidence_to_find
+    return is_narrow or are_borders_clear or are_borders_in_view(leader, image_size)
 
 
 def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:

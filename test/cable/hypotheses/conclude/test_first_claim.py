@@ -161,9 +161,11 @@ def test_a_single_edge_is_no_cable(pose, is_in_view, scale):
     size = (round(320 * scale), round(240 * scale))
     assert are_borders_in_view(state, size) == is_in_view
     hypotheses = initial_belief(state[None], 0.9).hypotheses._replace(
-        scaled_clearness=100.0, appearance=ORDINARY_APPEARANCE
+        scaled_clearness=100.0, appearance=ORDINARY_APPEARANCE, weaker_border_mean=0.0
     )
     assert is_new_clear(hypotheses, None, PARAMETERS, size) == is_in_view
+    both_clear = hypotheses._replace(weaker_border_mean=PARAMETERS.evidence_to_find)
+    assert is_new_clear(both_clear, None, PARAMETERS, size)
 
 
 @given(st.floats(-150.0, 150.0), st.floats(-3.1, 3.1), st.floats(4.0, 200.0))
