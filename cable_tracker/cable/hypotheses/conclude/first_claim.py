@@ -9,8 +9,6 @@ begins.
 
 from __future__ import annotations
 
-import numpy as np
-
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
@@ -19,8 +17,8 @@ from cable_tracker.cable.hypotheses.weigh.thin_strips import (
     trusted_appearance,
     trusted_share,
 )
-from cable_tracker.cable.model.geometry import border_offset, lengths_inside
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH, StateColumn
+from cable_tracker.cable.model.geometry import lengths_inside, project_borders
+from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -69,7 +67,7 @@ def is_new_clear(
     if not _looks_clear(hypotheses, memory, parameters, pixel_scale(image_size[0])):
         return False
     leader = hypotheses.clusters.means[0]
-    is_narrow = leader[WIDTH] < WIDE * image_size[0]
+    is_narrow = leader[StateColumn.WIDTH] < WIDE * image_size[0]
     are_borders_clear = hypotheses.weaker_border_mean >= parameters.evidence_to_find
     return is_narrow or are_borders_clear or are_borders_in_view(leader, image_size)
 
@@ -79,12 +77,10 @@ def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:
 
     `image_size`: width and height of the frames [px].
     """
-    sides, rim = np.array([-1.0, 1.0]), 2.0 * RIM * image_size[0]
-    offsets = np.array(
-        [border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side) for side in sides]
-    )
-    inner = (image_size[0] - round(rim), image_size[1] - round(rim))
-    lengths = lengths_inside(state[ANGLE] + sides * state[SKEW], offsets, inner)
+    borders = project_borders(state[None])
+    rims = round(2.0 * RIM * image_size[0])
+    inner = (image_size[0] - rims, image_size[1] - rims)
+    lengths = lengths_inside(borders.angles[0], borders.offsets[0], inner)
     return bool(lengths.min() >= IN_VIEW * lengths.max())
 
 
