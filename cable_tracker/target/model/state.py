@@ -34,7 +34,8 @@ STATE_SIZE = len(PoseColumn)
 """Those of the pose, and the rates of the position, per second."""
 
 UNKNOWN_COVARIANCE: FloatArray = np.eye(STATE_SIZE) * 1e6
-"""Covariance of a pose of which nothing is known."""
+"""Covariance of a pose of which nothing is known; estimates share it, so it cannot be written."""
+UNKNOWN_COVARIANCE.setflags(write=False)
 
 
 def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:
