@@ -68,7 +68,9 @@ OF_FRAMES = Changes(
 )
 
 OF_INVERTED_FRAMES = replace(
-    OF_FRAMES, of_ground=OF_FRAMES.of_ground[:-1], of_light=OF_FRAMES.of_light[:-1]
+    OF_FRAMES,
+    of_ground=tuple(each for each in OF_FRAMES.of_ground if littered not in each),
+    of_light=tuple(each for each in OF_FRAMES.of_light if barred not in each),
 )
 """Without plates and the vehicle's frame, which throw shadows."""
 

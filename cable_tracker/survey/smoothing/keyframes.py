@@ -85,7 +85,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     disk : Disk
-        Allocator of the keyframes' arrays; None: temporary files.
+        Allocator of the keyframes' arrays.
     """
     look = filled(rows["look"], disk)
 
