@@ -52,18 +52,21 @@ class CameraRuntimeParameters(ParameterSet):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CameraPlaceParameters(ParameterSet):
-    """Where the camera is in base_link, alike for cables and targets but for its pitch."""
+class CameraParameters(ParameterSet):
+    """How the camera is mounted and read, alike for cables and targets but for its pitch."""
 
     camera_x: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: forward.")
     camera_y: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: to the left.")
     camera_z: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: upwards.")
     camera_roll: float = number(0.0, "deg", -180.0, 180.0, "Camera turned about its line of sight.")
     camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Camera turned to the left.")
+    image_is_rectified: bool = flag(
+        False, "The images are rectified: use P of camera_info, not K, D."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CableVehicleParameters(CameraPlaceParameters):
+class CableVehicleParameters(CameraParameters):
     """For `cross_track`, may be changed at any time; see docs/metric.md."""
 
     camera_pitch: float = number(
@@ -72,9 +75,6 @@ class CableVehicleParameters(CameraPlaceParameters):
         -180.0,
         180.0,
         "Camera tilted; 90: straight down, the top of the image to the front; 0: straight ahead.",
-    )
-    image_is_rectified: bool = flag(
-        False, "The images are rectified: use P of camera_info, not K, D."
     )
     base_frame: str = word("base_link", (), "frame_id of `cross_track`.")
     look_ahead: float = number(1.0, "m", 0.0, 100.0, "Distance ahead for `cross_track_ahead`.")
@@ -123,7 +123,7 @@ class CableVehicleParameters(CameraPlaceParameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TargetVehicleParameters(CameraPlaceParameters):
+class TargetVehicleParameters(CameraParameters):
     """For `bearing`, `relative_pose` and turns of the camera, may be changed at any time.
 
     See docs/targets.md.
@@ -131,9 +131,6 @@ class TargetVehicleParameters(CameraPlaceParameters):
 
     camera_pitch: float = number(
         0.0, "deg", -180.0, 180.0, "Camera tilted; 0: straight ahead; 90: straight down."
-    )
-    image_is_rectified: bool = flag(
-        False, "The images are rectified: use P of camera_info, not K, D."
     )
     base_frame: str = word("base_link", (), "frame_id of `relative_pose`.")
     target_size: float = number(
