@@ -30,8 +30,8 @@ from cable_tracker.simulation.seen_cable import (
     cable_points,
     nearest_along,
 )
-from cable_tracker.simulation.setting_checks import LARGEST_SIDE, SMALLEST_SIDE
-from cable_tracker.tracking.parameter_table import ParameterSet, number
+from cable_tracker.simulation.world_settings import WorldSettings
+from cable_tracker.tracking.parameter_table import number
 
 BURIAL_RAMP = 0.3
 """Way over which the sand rises and falls at the ends of the buried stretch [m]."""
@@ -53,12 +53,9 @@ LOOK = Look(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LiveSettings(ParameterSet):
+class LiveSettings(WorldSettings):
     """Settings of the closed-loop simulation, as the node `simulator` has them too."""
 
-    seed: int = number(
-        0, "", 0, 2**31 - 1, "The same one gives the same world and the same errors."
-    )
     length: float = number(100.0, "m", 1.0, 1e5, "Length of the cable; at its end the node ends.")
     buried: float = number(
         5.0,
@@ -69,13 +66,6 @@ class LiveSettings(ParameterSet):
     )
     altitude: float = number(2.0, "m", 0.3, 20.0, "Altitude that the vehicle keeps.")
     current: float = number(0.1, "m/s", 0.0, 2.0, "Speed of the water; its direction is drawn.")
-    image_width: int = number(
-        320, "", SMALLEST_SIDE, LARGEST_SIDE, "Width of the camera's images [px]."
-    )
-    image_height: int = number(
-        240, "", SMALLEST_SIDE, LARGEST_SIDE, "Height of the camera's images [px]."
-    )
-    rate: float = number(12.5, "1/s", 1.0, 100.0, "Frames per second.")
 
     def check_together(self) -> None:
         """Refuse a buried stretch that is longer than the cable.
@@ -87,11 +77,6 @@ class LiveSettings(ParameterSet):
         """
         if self.buried > self.length:
             raise ParameterError(f"buried is {self.buried}: give 0 m to the length of the cable")
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """Width and height of the images [px]."""
-        return self.image_width, self.image_height
 
     @property
     def buried_from(self) -> float:

@@ -22,12 +22,12 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.simulation.setting_checks import LARGEST_SIDE, SMALLEST_SIDE
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
+from cable_tracker.simulation.world_settings import WorldSettings
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
-from cable_tracker.tracking.parameter_table import ParameterSet, number
+from cable_tracker.tracking.parameter_table import number
 
 DIAMETER = 0.5
 """Diameter of the float [m]."""
@@ -46,30 +46,15 @@ FIELD = 0.75
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ChaseSettings(ParameterSet):
+class ChaseSettings(WorldSettings):
     """Settings of a chase, as the node `target_simulator` has them too."""
 
-    seed: int = number(
-        0, "", 0, 2**31 - 1, "The same one gives the same world and the same errors."
-    )
     duration: float = number(300.0, "s", 1.0, 1e5, "After so long the node ends.")
     speed: float = number(0.35, "m/s", 0.0, 2.0, "Speed of the target.")
     hidden_every: float = number(50.0, "s", 5.0, 1e5, "Time from one cloud of silt to the next.")
     hidden_for: float = number(6.0, "s", 0.0, 1e4, "How long a cloud of silt hides the target.")
     altitude: float = number(5.0, "m", 0.3, 20.0, "Altitude at which the vehicle begins.")
     current: float = number(0.05, "m/s", 0.0, 2.0, "Speed of the water; its direction is drawn.")
-    image_width: int = number(
-        320, "", SMALLEST_SIDE, LARGEST_SIDE, "Width of the camera's images [px]."
-    )
-    image_height: int = number(
-        240, "", SMALLEST_SIDE, LARGEST_SIDE, "Height of the camera's images [px]."
-    )
-    rate: float = number(12.5, "1/s", 1.0, 100.0, "Frames per second.")
-
-    @property
-    def image_size(self) -> tuple[int, int]:
-        """Width and height of the images [px]."""
-        return self.image_width, self.image_height
 
 
 @dataclass(frozen=True, slots=True, eq=False)
