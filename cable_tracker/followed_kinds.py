@@ -19,7 +19,7 @@ from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_table import (
     ParameterSet,
     ParameterSpec,
-    check_name,
+    named,
     parameter_table,
 )
 
@@ -53,8 +53,7 @@ class FollowedKind(Generic[KindParameters_co]):
 
     def preset(self, name: str) -> KindParameters_co:
         """Return a preset of the filter; a `ParameterError` if there is none of the name."""
-        check_name("preset", name, self.presets)
-        return self.presets[name]
+        return named("preset", name, self.presets)
 
     def with_values(self, preset_name: str, values: Mapping[str, object]) -> KindParameters_co:
         """Return a preset with the values of a file, passing over those that only the node knows.

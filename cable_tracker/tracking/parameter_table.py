@@ -239,6 +239,7 @@ def _spec_of_field(field: dataclasses.Field[Any]) -> ParameterSpec:
 
 
 Parameters = TypeVar("Parameters", bound=ParameterSet)
+Entry = TypeVar("Entry")
 
 
 def check_name(what: str, name: str, known: Collection[str]) -> None:
@@ -256,3 +257,9 @@ def check_name(what: str, name: str, known: Collection[str]) -> None:
     """
     if name not in known:
         raise ParameterError(f"{what}: {name!r} is none of {' | '.join(known)}")
+
+
+def named(what: str, name: str, table: Mapping[str, Entry]) -> Entry:
+    """Return the entry of a table that a name stands for; see `check_name`."""
+    check_name(what, name, table)
+    return table[name]

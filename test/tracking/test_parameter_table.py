@@ -12,6 +12,7 @@ from cable_tracker.tracking.parameter_table import (
     ParameterSet,
     check_name,
     flag,
+    named,
     number,
     parameter_table,
     word,
@@ -144,3 +145,10 @@ def test_what_is_no_text_is_refused_where_one_is_meant(name, value):
 def test_a_word_that_is_none_of_the_choices_is_refused():
     with pytest.raises(ParameterError, match=r"colour: 'blue' is none of white \| red"):
         LampParameters(colour="blue")
+
+
+def test_a_name_stands_for_its_entry_and_another_is_refused_with_those_that_are_known():
+    table = {"S1": 1, "S2": 2}
+    assert named("scenario", "S2", table) == 2
+    with pytest.raises(ParameterError, match=r"scenario: 'S9' is none of S1 \| S2"):
+        named("scenario", "S9", table)

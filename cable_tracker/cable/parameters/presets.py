@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.parameter_table import check_name
+from cable_tracker.tracking.parameter_table import named
 
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
@@ -69,5 +69,4 @@ def preset(name: str) -> TrackerParameters:
     ParameterError
         There is no such preset.
     """
-    check_name("preset", name, PRESETS)
-    return PRESETS[name]
+    return named("preset", name, PRESETS)

@@ -24,7 +24,7 @@ from cable_tracker.simulation.scenarios.scenario import (
     Sway,
     frame_move,
 )
-from cable_tracker.tracking.parameter_table import check_name
+from cable_tracker.tracking.parameter_table import named
 
 USUAL_MOTION = Motion(
     distance=Sway(0.0, 55.0, CALM),
@@ -282,5 +282,4 @@ def find_scenario(name: str) -> Scenario:
     ParameterError
         There is none.
     """
-    check_name("scenario", name, SCENARIOS)
-    return SCENARIOS[name]
+    return named("scenario", name, SCENARIOS)

@@ -14,7 +14,7 @@ from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, T
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.image_frame import Window, bounding_box
-from cable_tracker.tracking.parameter_table import check_name, pixel_scale
+from cable_tracker.tracking.parameter_table import named, pixel_scale
 
 LEAST_SHARE = 0.25
 """Smallest visible share of a target that counts as in view."""
@@ -74,8 +74,7 @@ def find_target_scenario(name: str) -> TargetScenario:
     ParameterError
         There is none.
     """
-    check_name("scenario", name, TARGET_SCENARIOS)
-    return TARGET_SCENARIOS[name]
+    return named("scenario", name, TARGET_SCENARIOS)
 
 
 def simulate_target(

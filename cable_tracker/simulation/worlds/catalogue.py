@@ -11,7 +11,7 @@ from cable_tracker.simulation.worlds.motion import MotionKind
 from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, World
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
-from cable_tracker.tracking.parameter_table import check_name
+from cable_tracker.tracking.parameter_table import named
 
 _FAINT = (0.7, 3.2)
 _CLEAR = (2.5, 5.5)
@@ -186,6 +186,5 @@ def simulate_world(
         The world needs photographs, and there are none.
     """
     if isinstance(world, str):
-        check_name("world", world, WORLDS)
-        world = WORLDS[world]
+        world = named("world", world, WORLDS)
     return WorldDive(world, seed, image_size).frames()

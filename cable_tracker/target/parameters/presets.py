@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.parameter_table import check_name
+from cable_tracker.tracking.parameter_table import named
 
 TARGET_PRESETS: Mapping[str, TargetParameters] = MappingProxyType(
     {
@@ -35,5 +35,4 @@ def target_preset(name: str) -> TargetParameters:
     ParameterError
         There is no such preset.
     """
-    check_name("preset", name, TARGET_PRESETS)
-    return TARGET_PRESETS[name]
+    return named("preset", name, TARGET_PRESETS)
