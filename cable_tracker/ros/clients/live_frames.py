@@ -7,13 +7,14 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
-from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
+from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
@@ -71,6 +72,9 @@ class LiveFrames:
     hand_on : callable
         Gets the snapshots.
     """
+
+    REPORT: ClassVar[NodeTopic] = node_topics.FRAME_REPORT
+    """Topic of the tracker's report of each frame."""
 
     def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
@@ -152,11 +156,7 @@ class LiveFrames:
         if report is None:
             return False
         shown = {node_topics.PARTICLES, node_topics.CONTOUR}
-        return shown.intersection(self._topics_of(report)) <= parts.messages.keys()
-
-    def _topics_of(self, report: Message) -> list[NodeTopic]:
-        """Return the topics that speak of a frame, by its report."""
-        return cable_topics(report)
+        return shown.intersection(announced_topics(self.REPORT, report)) <= parts.messages.keys()
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
@@ -190,8 +190,7 @@ class LiveFrames:
 class LiveTargetFrames(LiveFrames):
     """Frames of a target tracker put together; of several targets the first."""
 
-    def _topics_of(self, report: Message) -> list[NodeTopic]:
-        return target_topics(report)
+    REPORT = node_topics.TARGET_REPORT
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None

@@ -18,7 +18,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.told_readiness import ToldReadiness
-from cable_tracker.ros.messages.announced_topics import cable_topics
+from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -127,15 +127,12 @@ class Recorder(Node):  # type: ignore[misc]
         if not reports:
             return None
         report = deserialize_message(reports[0], message_class(self.REPORT.type_name))
-        topics = [topic for topic in self._topics_of(report) if topic in self._queues]
+        announced = announced_topics(self.REPORT, report)
+        topics = [topic for topic in announced if topic in self._queues]
         if not all(self._queues[topic] for topic in topics):
             return None
         messages = {topic: self._queues[topic].popleft() for topic in topics}
         return RecordedFrame(messages, report_status(report), self.take_diagnostics())
-
-    def _topics_of(self, report: Message) -> list[NodeTopic]:
-        """Return the topics that speak of a frame, by its report."""
-        return cable_topics(report)
 
     def take_diagnostics(self) -> list[bytes]:
         """Return the diagnostics that have come since the last call."""

@@ -11,7 +11,6 @@ from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import TargetRow, metres_row, refused_metres_row
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
-from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
@@ -41,9 +40,6 @@ class TargetRecorder(Recorder):
         node_topics.DIAGNOSTICS,
     )
     REPORT: ClassVar[NodeTopic] = node_topics.TARGET_REPORT
-
-    def _topics_of(self, report: Message) -> list[NodeTopic]:
-        return target_topics(report)
 
 
 def target_nodes(

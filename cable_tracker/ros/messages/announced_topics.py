@@ -18,8 +18,15 @@ USED = frozenset(status.value for status in TrackingStatus)
 """Statuses of frames that the tracker has used: neither refused, nor let pass while it rests."""
 
 
-def cable_topics(report: Message) -> list[NodeTopic]:
-    """Return the topics that speak of a frame, by the report of the tracker of cables."""
+def announced_topics(topic: NodeTopic, report: Message) -> list[NodeTopic]:
+    """Return the topics that speak of a frame, by the report of it that came on a topic.
+
+    Of several targets those of the first.
+    """
+    return _cable_topics(report) if topic is node_topics.FRAME_REPORT else _target_topics(report)
+
+
+def _cable_topics(report: Message) -> list[NodeTopic]:
     status = report_status(report)
     topics = [node_topics.STATE, node_topics.FRAME_REPORT]
     if status in USED:
@@ -31,11 +38,7 @@ def cable_topics(report: Message) -> list[NodeTopic]:
     return topics
 
 
-def target_topics(report: Message) -> list[NodeTopic]:
-    """Return the topics that speak of a frame, by the report of the tracker of targets.
-
-    Of several targets those of the first.
-    """
+def _target_topics(report: Message) -> list[NodeTopic]:
     facts = report_facts(report)
     topics = [node_topics.STATE, node_topics.TARGET_REPORT]
     if report_status(report) in USED:

@@ -14,7 +14,6 @@ from cable_tracker.metric.odometry.motion import LONGEST_HOLD
 from cable_tracker.node_parameter_tables import ControllerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -39,6 +38,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
 
     NOMINAL_MODE = Mode.FOLLOWING
     REPORT = node_topics.FRAME_REPORT
+    PLACE = node_topics.CROSS_TRACK
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(
@@ -51,7 +51,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         subscription(
             self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
-        subscription(self, node_topics.CROSS_TRACK, self.on_cross_track, qos.RESULTS)
+        subscription(self, self.PLACE, self.on_cross_track, qos.RESULTS)
 
     @property
     def mode(self) -> Mode:
@@ -86,9 +86,6 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         if not self._poses or max(self._poses) >= stamp:
             return True
         return self._pose_at(stamp) is not None
-
-    def _announces_place(self, report: Message) -> bool:
-        return node_topics.CROSS_TRACK in cable_topics(report)
 
     def _pose_at(self, stamp: int) -> Pose | None:
         """Return where the vehicle was at a time [ns], or just before or after; None: not known."""

@@ -15,7 +15,6 @@ from cable_tracker.example_controller.target_follower import (
 from cable_tracker.node_parameter_tables import FollowerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -39,12 +38,13 @@ class FollowerNode(GuidanceNode[FollowSettings]):
 
     NOMINAL_MODE = FollowMode.FOLLOWING
     REPORT = node_topics.TARGET_REPORT
+    PLACE = node_topics.RELATIVE_POSE
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FollowSettings(), FollowerNodeParameters(), **node_arguments)
         self._follower = TargetController(self._settings)
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
-        subscription(self, node_topics.RELATIVE_POSE, self.on_relative_pose, qos.RESULTS)
+        subscription(self, self.PLACE, self.on_relative_pose, qos.RESULTS)
 
     @property
     def mode(self) -> FollowMode:
@@ -59,9 +59,6 @@ class FollowerNode(GuidanceNode[FollowSettings]):
 
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
         return stamp in self._places or not is_placed
-
-    def _announces_place(self, report: Message) -> bool:
-        return node_topics.RELATIVE_POSE in target_topics(report)
 
     def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
         place = self._places.get(stamp) if is_claimed else None

@@ -16,6 +16,7 @@ from cable_tracker.node_parameter_tables import GuidanceNodeParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
+from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
@@ -102,6 +103,9 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
     REPORT: ClassVar[NodeTopic]
     """Topic of the tracker's report of each frame."""
 
+    PLACE: ClassVar[NodeTopic]
+    """Topic of the place in metres that the report may announce."""
+
     def __init__(
         self,
         name: str,
@@ -148,10 +152,6 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
         """
         raise NotImplementedError
 
-    def _announces_place(self, report: Message) -> bool:
-        """Tell whether a place in metres comes with a frame, by the tracker's report of it."""
-        raise NotImplementedError
-
     def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
         """Return the answer to a frame.
 
@@ -196,7 +196,7 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
     def on_report(self, message: Message) -> None:
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
         stamp = stamp_of(message.header)
-        has_place = bool(message.status) and self._announces_place(message)
+        has_place = bool(message.status) and self.PLACE in announced_topics(self.REPORT, message)
         self._status = report_status(message) if message.status else ""
         is_refused = self._status == REFUSED
         # A frame that comes twice is refused the second time; what came with the first still does.

@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.metric.cable_facts import METRES_KEYS
 from cable_tracker.metric.targets.target_facts import BEARING_KEYS, PLACE_KEYS
-from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
+from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.frame_report import make_report
@@ -33,29 +33,34 @@ def report(status: str, **facts: str) -> Any:
 )
 def test_the_status_tells_what_is_published_about_a_cable(status, more):
     always = [node_topics.STATE, node_topics.FRAME_REPORT]
-    assert cable_topics(report(status, event="")) == always + more
+    assert announced_topics(node_topics.FRAME_REPORT, report(status, event="")) == always + more
 
 
 def test_a_cable_in_metres_is_announced():
     metres = dict.fromkeys(METRES_KEYS, "0.5")
-    topics = cable_topics(report("TRACKING", **metres))
+    topics = announced_topics(node_topics.FRAME_REPORT, report("TRACKING", **metres))
     assert topics[-2:] == [node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD]
 
 
 def test_a_frame_without_a_target_has_pictures_only():
     always = [node_topics.STATE, node_topics.TARGET_REPORT]
-    assert target_topics(report("REFUSED", event="too small")) == always
+    assert (
+        announced_topics(node_topics.TARGET_REPORT, report("REFUSED", event="too small")) == always
+    )
     nothing = {"particles": "", "box": "", "corners": ""}
-    assert target_topics(report("INITIALISING", **nothing)) == always + TARGET_PICTURES
+    assert (
+        announced_topics(node_topics.TARGET_REPORT, report("INITIALISING", **nothing))
+        == always + TARGET_PICTURES
+    )
     searched = nothing | {"particles": "500"}
-    topics = target_topics(report("LOST", **searched))
+    topics = announced_topics(node_topics.TARGET_REPORT, report("LOST", **searched))
     assert topics == [*always, *TARGET_PICTURES, node_topics.PARTICLES]
 
 
 def test_all_that_is_known_of_a_target_is_announced():
     facts = {"particles": "500", "box": "1.0 2.0 30.0 40.0", "corners": "12"}
     facts |= dict.fromkeys((*BEARING_KEYS, *PLACE_KEYS), "0.5")
-    assert set(target_topics(report("TRACKING", **facts))) == {
+    assert set(announced_topics(node_topics.TARGET_REPORT, report("TRACKING", **facts))) == {
         node_topics.STATE,
         node_topics.TARGET_REPORT,
         *TARGET_PICTURES,

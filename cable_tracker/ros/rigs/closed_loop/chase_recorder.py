@@ -7,11 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from rclpy.context import Context
 
 from cable_tracker.arrays import Image
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
-from cable_tracker.ros.messages.announced_topics import target_topics
+from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     Heard,
     RunRecorder,
@@ -75,9 +76,10 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
         )
 
     def _is_complete(self, frame: Heard) -> bool:
-        if node_topics.TRUE_TARGET not in frame or node_topics.TARGET_REPORT not in frame:
+        report = node_topics.TARGET_REPORT
+        if node_topics.TRUE_TARGET not in frame or report not in frame:
             return False
-        announced = target_topics(frame[node_topics.TARGET_REPORT])
+        announced = announced_topics(report, frame[report])
         return all(topic in frame for topic in announced if topic in self.RECORDED)
 
     def _seen(self, stamp: int, frame: Heard) -> SeenOverlay:
@@ -101,14 +103,9 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
             place = _vector(told.pose.pose.position)
             known = math.hypot(*place)
             off = math.dist(place, true)
-            covariance = told.pose.covariance
-            along = [value / known for value in place]
-            variance = sum(
-                along[i] * along[j] * float(covariance[6 * i + j])
-                for i in range(3)
-                for j in range(3)
-            )
-            sigma = math.sqrt(max(variance, 0.0))
+            along = np.array(place) / known
+            covariance = np.reshape(told.pose.covariance, (6, 6))[:3, :3]
+            sigma = math.sqrt(max(float(along @ covariance @ along), 0.0))
         return ChaseRow(
             time=(stamp - first) / NANOSECONDS,
             distance=distance,
