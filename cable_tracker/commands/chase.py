@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -47,7 +48,7 @@ def chase(  # noqa: PLR0917
     )
     with progress_bar("following", math.ceil(duration * world.rate) + 1) as progress:
         summary = rigs.run_chase(
-            request, output, overwrite=force, advance=lambda count: advance(progress, count)
+            request, output, overwrite=force, advance=partial(advance, progress)
         )
     print_facts(
         "chase",

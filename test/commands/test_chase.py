@@ -24,7 +24,7 @@ def asked(monkeypatch):
 
     def run_chase(request, output, *, overwrite, advance):
         runs.append((request, output, overwrite))
-        advance(1)
+        advance()
         return SUMMARY
 
     rig = SimpleNamespace(

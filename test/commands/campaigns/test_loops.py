@@ -47,7 +47,10 @@ def test_a_run_has_time_to_stop_each_of_its_nodes(tmp_path, monkeypatch, method)
     monkeypatch.setattr(loop, "closed_loop", lambda *_: nullcontext((None, None, group)))
     for step in ("wait_until_connected", "follow", "write"):
         monkeypatch.setattr(loop._Run, step, lambda *_: None)
-    request = loop.LoopRequest(LiveSettings(length=1.0, buried=0.0), method, with_video=False)
-    loop.run_loop(request, tmp_path / "run")
+    request = loop.LoopRequest(
+        LiveSettings(length=1.0, buried=0.0), method, {}, speed=0.5, realtime=False,
+        standstill=15.0, with_video=False,
+    )  # fmt: skip
+    loop.run_loop(request, tmp_path / "run", overwrite=False, advance=lambda _: None)
     assert len(started) == NODES_OF_RUN
     assert len(started) * GRACE < RUN_GRACE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker.atomic_output import output_folder
@@ -19,11 +19,12 @@ from cable_tracker.evaluation.targets.chase_table import (
 from cable_tracker.ros.clients.lockstep import DRIVEN, PATIENT, READY_SOON
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
-from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, SeenOverlay
 from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     SETTLE_TIME,
     closed_loop,
+    listen_to_the_end,
     need_rows,
     turn_of,
 )
@@ -48,9 +49,9 @@ class ChaseRequest:
         Distance to be kept [m].
     """
 
-    world: ChaseSettings = field(default_factory=ChaseSettings)
-    preset: str = "default"
-    distance: float = 2.5
+    world: ChaseSettings
+    preset: str
+    distance: float
 
 
 def file_names() -> tuple[str, ...]:
@@ -62,8 +63,8 @@ def run_chase(
     request: ChaseRequest,
     path: Path,
     *,
-    overwrite: bool = False,
-    advance: Callable[[int], None] = lambda _: None,
+    overwrite: bool,
+    advance: Callable[[], None],
 ) -> ChaseSummary:
     """Let the vehicle follow the target, and write table, figures, plot and video into a folder.
 
@@ -79,7 +80,7 @@ def run_chase(
     overwrite : bool
         Replace an earlier one, but none in which the user has put other files.
     advance : callable
-        Called with the number of frames that have come since the last call.
+        Called after each frame.
 
     Raises
     ------
@@ -102,8 +103,19 @@ def run_chase(
         )
         name = "target_simulator"
         simulator = group.start(name, parameters[name], {COMMAND: RELEASED}, may_end=True)
-        turn = turn_of(executor, group)
-        record_to_the_end(recorder, lambda: simulator.running, turn, video, advance)
+
+        def show(frame: SeenOverlay) -> None:
+            if frame.picture is not None:
+                video.add(frame.picture, frame.stamp)
+            advance()
+
+        listen_to_the_end(
+            recorder,
+            lambda: simulator.running,
+            turn_of(executor, group),
+            show,
+            lambda _: recorder.is_settled(),
+        )
         rows = need_rows(recorder.rows())
         summary = summarise_chase(rows, request.distance)
         write_chase(folder, rows, summary)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,16 +12,11 @@ from rclpy.context import Context
 from cable_tracker.arrays import Image
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
 from cable_tracker.ros.messages.announced_topics import announced_topics
-from cable_tracker.ros.rigs.closed_loop.run_recorder import (
-    Heard,
-    RunRecorder,
-    listen_to_the_end,
-)
+from cable_tracker.ros.rigs.closed_loop.run_recorder import Heard, RunRecorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.visualisation.video import VideoWriter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,43 +113,3 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
 
 def _vector(point: Any) -> tuple[float, float, float]:  # noqa: ANN401
     return float(point.x), float(point.y), float(point.z)
-
-
-def record_to_the_end(
-    recorder: ChaseRecorder,
-    is_running: Callable[[], bool],
-    turn: Callable[[], str],
-    video: VideoWriter,
-    advance: Callable[[int], None],
-) -> None:
-    """Listen until the simulator has ended, all of its frames have come, and each is answered.
-
-    Parameters
-    ----------
-    recorder : ChaseRecorder
-        Listens.
-    is_running : callable
-        Tells whether the simulator is.
-    turn : callable
-        Runs a callback of the recorder; returns what has gone wrong, or nothing.
-    video : VideoWriter
-        Takes the overlays.
-    advance : callable
-        Called with the number of frames that have come since the last call.
-
-    Raises
-    ------
-    RosError
-        Something has gone wrong, or nothing comes.
-    """
-
-    def take() -> bool:
-        frames = recorder.take()
-        for frame in frames:
-            if frame.picture is not None:
-                video.add(frame.picture, frame.stamp)
-        if frames:
-            advance(len(frames))
-        return bool(frames)
-
-    listen_to_the_end(recorder, is_running, turn, take, lambda _: recorder.is_settled())

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -73,31 +73,28 @@ class LoopRequest:
         Settings of the world.
     method : str
         One of `evaluation.methods.METHODS`.
-    tracker : dict
+    tracker : mapping
         Parameters of the tracker node.
-    controller : dict
-        Parameters of the controller node.
     speed : float
         Speed of the vehicle [m/s].
     realtime : bool
         Run freely in real time; else in lockstep.
-    patience : float
-        Time without a new metre after which the run ends [s].
     standstill : float
         Time of wanted standstill after which the run ends [s]; 0: no limit.
     with_video : bool
         Whether every frame is drawn.
+    patience : float
+        Time without a new metre after which the run ends [s].
     """
 
     world: LiveSettings
-    method: str = "default"
-    tracker: dict[str, ParameterValue] = field(default_factory=dict)
-    controller: dict[str, ParameterValue] = field(default_factory=dict)
-    speed: float = 0.5
-    realtime: bool = False
+    method: str
+    tracker: Mapping[str, ParameterValue]
+    speed: float
+    realtime: bool
+    standstill: float
+    with_video: bool
     patience: float = 60.0
-    standstill: float = 15.0
-    with_video: bool = True
 
     @property
     def tracker_node(self) -> str:
@@ -122,8 +119,8 @@ def run_loop(
     request: LoopRequest,
     path: Path,
     *,
-    overwrite: bool = False,
-    advance: Callable[[float], None] = lambda _: None,
+    overwrite: bool,
+    advance: Callable[[float], None],
 ) -> LoopSummary:
     """Let the vehicle follow the cable, and write table, plots and video into a folder.
 
@@ -181,7 +178,7 @@ def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
 
 
 def _controller_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
-    values: dict[str, ParameterValue] = {"speed": request.speed, **request.controller}
+    values: dict[str, ParameterValue] = {"speed": request.speed}
     if not request.realtime:
         values |= {"lockstep": True, "settle_time": SETTLE_TIME}
     return values
@@ -237,16 +234,13 @@ class _Run:
             self._recorder,
             lambda: simulator.running,
             turn_of(self._executor, self._group),
-            self._take,
+            self._show,
             self._has_settled,
         )
 
-    def _take(self) -> bool:
-        frames = self._recorder.take()
-        for frame in frames:
-            self._draw(frame)
-            self._advance(frame.place[0])
-        return bool(frames)
+    def _show(self, frame: SeenFrame) -> None:
+        self._draw(frame)
+        self._advance(frame.place[0])
 
     def _has_settled(self, since_end: float) -> bool:
         if self._request.realtime:

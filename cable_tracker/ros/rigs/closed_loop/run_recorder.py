@@ -168,10 +168,10 @@ def turn_of(executor: SingleThreadedExecutor, group: NodeGroup) -> Callable[[], 
 
 
 def listen_to_the_end(
-    recorder: RunRecorder[Any],
+    recorder: RunRecorder[Seen],
     is_running: Callable[[], bool],
     turn: Callable[[], str],
-    take: Callable[[], bool],
+    show: Callable[[Seen], None],
     has_settled: Callable[[float], bool],
 ) -> None:
     """Listen until the simulator has ended, and all that it and the others have sent has come.
@@ -184,8 +184,8 @@ def listen_to_the_end(
         Tells whether the simulator is.
     turn : callable
         Runs a callback of the recorder; returns what has gone wrong, or nothing.
-    take : callable
-        Takes what has come; tells whether that was a frame.
+    show : callable
+        Takes what the video shows of a frame, once for each.
     has_settled : callable
         Tells whether all has come, from the time since the end of the simulator [s].
 
@@ -199,7 +199,8 @@ def listen_to_the_end(
     while ended is None or not (quiet.is_quiet and has_settled(time.monotonic() - ended)):
         complaint = turn()
         quiet.turn(recorder.heard)
-        if take():
+        for frame in recorder.take():
+            show(frame)
             silence.hear()
         if ended is None and not is_running():
             ended, quiet = time.monotonic(), QuietWatch()

@@ -69,11 +69,11 @@ class SoakSettings:
 
     minutes: float
     seed: int
-    fault_share: float = 0.02
-    frames: int = 0
-    preset: str = "default"
-    particles: int = 500
-    node: str = "tracker"
+    fault_share: float
+    frames: int
+    preset: str
+    particles: int
+    node: str
 
 
 class SoakedProcess(NodeProcess):

@@ -11,9 +11,9 @@ from rclpy.duration import Duration
 from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header
 
-from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, record_to_the_end
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, SeenOverlay
+from cable_tracker.ros.rigs.closed_loop.run_recorder import listen_to_the_end
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
-from cable_tracker.visualisation.video import VideoWriter
 
 PICTURE = np.full((48, 64, 3), 90, np.uint8)
 
@@ -59,23 +59,20 @@ def recorder(world: Any) -> ChaseRecorder:
     return world.add(ChaseRecorder(world.context, world.namespace))
 
 
-def test_messages_that_still_wait_when_the_simulator_has_ended_are_recorded(
-    world, recorder, tmp_path
-):
+def test_messages_that_still_wait_when_the_simulator_has_ended_are_recorded(world, recorder):
     chase = Chase(world)
     for second in (1, 2, 3):
         chase.says_all(second)
-    counts: list[int] = []
+    shown: list[SeenOverlay] = []
 
     def spin() -> str:
         world.pass_time(0.02)
         return ""
 
-    with VideoWriter(tmp_path / "chase.webm") as video:
-        record_to_the_end(recorder, lambda: False, spin, video, counts.append)
+    listen_to_the_end(recorder, lambda: False, spin, shown.append, lambda _: recorder.is_settled())
     assert [row.time for row in recorder.rows()] == [0.0, 1.0, 2.0]
     assert [row.range for row in recorder.rows()] == [2.5, 2.5, 2.5]
-    assert sum(counts) == 3
+    assert [frame.picture.shape for frame in shown] == [PICTURE.shape] * 3
 
 
 @pytest.mark.parametrize("late", ["state", "target_tracker/frame_report", "relative_pose"])

@@ -39,7 +39,19 @@ def request(length: float = 2.0, rate: float = 12.5, **changes: Any) -> LoopRequ
     world = LiveSettings(
         seed=5, length=length, rate=rate, buried=0.0, image_width=160, image_height=120
     )
-    return LoopRequest(world=world, tracker={"seed": 5, **START}, **changes)
+    usual = LoopRequest(
+        world=world, method="default", tracker={"seed": 5, **START}, speed=0.5, realtime=False,
+        standstill=15.0, with_video=True,
+    )  # fmt: skip
+    return replace(usual, **changes)
+
+
+def run(
+    wanted: LoopRequest, folder: Path, *, overwrite: bool = False, ways: list[float] | None = None
+) -> LoopSummary:
+    return run_loop(
+        wanted, folder, overwrite=overwrite, advance=[].append if ways is None else ways.append
+    )
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -58,7 +70,7 @@ class Followed:
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory):
     folder, ways = tmp_path_factory.mktemp("followed") / "loop", []
-    return Followed(folder, run_loop(request(**SHORT), folder, advance=ways.append), ways)
+    return Followed(folder, run(request(**SHORT), folder, ways=ways), ways)
 
 
 def test_in_lockstep_the_vehicle_follows_the_cable_to_its_end(followed):
@@ -74,13 +86,13 @@ def test_in_lockstep_the_vehicle_follows_the_cable_to_its_end(followed):
 
 @pytest.mark.slow
 def test_in_lockstep_the_same_seed_writes_the_same_files(followed, tmp_path):
-    assert run_loop(request(**SHORT), tmp_path / "again") == followed.summary
+    assert run(request(**SHORT), tmp_path / "again") == followed.summary
     assert contents(tmp_path / "again") == contents(followed.folder)
 
 
 @pytest.mark.slow
 def test_in_real_time_the_vehicle_arrives_as_well(tmp_path):
-    summary = run_loop(request(realtime=True, **SLOWLY), tmp_path / "live")
+    summary = run(request(realtime=True, **SLOWLY), tmp_path / "live")
     assert summary.reached_end
     assert all((tmp_path / "live" / name).stat().st_size > 0 for name in FILES)
 
@@ -88,7 +100,7 @@ def test_in_real_time_the_vehicle_arrives_as_well(tmp_path):
 @pytest.mark.slow
 def test_a_baseline_takes_the_tracker_s_place(tmp_path):
     wanted = replace(request(method="hough", with_video=False), tracker={"seed": 5})
-    summary = run_loop(wanted, tmp_path / "hough")
+    summary = run(wanted, tmp_path / "hough")
     assert summary.reached_end and summary.answered == 1.0
     assert summary.measured > 0.5 and summary.wrong == 0.0
     assert {each.name for each in (tmp_path / "hough").iterdir()} == set(file_names(wanted))
@@ -99,9 +111,9 @@ def test_a_folder_that_is_taken_is_refused_before_anything_runs(tmp_path):
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "thesis.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(OutputError, match="exists already"):
-        run_loop(request(), tmp_path / "taken")
+        run(request(), tmp_path / "taken")
     with pytest.raises(OutputError, match="no earlier output"):
-        run_loop(request(), tmp_path / "taken", overwrite=True)
+        run(request(), tmp_path / "taken", overwrite=True)
 
 
 def test_simulate_live_publishes_until_it_is_stopped(world):

@@ -37,8 +37,9 @@ pytestmark = pytest.mark.slow
 
 FEW_FRAMES = 400
 SETTINGS = SoakSettings(
-    minutes=600.0, seed=1, fault_share=0.1, frames=FEW_FRAMES, preset="thesis", particles=50
-)
+    minutes=600.0, seed=1, fault_share=0.1, frames=FEW_FRAMES, preset="thesis", particles=50,
+    node="tracker",
+)  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -103,9 +104,7 @@ def test_every_rare_fault_is_survived(frames, monkeypatch):
     monkeypatch.setattr(
         soak, "draw_fault", lambda _rng, possible: left.pop() if left else min(possible)
     )
-    settings = SoakSettings(
-        minutes=600.0, seed=2, fault_share=0.2, frames=FEW_FRAMES, preset="thesis", particles=50
-    )
+    settings = replace(SETTINGS, seed=2, fault_share=0.2)
     monkeypatch.setattr(soak, "FULL_RATE_SHARE", 0.0)
     record = run_soak(frames, settings, lambda share: None)
     assert left == []
@@ -183,4 +182,4 @@ def test_what_does_not_come_is_not_waited_for_for_ever(camera):
 @pytest.mark.parametrize("changes", [{"minutes": 0.0}, {"minutes": math.nan}, {"fault_share": 1.5}])
 def test_settings_out_of_range_are_refused(changes):
     with pytest.raises(ParameterError):
-        check_settings(SoakSettings(**{"minutes": 1.0, "seed": 0, **changes}))
+        check_settings(replace(SETTINGS, **changes))
