@@ -79,7 +79,7 @@ def _megabytes(name: str) -> float:
 
 def _dive(count: int, disk: Disk) -> ForwardDive:
     """Return a dive along a straight cable."""
-    rng, dive = np.random.default_rng(0), ForwardDive(Path("dive"), disk)
+    rng, dive = np.random.default_rng(0), ForwardDive("dive", disk)
     ahead = np.linspace(LOOK + 0.8, LOOK - 0.8, PROFILE_BINS)
     for number in range(count):
         along, stamp = number * SPEED / RATE, round(number / RATE * 1e9)

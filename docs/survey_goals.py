@@ -190,7 +190,7 @@ def measure(path: Path, settings: Simulated) -> Measured:
     survey = SurveySettings(pictures=False)
     begin = time.process_time()
     with survey.forward.open(path) as recording:
-        dive = track_forwards(recording, survey.forward, Disk())
+        dive = track_forwards(recording, path.name, survey.forward, Disk(), lambda _: None)
         surveyed, course = analyse(dive, survey)
     seconds = time.process_time() - begin
     if course is None or not surveyed.routes:

@@ -44,7 +44,8 @@ def main() -> None:
 def _times_real_time(path: Path) -> float:
     begin = time.process_time()
     with TemporaryDirectory() as folder:
-        surveyed = survey_recording(path, Path(folder), SurveySettings(pictures=False))
+        settings = SurveySettings(pictures=False)
+        surveyed = survey_recording(path, Path(folder), settings, lambda _: None, name=path.name)
     seconds = time.process_time() - begin
     print(f"{surveyed.seconds:.1f} s in {seconds:.2f} s of processor time", flush=True)
     return surveyed.seconds / seconds

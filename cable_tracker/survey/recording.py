@@ -119,13 +119,13 @@ def survey_recording(
     path: Path,
     folder: Path,
     settings: SurveySettings,
-    advance: Callable[[int], None] = lambda count: None,
+    advance: Callable[[int], None],
     *,
-    name: str = "",
+    name: str,
 ) -> SurveyedDive:
     """Track a recording, smooth it, find its events, and write all of it into a new folder.
 
-    It is called by its own name, unless another is given.
+    `advance` is told of every frame, `name` is what the dive is called in what is written.
 
     Raises
     ------
@@ -139,8 +139,7 @@ def survey_recording(
     except OSError as error:
         raise write_failure(folder, error) from error
     with settings.forward.open(path) as recording:
-        dive = track_forwards(recording, settings.forward, Disk(folder), advance)
-        dive.given_name = name
+        dive = track_forwards(recording, name, settings.forward, Disk(folder), advance)
         surveyed, course = analyse(dive, settings)
         try:
             write_frames(folder / FRAMES, surveyed.name, dive, course)

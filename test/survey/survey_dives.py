@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -43,10 +42,10 @@ def course(along: np.ndarray, bend: float) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack((along, amplitude * np.sin(wave * along))), heading
 
 
-def make_dive(plan: Plan, path: Path = Path("dive"), disk: Disk = DISK) -> ForwardDive:
+def make_dive(plan: Plan, disk: Disk = DISK) -> ForwardDive:
     """Return a dive with claims of a noise that is alike over half a metre."""
     rng = np.random.default_rng(plan.seed)
-    dive = ForwardDive(path, disk)
+    dive = ForwardDive("dive", disk)
     count = int(plan.length / SPEED * RATE)
     errors = np.zeros(2)
     for k in range(count):

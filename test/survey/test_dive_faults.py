@@ -15,11 +15,11 @@ MAXIMUM_GAP = 5.0
 
 
 @pytest.fixture
-def faults(tmp_path):
+def faults():
     """Tell of a dive of claims, each fifth of which was put into metres with such an outcome."""
 
     def tell(*outcomes):
-        dive = ForwardDive(tmp_path, DISK)
+        dive = ForwardDive("dive", DISK)
         for index in range(CLAIMS):
             row = dive.table.append()
             row["status"] = STATUSES.index("TRACKING")
@@ -67,8 +67,8 @@ SECOND = 1_000_000_000
         ([0, 1, 0.9, 2], None),
     ],
 )
-def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
-    dive = ForwardDive(tmp_path, DISK)
+def test_a_note_says_where_the_tracker_starts_anew(stamps, words):
+    dive = ForwardDive("dive", DISK)
     for stamp in stamps:
         row = dive.table.append()
         row["status"], row["stamp"] = STATUSES.index("LOST"), round(stamp * SECOND)
@@ -77,8 +77,8 @@ def test_a_note_says_where_the_tracker_starts_anew(tmp_path, stamps, words):
     assert notes == [] if words is None else (len(notes) == 1 and words in notes[0])
 
 
-def test_pictures_that_could_not_be_used_are_counted(tmp_path):
-    dive = ForwardDive(tmp_path, DISK)
+def test_pictures_that_could_not_be_used_are_counted():
+    dive = ForwardDive("dive", DISK)
     for index in range(4):
         row = dive.table.append()
         row["status"] = REFUSED if index else STATUSES.index("LOST")
@@ -97,8 +97,8 @@ def test_pictures_that_could_not_be_used_are_counted(tmp_path):
         (np.array([3]), "a single reading of odometry"),
     ],
 )
-def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, readings, words):
-    dive = ForwardDive(tmp_path, DISK)
+def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(readings, words):
+    dive = ForwardDive("dive", DISK)
     for index in range(4 * CLAIMS):
         dive.table.append()["stamp"] = index * SECOND // 4
     stamps = (readings * SECOND).astype(np.int64)
@@ -108,8 +108,8 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, 
     assert words in note
 
 
-def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told(tmp_path):
-    dive = ForwardDive(tmp_path, DISK, unusable_poses=7)
+def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told():
+    dive = ForwardDive("dive", DISK, unusable_poses=7)
     dive.table.append()["status"] = STATUSES.index("LOST")
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
     said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1], MAXIMUM_GAP), MAXIMUM_GAP)
@@ -125,8 +125,8 @@ def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told(tmp_pat
         ([5, 4], 0.0),
     ],
 )
-def test_a_clock_that_jumps_makes_a_recording_neither_longer_nor_shorter(tmp_path, stamps, seconds):
-    dive = ForwardDive(tmp_path, Disk(block=2))
+def test_a_clock_that_jumps_makes_a_recording_neither_longer_nor_shorter(stamps, seconds):
+    dive = ForwardDive("dive", Disk(block=2))
     for stamp in stamps:
         dive.table.append()["stamp"] = stamp * SECOND
     surveyed, _ = analyse(dive, SurveySettings())

@@ -36,7 +36,7 @@ def dive_to_read(plan: Plan) -> ForwardDive:
 
 def hard_dive(disk: Disk, length: float = 35.0) -> ForwardDive:
     """Two ways along the cable, the second with an odometry that began anew; with fixes."""
-    dive, frame = ForwardDive(make_dive(Plan(length=1.0)).path, disk), LocalFrame(*DATUM)
+    dive, frame = ForwardDive(make_dive(Plan(length=1.0)).name, disk), LocalFrame(*DATUM)
     plan = Plan(length=length, hidden=((10.0, 14.0),), rope=((30.0, 33.0),), wrong=((20.0, 21.0),))
     for number, turn in enumerate((0.0, 3.0)):
         other = dive_to_read(replace(plan, seed=number))

@@ -130,8 +130,8 @@ class ForwardDive:
 
     Attributes
     ----------
-    path : Path
-        The recording.
+    name : str
+        Name of the recording.
     disk : Disk
         Allocator of the arrays.
     table : FrameTable
@@ -146,18 +146,15 @@ class ForwardDive:
         The camera over the cable, when metres were known last; None if they never were.
     unusable_poses : int
         Number of readings of odometry without a place or an orientation.
-    given_name : str
-        Instead of the recording's own name; empty: none.
     recording : Source or None
         Open, so that pictures can be looked at again; None: there are none.
     """
 
-    path: Path
+    name: str
     disk: Disk
     notes: list[str] = field(default_factory=list)
     flight: Overflight | None = None
     unusable_poses: int = 0
-    given_name: str = ""
     recording: Source | None = None
     table: FrameTable = field(init=False)
     poses: Samples = field(init=False)
@@ -167,22 +164,18 @@ class ForwardDive:
         self.table = FrameTable(self.disk)
         self.poses, self.fixes = Samples(POSE_WIDTH, self.disk), Samples(FIX_WIDTH, self.disk)
 
-    @property
-    def name(self) -> str:
-        """Name of the recording: its own, unless another is given."""
-        return self.given_name or self.path.name
-
 
 def track_forwards(
     recording: Source,
+    name: str,
     settings: ForwardSettings,
     disk: Disk,
-    advance: Callable[[int], None] = lambda count: None,
+    advance: Callable[[int], None],
 ) -> ForwardDive:
     """Track an open recording from its beginning to its end, or to where it breaks off.
 
     Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
-    goes to `disk`.
+    goes to `disk`, and bears the `name`.
 
     Raises
     ------
@@ -191,7 +184,7 @@ def track_forwards(
     ParameterError
         The vehicle file is not acceptable.
     """
-    dive = ForwardDive(recording.path, disk, recording=recording)
+    dive = ForwardDive(name, disk, recording=recording)
     vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
     dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
     run = _Run(dive, settings, vehicle)

@@ -20,7 +20,7 @@ SECOND = 1_000_000_000
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
+def run(monkeypatch):
     """Ask about pictures at times [s], with odometry or without."""
 
     def ask(times, most_rate=5.0, aided=True):
@@ -30,7 +30,7 @@ def run(tmp_path, monkeypatch):
         )
         settings = ForwardSettings(most_rate=most_rate)
         vehicle = RecordedVehicle(VehicleDescription(), None)
-        made = _Run(ForwardDive(tmp_path, DISK), settings, vehicle)
+        made = _Run(ForwardDive("dive", DISK), settings, vehicle)
         wanted = [time for time in times if made.wants(round(time * SECOND))]
         assert made.passed_over == len(times) - len(wanted)
         return wanted

@@ -1,6 +1,5 @@
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -139,7 +138,7 @@ def test_an_odometry_that_jumps_is_an_event():
     dive = make_dive(Plan())
     stamps, values = dive.poses.arrays()
     values[200:, 0] += 30.0
-    again = ForwardDive(dive.path, dive.disk)
+    again = ForwardDive(dive.name, dive.disk)
     again.table = dive.table
     for stamp, value in zip(stamps, values, strict=True):
         again.poses.add(int(stamp), list(value))
@@ -147,7 +146,7 @@ def test_an_odometry_that_jumps_is_an_event():
 
 
 def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
-    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), DISK)
+    dive, again = make_dive(Plan()), ForwardDive("dive", DISK)
     stamps, values = dive.poses.arrays()
     values[100:, 0] += 30.0
     silence = (stamps > stamps[400]) & (stamps < stamps[500])
@@ -162,7 +161,7 @@ def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
 
 def dive_in_two_pieces():
     """Return a dive whose odometry is silent and then goes on elsewhere."""
-    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), DISK)
+    dive, again = make_dive(Plan()), ForwardDive("dive", DISK)
     stamps, values = dive.poses.arrays()
     silence = (stamps > stamps[400]) & (stamps < stamps[500])
     for stamp, value in zip(stamps[~silence], values[~silence], strict=True):
@@ -217,7 +216,7 @@ def test_a_cable_that_is_seen_up_to_the_end_is_not_lost_wherever_the_dive_turned
     there = make_dive(Plan(length=20.0))
     stamps, values = there.poses.arrays()
     rows = there.table.rows
-    both = ForwardDive(there.path, there.disk)
+    both = ForwardDive(there.name, there.disk)
     order = [*range(len(rows)), *range(len(rows) - 1, len(rows) // 2, -1)]
     for number, k in enumerate(order):
         both.poses.add(int(stamps[0]) + number * 100_000_000, list(values[k]))
@@ -231,7 +230,7 @@ def test_a_cable_that_is_seen_up_to_the_end_is_not_lost_wherever_the_dive_turned
 
 def test_without_odometry_there_are_times_instead_of_places():
     dive = make_dive(Plan(hidden=((15.0, 21.0),)))
-    bare = ForwardDive(dive.path, dive.disk)
+    bare = ForwardDive(dive.name, dive.disk)
     bare.table = dive.table
     surveyed, course = analyse(bare, SurveySettings())
     assert course is None and not surveyed.routes
@@ -243,7 +242,7 @@ def test_without_odometry_there_are_times_instead_of_places():
 
 @pytest.mark.parametrize("block", [1, 4096])
 def test_without_odometry_a_picture_that_is_refused_loses_no_cable(block):
-    bare = ForwardDive(Path("dive"), Disk(block=block))
+    bare = ForwardDive("dive", Disk(block=block))
     for number, status in enumerate(
         [REFUSED, 0, TRACKING, TRACKING, REFUSED, TRACKING, 2, REFUSED]
     ):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -47,7 +46,7 @@ def circle(radius: float) -> np.ndarray:
 
 def dive_along(way: np.ndarray, look: float = LOOK) -> ForwardDive:
     """Return a dive that claims what its pictures would show of the cable."""
-    rng, dive = np.random.default_rng(0), ForwardDive(Path("dive"), DISK)
+    rng, dive = np.random.default_rng(0), ForwardDive("dive", DISK)
     for number, (x, y, yaw) in enumerate(way.tolist()):
         stamp = START + round(number / RATE * 1e9)
         dive.poses.add(stamp, [x, y, math.remainder(yaw, 2 * math.pi), SPEED])
