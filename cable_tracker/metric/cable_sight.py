@@ -16,13 +16,13 @@ from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments
-from cable_tracker.metric.known_calibration import KnownCalibration
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import Odometry
 from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
 from cable_tracker.metric.odometry.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.settings import instrument_settings
+from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -34,7 +34,7 @@ CABLE_INSTRUMENTS = (
 """Instruments whose messages count."""
 
 
-class CableSight:
+class CableSight(Sight[CableVehicleParameters]):
     """Keeps what is known of camera, vehicle and sea bed.
 
     Parameters
@@ -58,21 +58,15 @@ class CableSight:
         calibration: Calibration | None = None,
         texture_pause: float = 0.0,
     ) -> None:
-        self._parameters = parameters
         self._texture_pause = texture_pause
-        self._calibration = KnownCalibration(
-            calibration, is_rectified=parameters.image_is_rectified
-        )
         self._instruments = Instruments(instrument_settings(parameters))
-        self._use_calibration()
         self._forget_motion()
+        super().__init__(parameters, calibration)
 
     def configure(self, parameters: CableVehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
-        self._parameters = parameters
         self._instruments.configure(instrument_settings(parameters))
-        self._calibration.configure(is_rectified=parameters.image_is_rectified)
-        self._use_calibration()
+        super().configure(parameters)
 
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
@@ -84,12 +78,11 @@ class CableSight:
         self._aiding = MotionAiding(self._instruments, self._odometry, self._texture_pause)
         self.unaided: Unaided | None = None
 
-    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
-        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
-        if instrument is Instrument.CAMERA_INFO:
-            self._calibration.take_camera_info(message)
-            self._use_calibration()
-        elif instrument is Instrument.ALTITUDE:
+    def _take_calibration(self, calibration: Calibration) -> None:
+        self._instruments.take_calibration(calibration)
+
+    def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        if instrument is Instrument.ALTITUDE:
             self._instruments.take_altitude(stamp, *_read_altitude(message))
         elif instrument is Instrument.IMU:
             least = math.radians(self._parameters.imu_sigma)
@@ -102,11 +95,6 @@ class CableSight:
                 math.radians(self._parameters.turn_sigma),
             )
             self._odometry.add(stamp, *read_twist(message, least_sigmas))
-
-    def _use_calibration(self) -> None:
-        calibration = self._calibration.read()
-        if calibration is not None:
-            self._instruments.take_calibration(calibration)
 
     @property
     def instruments(self) -> Instruments:

@@ -2,30 +2,72 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar
+from abc import ABC, abstractmethod
+from typing import Any, Generic, TypeVar
 
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.messages import read_camera_info
 from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 
-VehicleParameters_contra = TypeVar(
-    "VehicleParameters_contra",
-    bound=CableVehicleParameters | TargetVehicleParameters,
-    contravariant=True,
+VehicleParameters = TypeVar(
+    "VehicleParameters", bound=CableVehicleParameters | TargetVehicleParameters
 )
 
 
-class Sight(Protocol[VehicleParameters_contra]):
-    """Keeps what instruments have said so far: `CableSight` or `TargetSight`."""
+class Sight(ABC, Generic[VehicleParameters]):
+    """Keeps what instruments have said so far, and the calibration that counts.
 
-    def configure(self, parameters: VehicleParameters_contra) -> None:
-        """Take other parameters, and keep the measurements."""
+    A subclass calls this constructor when it can take a calibration.
 
+    Parameters
+    ----------
+    parameters : CableVehicleParameters or TargetVehicleParameters
+        How camera and instruments are mounted and read.
+    calibration : Calibration or None
+        Calibration given by the user, which overrides messages; None: that of the last
+        `camera_info`.
+    """
+
+    def __init__(self, parameters: VehicleParameters, calibration: Calibration | None) -> None:
+        self._parameters = parameters
+        self._given = calibration
+        self._camera_info: Message | None = None
+        self._use_calibration()
+
+    @abstractmethod
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
 
+    @abstractmethod
+    def _take_calibration(self, calibration: Calibration) -> None:
+        """Use a calibration from now on."""
+
+    @abstractmethod
+    def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+
+    def configure(self, parameters: VehicleParameters) -> None:
+        """Take other parameters, and keep the measurements."""
+        self._parameters = parameters
+        self._use_calibration()
+
     def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
         """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+        if instrument is Instrument.CAMERA_INFO:
+            self._camera_info = message
+            self._use_calibration()
+        else:
+            self._take_measurement(instrument, stamp, message)
+
+    def _use_calibration(self) -> None:
+        calibration = self._given
+        if calibration is None and self._camera_info is not None:
+            is_rectified = self._parameters.image_is_rectified
+            calibration = read_camera_info(self._camera_info, is_rectified=is_rectified)
+        if calibration is not None:
+            self._take_calibration(calibration)
 
 
 AnySight = TypeVar("AnySight", bound=Sight[Any])

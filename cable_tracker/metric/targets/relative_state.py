@@ -15,7 +15,6 @@ from enum import IntEnum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.errors import ParameterError
 
 
 class RelativeColumn(IntEnum):
@@ -67,6 +66,9 @@ class RelativeNoise:
     gate_time: float = 0.6
     rate_sigma: float = 0.5
 
+
+USUAL = RelativeNoise()
+"""Noise for a target of known size."""
 
 SLOW = RelativeNoise(
     angular_acceleration=0.01,
@@ -267,45 +269,25 @@ def begin_without_size(seen: TargetSighting) -> RelativeState:
 
     The unknown size takes the place of the bias. The target is taken to move slowly (`SLOW`), else
     the camera's way would say nothing of the range.
-
-    Raises
-    ------
-    ParameterError
-        The first sighting shows no whole target.
     """
-    return begin_relative_state(seen, max(seen.angular_size, 1e-6) * GUESSED_RANGE, SLOW)
+    return begin_relative_state(seen, seen.angular_size * GUESSED_RANGE, SLOW)
 
 
 def begin_relative_state(
-    seen: TargetSighting, target_size: float, noise: RelativeNoise | None = None
+    seen: TargetSighting, target_size: float, noise: RelativeNoise = USUAL
 ) -> RelativeState:
     """Return the belief after the first sighting.
 
     Parameters
     ----------
     seen : TargetSighting
-        Sighting of a wholly visible target.
+        Sighting of a wholly visible target, of an angular size above 0.
     target_size : float
-        Root of the area that it shows [m].
-    noise : RelativeNoise or None
-        See there; None: the usual.
-
-    Raises
-    ------
-    ParameterError
-        The size is not positive, or the first sighting shows no whole target.
+        Root of the area that it shows, above 0 [m].
+    noise : RelativeNoise
+        See there.
     """
-    if not (math.isfinite(target_size) and target_size > 0.0):
-        raise ParameterError(
-            f"target_size is {target_size:g} m: give the root of its area, above 0"
-        )
-    if not seen.is_whole or not seen.angular_size > 0.0:
-        raise ParameterError(
-            "the range can only begin with a target that is seen as a whole; wait for such a frame"
-        )
-    empty = RelativeState(
-        np.zeros(STATE_SIZE), np.eye(STATE_SIZE), target_size, noise or RelativeNoise()
-    )
+    empty = RelativeState(np.zeros(STATE_SIZE), np.eye(STATE_SIZE), target_size, noise)
     return _begin(seen, empty)
 
 

@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.odometry.motion import TWIST, UNKNOWN_TURN, Odometry, PoseChange
+from cable_tracker.metric.odometry.motion import UNKNOWN_TURN, Odometry, PoseChange
 from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
@@ -24,6 +24,7 @@ from cable_tracker.metric.targets.relative_state import (
     begin_without_size,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -38,6 +39,9 @@ TURN_NOT_MEASURED = Unaided(
     "odometry measures no turns (the covariance of its rates is beyond"
     f" {math.degrees(UNKNOWN_TURN):.0f} deg/s); give an imu"
 )
+
+TURNS_ALONE = np.diag([UNKNOWN_VARIANCE] * 3 + [0.0] * 3)
+"""Covariance of the twist of an instrument that measures turns alone, shape (6, 6)."""
 
 PIXEL_SIDES = np.array([[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
 """Middles of a pixel's sides: right, left, upper, lower [px]."""
@@ -100,29 +104,29 @@ class VehicleMotion:
 
     def take_turn(self, stamp: int, rates: FloatArray) -> None:
         """Take the rates of turn of base_link (3,) [rad/s] of a time [ns]."""
-        self._gyroscope.add(stamp, np.concatenate((np.zeros(3), rates)), np.zeros((TWIST, TWIST)))
+        self._gyroscope.add(stamp, np.concatenate((np.zeros(3), rates)), TURNS_ALONE)
 
     def camera(self, image_size: tuple[int, int]) -> CameraModel | Withheld:
         """Return the calibrated camera for images of a size, or why there is none."""
         return camera_for(self._calibration, image_size)
 
-    def between(self, start: int, end: int) -> tuple[PoseChange, bool] | Unaided:
-        """Return how base_link moved between two times [ns].
+    def between(self, start: int, end: int) -> PoseChange | Unaided:
+        """Return how base_link moved between two times [ns], or why that is not known.
 
-        With it, whether its way is known, and not only its turn; or why neither is. A turn that
-        odometry does not measure about all axes is that of the gyroscope, if there is one.
+        Its turn is known then, its way perhaps not. A turn that odometry does not measure about all
+        axes is that of the gyroscope, if there is one.
         """
         moved = self._odometry.motion(start, end)
         if isinstance(moved, PoseChange) and moved.measured_turns == 3:
-            return moved, moved.knows_way
+            return moved
         turned = self._gyroscope.motion(start, end)
         if isinstance(turned, PoseChange):
             if isinstance(moved, PoseChange) and moved.knows_way:
-                return self._odometry.turned_by(self._gyroscope, start, end), True
-            return turned, False
+                return self._odometry.turned_by(self._gyroscope, start, end)
+            return turned
         if isinstance(moved, PoseChange) and moved.measured_turns:
             # Odometry in a plane: to keep level is nearer to the truth than not to turn.
-            return moved, moved.knows_way
+            return moved
         if self._gyroscope.missing is None:
             return turned
         return TURN_NOT_MEASURED if isinstance(moved, PoseChange) else moved
@@ -220,7 +224,7 @@ class TargetRange:
         self,
         estimate: TargetEstimate,
         camera: CameraModel | Withheld,
-        moved: tuple[PoseChange, bool] | Unaided,
+        moved: PoseChange | Unaided,
     ) -> TargetMetres:
         """Take a frame into account, and say what is known then.
 
@@ -230,7 +234,7 @@ class TargetRange:
             Estimate of the frame [px].
         camera : CameraModel or Withheld
             Camera that took the frame.
-        moved : tuple or Unaided
+        moved : PoseChange or Unaided
             Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
@@ -245,7 +249,7 @@ class TargetRange:
         self._see(sighting_of(estimate, camera, ray))
         return TargetMetres(ray, self._told())
 
-    def _age(self, stamp: int, moved: tuple[PoseChange, bool] | Unaided) -> None:
+    def _age(self, stamp: int, moved: PoseChange | Unaided) -> None:
         seconds = (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
         if self._state is None:
@@ -255,10 +259,9 @@ class TargetRange:
             return
         state = self._state
         if not isinstance(moved, Unaided) and self._settings.uses_motion:
-            change, knows_way = moved
-            arm, axes = self._settings.mounting.position, state.axes
-            way = change.translation + change.rotation @ arm - arm if knows_way else np.zeros(3)
-            state = state.seen_from(axes.T @ change.rotation @ axes, axes.T @ way)
+            turn, arm, axes = moved.rotation, self._settings.mounting.position, state.axes
+            way = moved.translation + turn @ arm - arm if moved.knows_way else np.zeros(3)
+            state = state.seen_from(axes.T @ turn @ axes, axes.T @ way)
         self._state = state.predicted(seconds)
 
     def _see(self, seen: TargetSighting) -> None:

@@ -9,11 +9,11 @@ import math
 from collections.abc import Sequence
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
-from cable_tracker.metric.known_calibration import KnownCalibration
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
 from cable_tracker.metric.odometry.motion import PoseChange
 from cable_tracker.metric.odometry.unaided import FIRST_FRAME, SWITCHED_OFF, Unaided
 from cable_tracker.metric.settings import target_settings
+from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.targets.target_metres import (
     TargetMetres,
     TargetRange,
@@ -36,7 +36,7 @@ LEAST_SIGMAS = (0.02, math.radians(0.3))
 TURNED_TOO_FAR = Unaided("the camera is said to have turned away from what the frame before showed")
 
 
-class TargetSight:
+class TargetSight(Sight[TargetVehicleParameters]):
     """Keeps what is known of camera, vehicle and the ranges of targets.
 
     Parameters
@@ -62,16 +62,13 @@ class TargetSight:
     ) -> None:
         self._settings = target_settings(parameters)
         self._motion = VehicleMotion()
-        self._calibration = KnownCalibration(
-            calibration, is_rectified=parameters.image_is_rectified
-        )
-        self._use_calibration()
         self._ranges = [TargetRange(self._settings) for _ in range(count)]
         self._forget_frame()
+        super().__init__(parameters, calibration)
 
     def _forget_frame(self) -> None:
         self._before: int | None = None
-        self._moved: tuple[PoseChange, bool] | Unaided = FIRST_FRAME
+        self._moved: PoseChange | Unaided = FIRST_FRAME
         self.unaided: Unaided | None = None
 
     @property
@@ -84,8 +81,7 @@ class TargetSight:
         self._settings = target_settings(parameters)
         for each in self._ranges:
             each.configure(self._settings)
-        self._calibration.configure(is_rectified=parameters.image_is_rectified)
-        self._use_calibration()
+        super().configure(parameters)
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
@@ -98,22 +94,16 @@ class TargetSight:
         self._motion.forget()
         self._forget_frame()
 
-    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
-        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
-        if instrument is Instrument.CAMERA_INFO:
-            self._calibration.take_camera_info(message)
-            self._use_calibration()
-        elif instrument is Instrument.IMU:
+    def _take_calibration(self, calibration: Calibration) -> None:
+        self._motion.take_calibration(calibration)
+
+    def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        if instrument is Instrument.IMU:
             rates = read_rates_of_turn(message)
             if rates is not None:
                 self._motion.take_turn(stamp, rates)
         elif instrument is Instrument.ODOMETRY:
             self._motion.take_twist(stamp, *read_twist(message, LEAST_SIGMAS))
-
-    def _use_calibration(self) -> None:
-        calibration = self._calibration.read()
-        if calibration is not None:
-            self._motion.take_calibration(calibration)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture since the frame before.
@@ -138,7 +128,7 @@ class TargetSight:
         elif not isinstance(camera, CameraModel):
             self.unaided = Unaided(str(camera))
         else:
-            turn = turn_of_picture(camera, self._settings.mounting, self._moved[0].rotation)
+            turn = turn_of_picture(camera, self._settings.mounting, self._moved.rotation)
             self.unaided = TURNED_TOO_FAR if turn is None else None
             return turn
         return None

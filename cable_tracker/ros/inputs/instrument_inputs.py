@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic
 
 from rclpy.node import Node
 
-from cable_tracker.metric.sight import AnySight
-from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
+from cable_tracker.metric.sight import AnySight, VehicleParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
@@ -16,10 +15,6 @@ from cable_tracker.ros.node_parameters import with_those_in
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
-
-VehicleParameters = TypeVar(
-    "VehicleParameters", bound=CableVehicleParameters | TargetVehicleParameters
-)
 
 
 class InstrumentInputs(Generic[AnySight, VehicleParameters]):

@@ -3,7 +3,6 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.errors import ParameterError
 from cable_tracker.metric.targets.relative_state import (
     RelativeNoise,
     TargetSighting,
@@ -91,10 +90,3 @@ def test_the_position_is_ahead_to_the_left_and_up():
     sigmas = np.sqrt(np.diag(state.position_covariance()))
     assert sigmas[1] == pytest.approx(state.range_sigma)
     assert sigmas[0] == pytest.approx(4.0 * math.radians(0.6))
-
-
-def test_what_cannot_begin_is_refused():
-    with pytest.raises(ParameterError, match="target_size"):
-        begin_relative_state(sighting(0.0, 5.0), 0.0)
-    with pytest.raises(ParameterError, match="whole"):
-        begin_relative_state(sighting(0.0, 5.0, is_whole=False), SIZE)

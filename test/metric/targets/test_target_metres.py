@@ -53,7 +53,7 @@ def estimate_of(
 
 def way(x, y, z, turn=0.0):
     rotation = rotations_by(np.array([[0.0, 0.0, turn]]))[0]
-    return PoseChange(rotation, np.array([x, y, z]), np.zeros((6, 6)), 0.04), True
+    return PoseChange(rotation, np.array([x, y, z]), np.zeros((6, 6)), 0.04)
 
 
 class TestTurnOfPicture:
@@ -110,7 +110,7 @@ class TestKnownSize:
         for number in range(30):
             moved = way(0.0, 0.0, 0.0, turn)
             said = meter.take(estimate_of(place, number), camera(), moved if number else STILL)
-            place = place @ moved[0].rotation
+            place = place @ moved.rotation
         assert isinstance(said.relative, RelativeState)
         assert abs(said.relative.mean[3]) < 0.02
 
@@ -165,15 +165,15 @@ class TestVehicleMotion:
         for stamp in range(0, 3 * STEP, STEP):
             motion.take_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
         turned = motion.between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned[1]
-        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
         for stamp in range(0, 3 * STEP, STEP):
             motion.take_twist(
                 stamp, np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, 0.0]), np.eye(6)
             )
         moved = motion.between(0, STEP)
-        assert not isinstance(moved, Unaided) and moved[1]
-        assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
+        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
 
     @staticmethod
     def with_odometry(*, way=1e-4, turn=1e-4, angular=0.0):
@@ -194,18 +194,18 @@ class TestVehicleMotion:
         motion = self.with_odometry(turn=variance)
         self.turns(motion)
         moved = motion.between(0, STEP)
-        assert not isinstance(moved, Unaided) and moved[1]
-        assert moved[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-        assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
-        assert np.diag(moved[0].covariance).max() < 1.0
+        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert moved.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
+        assert np.diag(moved.covariance).max() < 1.0
 
     def test_a_way_bends_as_the_gyroscope_says(self):
         # Odometry says that it turns the other way, and that it does not know.
         motion = self.with_odometry(turn=UNKNOWN_VARIANCE, angular=-3.0)
         for stamp in range(0, 3 * STEP, STEP // 4):
             motion.take_turn(stamp, np.array([0.0, 0.0, 3.0 + 1e-12 * stamp]))
-        change, knows_way = motion.between(0, 2 * STEP)
-        assert knows_way
+        change = motion.between(0, 2 * STEP)
+        assert change.knows_way
         angle = 3.0 * 2 * STEP / 1e9
         radius = (1.0 + 1e-9 * STEP) / 3.0
         circle = [radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0]
@@ -219,13 +219,13 @@ class TestVehicleMotion:
         motion = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
         self.turns(motion)
         turned = motion.between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned[1]
-        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
         turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned[1]
-        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):
         motion, rates = VehicleMotion(), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.5])
@@ -234,7 +234,7 @@ class TestVehicleMotion:
             motion.take_twist(stamp, rates + 1e-9 * stamp, known)
         turned = motion.between(0, STEP)
         assert not isinstance(turned, Unaided)
-        assert turned[0].rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_a_turn_that_no_instrument_knows_is_told_with_the_reason(self):
         motion = self.with_odometry(turn=UNKNOWN_VARIANCE)
