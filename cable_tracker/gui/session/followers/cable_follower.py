@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.initial_state import GivenState
@@ -102,13 +103,8 @@ class CableFollower(Follower):
         """Track a frame."""
         estimate, ms, metres = track_picture(frame, self._decoded, self._tracker, self._instruments)
         particles = self._tracker.particles
-        return CableSnapshot(
-            number=number,
-            frame=frame.index,
-            stamp=frame.stamp,
-            image=self._shown,
-            status=estimate.status.value,
-            reason=estimate.event,
+        return replace(
+            self.show(frame, number, estimate.status.value, estimate.event),
             state=estimate.claimed_state,
             sigma=estimate.standard_deviations() if estimate.is_claimed else None,
             cloud=cloud_of(particles) if particles is not None else None,
@@ -117,7 +113,6 @@ class CableFollower(Follower):
             evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
             n_eff=estimate.effective_sample_size,
             ms=ms,
-            truth=frame.truth,
             metres=metres,
         )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
@@ -97,13 +99,8 @@ class TargetFollower(Follower):
             state[PoseColumn.LOG_SCALE] = estimate.scale
             sigma = estimate.standard_deviations()[:4]
             sigma[PoseColumn.LOG_SCALE] *= estimate.scale
-        return TargetSnapshot(
-            number=number,
-            frame=frame.index,
-            stamp=frame.stamp,
-            image=self._shown,
-            status=estimate.status.value,
-            reason=estimate.event,
+        return replace(
+            self.show(frame, number, estimate.status.value, estimate.event),
             state=state,
             sigma=sigma,
             box=estimate.box if claimed else None,
@@ -114,7 +111,6 @@ class TargetFollower(Follower):
             presence=float(estimate.presence),
             n_eff=float(estimate.effective_sample_size),
             ms=ms,
-            truth=self._truth.box(frame),
         )
 
     def show(self, frame: Frame, number: int, status: str, reason: str = "") -> TargetSnapshot:
