@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -31,7 +32,7 @@ TARGET_FIELDS = tuple((f"{side} px", 0.0) for side in ("left", "top", "right", "
 """Numbers that say where to start, each with its value to begin with."""
 
 
-class FormDialog:
+class FormDialog(ABC):
     """A dialog with fields, a button that does something with them, and a place for refusals."""
 
     def __init__(self, title: str, action: str) -> None:
@@ -46,11 +47,13 @@ class FormDialog:
                 ui.button("cancel", on_click=self.dialog.close).props("flat")
                 ui.button(action, on_click=self.submit).props("data-test=dialog-ok")
 
+    @abstractmethod
     def build(self) -> None:
         """Put the fields into it."""
 
     def build_buttons(self) -> None:
         """Put further buttons beside the usual ones."""
+        return
 
     def open(self) -> None:
         """Show it, with nothing refused."""
@@ -73,6 +76,7 @@ class FormDialog:
             return
         self.dialog.close()
 
+    @abstractmethod
     async def do(self) -> None:
         """Do it.
 
@@ -81,7 +85,6 @@ class FormDialog:
         CableTrackerError
             It cannot be done.
         """
-        raise NotImplementedError
 
 
 class OpenDialog(FormDialog):

@@ -10,6 +10,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.ros.health.latency import LatencyStatistics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.frame_report import make_status_array
+from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import DISABLED, WARMING_UP, TrackingStatus
 
 STALE_INPUT = "STALE INPUT"
@@ -109,17 +110,31 @@ def frame_values(statistics: FrameStatistics, now: float) -> dict[str, str]:
     }
 
 
-def estimate_values(estimate: CableEstimate | None) -> dict[str, str]:
-    """Return the key-value pairs about the last estimate; empty values before the first."""
+def cable_values(estimate: CableEstimate | None) -> dict[str, str]:
+    """Return the key-value pairs about a cable's last estimate; empty values before the first."""
     return {
-        "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
+        "N_eff": _sample_size(estimate),
         "evidence": f"{estimate.evidence:.2f}" if estimate else "",
         "presence [%]": _presence(estimate),
         "hypotheses": _hypotheses(estimate),
     }
 
 
-def _presence(estimate: CableEstimate | None) -> str:
+def target_values(estimate: TargetEstimate | None) -> dict[str, str]:
+    """Return the key-value pairs about a target's last estimate; empty values before the first."""
+    return {
+        "status": estimate.status.value if estimate else "",
+        "N_eff": _sample_size(estimate),
+        "presence [%]": _presence(estimate),
+        "score": f"{estimate.score:.2f}" if estimate else "",
+    }
+
+
+def _sample_size(estimate: CableEstimate | TargetEstimate | None) -> str:
+    return f"{estimate.effective_sample_size:.1f}" if estimate else ""
+
+
+def _presence(estimate: CableEstimate | TargetEstimate | None) -> str:
     if estimate is None or estimate.presence is None:
         return ""
     return f"{100 * estimate.presence:.0f}"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock, ClockType
@@ -72,7 +73,7 @@ class FrameResult:
     publish_rest: Callable[[], None]
 
 
-class CameraNode(ProcessNode):
+class CameraNode(ProcessNode, ABC):
     """Answers each frame of a camera, and reports status and figures on /diagnostics.
 
     Holds what does not depend on what is tracked: the subscription of the camera, refused frames,
@@ -93,6 +94,9 @@ class CameraNode(ProcessNode):
     ParameterError
         A parameter given at start is not acceptable.
     """
+
+    EVENT_WORDS: ClassVar[str] = "tracking starts anew: "
+    """What the log says before the tracker's reason."""
 
     _instruments: InstrumentInputs[Any, Any]
     _outputs: TrackerOutputs | TargetOutputs
@@ -123,10 +127,11 @@ class CameraNode(ProcessNode):
 
     # To be implemented by a subclass.
 
+    @abstractmethod
     def _make_warm_up(self) -> WarmUp:
         """Start the warm-up of the code that the present parameters choose."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         """Track on a frame and publish what is claimed; the rest is published afterwards.
 
@@ -144,8 +149,8 @@ class CameraNode(ProcessNode):
         FrameError
             The frame cannot be used.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         """Refuse changed values, by name, that do not fit those that stay.
 
@@ -154,19 +159,18 @@ class CameraNode(ProcessNode):
         ParameterError
             They do not.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
         """Take changed values, by name."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _restart(self) -> None:
         """Forget what was tracked. That a picture stands still is the camera's, and stays known."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _figures(self) -> dict[str, str]:
         """Return what diagnostics say beside the camera's figures, with units in the keys."""
-        raise NotImplementedError
 
     def _decode(self, image: AnyImage) -> Image:
         """Return the picture that is tracked on; grey levels, shape (H, W), unless overridden."""
@@ -175,9 +179,9 @@ class CameraNode(ProcessNode):
     def _subscribe_more(self) -> None:
         """Subscribe to what belongs to the camera's frames; called when the node is warm."""
 
+    @abstractmethod
     def _drop_start(self, number: int, error: FrameError) -> None:
         """Forget a prior that was taken before the first image, and turns out to be wrong."""
-        raise NotImplementedError
 
     def _on_switched_on(self) -> None:
         """Do what follows the restart when the node is enabled again."""
@@ -422,7 +426,7 @@ class CameraNode(ProcessNode):
     def _note_event(self, event: str) -> None:
         if event:
             self._statistics.last_event = event
-            self.get_logger().warning(f"tracking starts anew: {event}")
+            self.get_logger().warning(f"{self.EVENT_WORDS}{event}")
 
     def _note_refusal(self, reason: str) -> None:
         self._statistics.refused += 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections import OrderedDict
 from dataclasses import dataclass
 from enum import Enum
@@ -70,7 +71,7 @@ UNREPORTED = Reported(has_place=True, is_refused=False)
 """What is taken for granted of a frame whose report has not come."""
 
 
-class GuidanceNode(ProcessNode, Generic[Settings]):
+class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped (one of a time that no message has
@@ -136,10 +137,11 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
         subscription(self, node_topics.STATE, self.on_state, qos.RESULTS)
 
     @property
+    @abstractmethod
     def mode(self) -> Enum:
         """Mode of the node, as diagnostics show it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
         """Tell whether all has come that belongs to a frame of a time [ns].
 
@@ -150,8 +152,8 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
         is_placed : bool
             Whether a place in metres belongs to it, as far as is known.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
         """Return the answer to a frame.
 
@@ -164,7 +166,6 @@ class GuidanceNode(ProcessNode, Generic[Settings]):
         is_look : bool
             Whether the tracker has looked at it; False for one that it has refused.
         """
-        raise NotImplementedError
 
     def on_state(self, message: Message) -> None:
         """Take note that the tracker has seen a frame, and whether it claims something in it."""

@@ -18,6 +18,7 @@ from cable_tracker.node_parameter_tables import (
     TargetVehicleParameters,
 )
 from cable_tracker.ros import node_parameters
+from cable_tracker.ros.health.diagnostics import target_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
@@ -52,6 +53,8 @@ class TargetTrackerNode(CameraNode):
     ParameterError
         A parameter given at start is not acceptable.
     """
+
+    EVENT_WORDS = ""
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("target_tracker", **node_arguments)
@@ -173,11 +176,6 @@ class TargetTrackerNode(CameraNode):
         self._statistics.last_event = reason
         self.get_logger().warning(reason)
 
-    def _note_event(self, event: str) -> None:
-        if event:
-            self._statistics.last_event = event
-            self.get_logger().warning(event)
-
     def _restart(self) -> None:
         self._group.reset()
         self._instruments.forget()
@@ -215,7 +213,7 @@ class TargetTrackerNode(CameraNode):
         for number, prefix in enumerate(self._prefixes):
             name = prefix.replace("/", " ")
             estimate = self._estimates[number] if self._estimates else None
-            own = _values_of(estimate) | self._instruments.figures(number)
+            own = target_values(estimate) | self._instruments.figures(number)
             figures |= {f"{name}{key}": value for key, value in own.items()}
         unaided = self._instruments.unaided
         return figures | {"no motion aid": "" if unaided is None else unaided.why}
@@ -228,13 +226,3 @@ def status_of(estimates: Sequence[TargetEstimate]) -> str:
         if status in statuses:
             return str(status.value)
     return str(TrackingStatus.INITIALISING.value)
-
-
-def _values_of(estimate: TargetEstimate | None) -> dict[str, str]:
-    """Return what diagnostics say of a target's last estimate; empty values before the first."""
-    return {
-        "status": estimate.status.value if estimate else "",
-        "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
-        "presence [%]": f"{100 * estimate.presence:.0f}" if estimate else "",
-        "score": f"{estimate.score:.2f}" if estimate else "",
-    }

@@ -26,7 +26,7 @@ from cable_tracker.node_parameter_tables import (
     TrackerStartParameters,
 )
 from cable_tracker.ros import node_parameters
-from cable_tracker.ros.health.diagnostics import estimate_values
+from cable_tracker.ros.health.diagnostics import cable_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
@@ -189,4 +189,4 @@ class TrackerNode(CameraNode):
             self._search.stop()
 
     def _figures(self) -> dict[str, str]:
-        return estimate_values(self._estimate) | self._instruments.diagnostics()
+        return cable_values(self._estimate) | self._instruments.diagnostics()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
@@ -44,11 +45,11 @@ World = TypeVar("World", bound=LiveWorld | ChaseWorld)
 OwnParameters = TypeVar("OwnParameters", bound=VehicleNodeParameters)
 
 
-class VehicleNode(ProcessNode, Generic[World, OwnParameters]):
+class VehicleNode(ProcessNode, ABC, Generic[World, OwnParameters]):
     """Lets a vehicle move as it is told, in real time or in lockstep with what tells it.
 
-    Holds what does not depend on the world: commands, time, odometry and imu. A subclass implements
-    the methods that raise `NotImplementedError`.
+    Holds what does not depend on the world: commands, time, odometry and imu. A subclass adds
+    its abstract methods.
 
     Parameters
     ----------
@@ -100,17 +101,17 @@ class VehicleNode(ProcessNode, Generic[World, OwnParameters]):
         """Publish what the altimeter reads at a frame, if the vehicle has one."""
         return
 
+    @abstractmethod
     def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         """Publish what is true at a frame."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _draw(self, state: VehicleState) -> RawImage:
         """Return what the camera sees."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _is_at_end(self, state: VehicleState) -> bool:
         """Tell whether a frame is the last."""
-        raise NotImplementedError
 
     def _create_topics(self) -> None:
         self._image = publisher(self, node_topics.IMAGE, qos.PICTURES)

@@ -14,7 +14,7 @@ from cable_tracker.ros.health.diagnostics import (
     WINDOW,
     FrameStatistics,
     Level,
-    estimate_values,
+    cable_values,
     frame_values,
     make_diagnostics,
 )
@@ -55,7 +55,7 @@ def test_the_frame_rate_counts_the_last_seconds_only() -> None:
 
 
 def test_figures_before_the_first_frame_are_empty_not_wrong() -> None:
-    values = frame_values(FrameStatistics(), 0.0) | estimate_values(None)
+    values = frame_values(FrameStatistics(), 0.0) | cable_values(None)
     for key in ("N_eff", "evidence", "presence [%]", "hypotheses", "last bad frame"):
         assert values[key] == ""
     assert values["frames tracked"] == "0"
@@ -84,5 +84,5 @@ def test_presence_and_hypotheses_are_given_in_percent(
         presence=presence,
         hypotheses=tuple(Hypothesis(each, state) for each in probabilities),
     )
-    values = estimate_values(estimate)
+    values = cable_values(estimate)
     assert (values["presence [%]"], values["hypotheses"]) == words

@@ -14,7 +14,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros.health.diagnostics import (
     FrameStatistics,
-    estimate_values,
+    cable_values,
     frame_values,
     make_diagnostics,
 )
@@ -88,7 +88,7 @@ MESSAGES: dict[str, Make] = {
         h,
         "/a/tracker",
         "STALE INPUT",
-        frame_values(FrameStatistics(), 0.0) | estimate_values(ESTIMATE),
+        frame_values(FrameStatistics(), 0.0) | cable_values(ESTIMATE),
     ),
 }
 
