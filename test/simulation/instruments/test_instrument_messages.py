@@ -12,7 +12,7 @@ from cable_tracker.metric.messages import (
     read_range,
     read_twist,
 )
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.simulation.instruments.instrument_messages import (
@@ -29,7 +29,7 @@ from cable_tracker.simulation.instruments.instruments import (
 )
 from cable_tracker.simulation.rendering.camera import Camera
 
-FACTORY = RclpyMessages()
+FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_000_000_000, "base_link")
 ANGLES = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0))
 
