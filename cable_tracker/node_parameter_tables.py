@@ -315,11 +315,16 @@ class SimulatorNodeParameters(VehicleNodeParameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GuidanceNodeParameters(ParameterSet):
-    """Of every node that steers by a tracker's `state`; read at start only."""
+    """Of `controller` and `follower`, beside their settings; read at start only."""
 
     lockstep: bool = flag(False, "Answer every `state` with one `cmd_vel`, however long it takes.")
     settle_time: float = number(
-        0.05, "s", 0.0, 60.0, "How long to wait for what belongs to a `state`."
+        0.05,
+        "s",
+        0.0,
+        60.0,
+        "How long to wait for what belongs to a `state`: the place in metres, and `odometry` if the"
+        " node listens to it.",
     )
     state_timeout: float = number(
         1.0,
@@ -327,32 +332,6 @@ class GuidanceNodeParameters(ParameterSet):
         0.05,
         60.0,
         "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControllerNodeParameters(GuidanceNodeParameters):
-    """Of the node `controller`, beside its controller's settings; read at start only."""
-
-    settle_time: float = number(
-        0.05,
-        "s",
-        0.0,
-        60.0,
-        "How long to wait for `cross_track` and `odometry` that belong to a `state`.",
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FollowerNodeParameters(GuidanceNodeParameters):
-    """Of the node `follower`, beside its controller's settings; read at start only."""
-
-    settle_time: float = number(
-        0.05,
-        "s",
-        0.0,
-        60.0,
-        "How long to wait for the `relative_pose` that belongs to a `state`.",
     )
 
 

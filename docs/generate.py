@@ -27,8 +27,7 @@ from cable_tracker.node_parameter_tables import (
     TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
-    ControllerNodeParameters,
-    FollowerNodeParameters,
+    GuidanceNodeParameters,
     ReplayRuntimeParameters,
     ReplayStartParameters,
     SimulatorNodeParameters,
@@ -160,13 +159,13 @@ def parameters_page() -> str:
             node_section("The node `simulator`", tables_of(LiveSettings, SimulatorNodeParameters)),
             node_section(
                 "The node `controller`, an example",
-                tables_of(ControllerSettings, ControllerNodeParameters),
+                tables_of(ControllerSettings, GuidanceNodeParameters),
             ),
             node_section(
                 "The node `target_simulator`", tables_of(ChaseSettings, VehicleNodeParameters)
             ),
             node_section(
-                "The node `follower`, an example", tables_of(FollowSettings, FollowerNodeParameters)
+                "The node `follower`, an example", tables_of(FollowSettings, GuidanceNodeParameters)
             ),
             "\n## The filter of targets\n\n",
             TARGET_INTRODUCTION,

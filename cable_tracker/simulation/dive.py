@@ -175,7 +175,7 @@ def dive_camera(
 
 def random_course(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:
     """Draw the course of a cable along x, which wanders about it; see `random_bends`."""
-    return Tube(CABLE_RADIUS, random_bends(curvature, lengths, 2, rng))
+    return Tube(CABLE_RADIUS, random_bends(curvature, lengths, rng))
 
 
 def frame_times(start: int, rate: float) -> FloatArray:

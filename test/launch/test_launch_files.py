@@ -15,7 +15,7 @@ from cable_tracker.example_controller.controller import ControllerSettings
 from cable_tracker.node_parameter_tables import (
     TARGET_NODE_PARAMETERS,
     TRACKER_NODE_PARAMETERS,
-    ControllerNodeParameters,
+    GuidanceNodeParameters,
     ReplayRuntimeParameters,
     ReplayStartParameters,
     SimulatorNodeParameters,
@@ -38,7 +38,7 @@ SPECS: dict[str, dict[str, ParameterSpec]] = {
     | {spec.name: spec for spec in TARGET_NODE_PARAMETERS},
     "replay": specs_of(ReplayStartParameters, ReplayRuntimeParameters),
     "simulator": specs_of(LiveSettings, SimulatorNodeParameters),
-    "controller": specs_of(ControllerSettings, ControllerNodeParameters),
+    "controller": specs_of(ControllerSettings, GuidanceNodeParameters),
 }
 NEEDED = {"replay.launch.py": {"source": "/data/dive"}}
 OF_ROS = {"use_sim_time"}

@@ -57,6 +57,9 @@ STALL = 2.0
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
 
+UNSEEN_WIDTH = 320
+"""Width of the camera's pictures before one has come [px]."""
+
 
 def _make_window_node(context: Context) -> Node:
     return Node("cable_tracker_window", context=context)
@@ -179,9 +182,9 @@ class LiveSession(Session):
             raise ParameterError(str(result.reason))
 
     def initialise(self, start: AnyStart) -> None:
-        """Publish where the user sees the cable on the node's topic `initial_state`.
+        """Publish where the user sees the cable or the target on the node's topic for a start.
 
-        The topic says nothing of width and skew; the node searches for them.
+        That of a cable says nothing of width and skew; the node searches for them.
 
         Raises
         ------
@@ -192,7 +195,7 @@ class LiveSession(Session):
         # Another thread, which looks for the node's topics, may replace it.
         publisher = self._connection.start
         if publisher is None:
-            raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
+            raise RosError(f"{self.name} takes no start yet; wait until it has warmed up")
         latest = self._latest
         header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
         publisher.publish(self._start_message(header, start))
@@ -200,7 +203,7 @@ class LiveSession(Session):
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, GivenState), "a cable is not marked with an outline"
         latest = self._latest
-        width = latest.image.shape[1] if isinstance(latest, CableSnapshot) else 320
+        width = latest.image.shape[1] if isinstance(latest, CableSnapshot) else UNSEEN_WIDTH
         return make_centreline(self._factory, header, start.state, _covariance(start, width))
 
     def reset(self) -> None:

@@ -148,7 +148,7 @@ class LiveConnection:
     Attributes
     ----------
     topics : LiveTopics or None
-        Subscriptions to the node's outputs; None before a node was found.
+        Names of what is listened to; None before a node was found.
     start : Publisher or None
         None while the node takes no start.
     """

@@ -11,7 +11,6 @@ from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import Controller, ControllerSettings, Mode
 from cable_tracker.example_controller.line_of_sight import Cable
 from cable_tracker.metric.odometry.motion import LONGEST_HOLD
-from cable_tracker.node_parameter_tables import ControllerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
@@ -41,9 +40,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
     PLACE = node_topics.CROSS_TRACK
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
-        super().__init__(
-            "controller", ControllerSettings(), ControllerNodeParameters(), **node_arguments
-        )
+        super().__init__("controller", ControllerSettings(), **node_arguments)
         self._controller = Controller(self._settings)
         self._cables: OrderedDict[int, Cable] = OrderedDict()
         self._poses: OrderedDict[int, Pose] = OrderedDict()

@@ -12,7 +12,6 @@ from cable_tracker.example_controller.target_follower import (
     TargetController,
     TargetPlace,
 )
-from cable_tracker.node_parameter_tables import FollowerNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
@@ -41,7 +40,7 @@ class FollowerNode(GuidanceNode[FollowSettings]):
     PLACE = node_topics.RELATIVE_POSE
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
-        super().__init__("follower", FollowSettings(), FollowerNodeParameters(), **node_arguments)
+        super().__init__("follower", FollowSettings(), **node_arguments)
         self._follower = TargetController(self._settings)
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
         subscription(self, self.PLACE, self.on_relative_pose, qos.RESULTS)

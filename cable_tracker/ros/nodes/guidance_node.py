@@ -87,8 +87,6 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         Name of the node.
     settings : ParameterSet
         Default settings of its controller.
-    parameters : GuidanceNodeParameters
-        Default parameters of the node beside them.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 
@@ -111,12 +109,11 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         self,
         name: str,
         settings: Settings,
-        parameters: GuidanceNodeParameters,
         **node_arguments: Any,  # noqa: ANN401
     ) -> None:
         super().__init__(name, **node_arguments)
         self._settings = node_parameters.declare_set(self, settings, read_only=True)
-        self._own = node_parameters.declare_set(self, parameters, read_only=True)
+        self._own = node_parameters.declare_set(self, GuidanceNodeParameters(), read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
         self._told: str | None = None
         self._states: list[tuple[int, bool, float]] = []

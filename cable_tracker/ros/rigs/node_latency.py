@@ -61,6 +61,9 @@ CAMERA = QoSProfile(
 )
 """Quality of service of a camera driver."""
 
+RATE = 30.0
+"""Rate of frames [1/s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class NodeTrial:
@@ -76,15 +79,12 @@ class NodeTrial:
         The frames.
     frames : int
         Number of frames that count.
-    rate : float
-        Rate of frames [1/s].
     """
 
     name: str
     parameters: TrackerParameters
     shown: Footage
     frames: int
-    rate: float = 30.0
 
 
 @dataclass(slots=True)
@@ -106,9 +106,9 @@ class _Target:
         ]
         return Percentiles.of(values) if values else None
 
-    def share(self, rate: float) -> float:
-        """Return the share of one processor that the process needs at a rate [1/s]."""
-        return rate * self.cpu / self.answers if self.answers else math.inf
+    def share(self) -> float:
+        """Return the share of one processor that the process needs at `RATE`."""
+        return RATE * self.cpu / self.answers if self.answers else math.inf
 
     def noting(self, arrivals: dict[int, float]) -> Callable[[Message], None]:
         """Return a callback that notes when a message comes, while it is this node's turn."""
@@ -244,14 +244,14 @@ class _Bench:
             name=trial.name,
             size=trial.shown.size,
             particles=trial.parameters.particle_count,
-            rate=trial.rate,
+            rate=RATE,
             state=tracker.latencies(tracker.states, counted),
             centreline=tracker.latencies(tracker.centrelines, counted),
             echo=round_trip,
             in_process=Percentiles.of([1e3 * each for each in times]),
             unanswered=len(asked - tracker.states.keys()),
-            cpu_share=tracker.share(trial.rate),
-            echo_cpu_share=echo.share(trial.rate),
+            cpu_share=tracker.share(),
+            echo_cpu_share=echo.share(),
         )
 
     def _wait_for_nodes(self) -> None:
@@ -265,7 +265,7 @@ class _Bench:
 
             def answered(target: _Target = target) -> bool:
                 self._send(target, 0)
-                self._spin_for(1 / self._trial.rate)
+                self._spin_for(1 / RATE)
                 return bool(target.states)
 
             spin_until(self._executor, answered, START_TIMEOUT, self._what_has_died)
@@ -292,7 +292,7 @@ class _Bench:
         target.listening = True
         for index in range(count):
             self._send(target, index)
-            self._spin_until_time(begin + (index + 1) / self._trial.rate)
+            self._spin_until_time(begin + (index + 1) / RATE)
             self._advance(1)
         self._settle(target)
         target.cpu += cpu_seconds(process) - used
@@ -335,8 +335,8 @@ class _Bench:
             self._method.process(image, self._stamp(self._number))
             times.append(time.perf_counter() - start)
             self._number += 1
-            time.sleep(max(begin + (index + 1) / self._trial.rate - time.perf_counter(), 0.0))
-            if time.perf_counter() > begin + count / self._trial.rate:
+            time.sleep(max(begin + (index + 1) / RATE - time.perf_counter(), 0.0))
+            if time.perf_counter() > begin + count / RATE:
                 break
         self._advance(count)
         return times

@@ -14,6 +14,9 @@ SETTLED = 0.7
 LEAST_DISTANCE = 0.05
 """Smallest distance from the eye at which a line of sight passes a tube [m]."""
 
+BENDS = 2
+"""Number of waves that a random course is the sum of."""
+
 
 @dataclass(frozen=True, slots=True)
 class Bend:
@@ -189,15 +192,15 @@ class Sight:
 
 
 def random_bends(
-    curvature: float, lengths: tuple[float, float], count: int, rng: np.random.Generator
+    curvature: float, lengths: tuple[float, float], rng: np.random.Generator
 ) -> tuple[Bend, ...]:
     """Draw bends whose sum never curves more than `curvature` [1/m].
 
     `lengths` are the shortest and the longest wavelength [m].
     """
-    wavenumbers = 2 * np.pi / rng.uniform(*lengths, count)
-    phases = rng.uniform(0.0, 2 * np.pi, count)
+    wavenumbers = 2 * np.pi / rng.uniform(*lengths, BENDS)
+    phases = rng.uniform(0.0, 2 * np.pi, BENDS)
     return tuple(
-        Bend(float(curvature / count / k**2), float(k), float(phase))
+        Bend(float(curvature / BENDS / k**2), float(k), float(phase))
         for k, phase in zip(wavenumbers, phases, strict=True)
     )
