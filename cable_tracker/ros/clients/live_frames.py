@@ -58,10 +58,11 @@ class _Parts:
         report = self.messages.get(node_topics.FRAME_REPORT)
         return {} if report is None else report_facts(report)
 
-    def status(self) -> str | None:
-        """Return what the report says."""
+    def status(self, *, is_claimed: bool) -> str:
+        """Return what the report says; without one, what follows from a claim."""
         report = self.messages.get(node_topics.FRAME_REPORT)
-        return None if report is None else report_status(report)
+        told = "" if report is None else report_status(report)
+        return told or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
 
 
 class LiveFrames:
@@ -166,14 +167,12 @@ class LiveFrames:
         particles = messages.get(node_topics.PARTICLES)
         cloud = read_particles(particles) if particles is not None else None
         truth = messages.get(node_topics.GROUND_TRUTH)
-        grey = shown_levels(decode_grey(parts.image))
         return CableSnapshot(
             number=number,
             frame=None,
             stamp=stamp,
-            image=grey,
-            status=parts.status()
-            or (TrackingStatus.TRACKING.value if state is not None else NO_REPORT),
+            image=shown_levels(decode_grey(parts.image)),
+            status=parts.status(is_claimed=state is not None),
             reason=facts.get("event", ""),
             state=state,
             sigma=np.array(sigma) if state is not None and sigma is not None else None,
@@ -207,8 +206,7 @@ class LiveTargetFrames(LiveFrames):
             frame=None,
             stamp=stamp,
             image=decode_shown(parts.image),
-            status=parts.status()
-            or (NO_REPORT if state is None else TrackingStatus.TRACKING.value),
+            status=parts.status(is_claimed=state is not None),
             reason=facts.get("event", ""),
             state=state,
             sigma=sigma,
