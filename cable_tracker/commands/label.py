@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.console.terminal import console, counted, messages, progress_bar
+from cable_tracker.commands.console.terminal import console, counted, print_note, progress_bar
 from cable_tracker.commands.options.common import (
     OutsideOption,
     RateOption,
@@ -68,11 +68,10 @@ def label(  # noqa: PLR0917
             usual = workspaces.default_label_file(recording.path)
             is_usual = workspace.path.resolve() == usual.resolve()
             command = _command(chosen, None if is_usual else workspace.path)
-            messages.print(
-                f"note: the labels that were not saved are lost: {workspace.trouble}"
+            print_note(
+                f"the labels that were not saved are lost: {workspace.trouble}"
                 if workspace.trouble
-                else f"note: the labels are not saved; `{command}` offers them again",
-                soft_wrap=True,
+                else f"the labels are not saved; `{command}` offers them again"
             )
 
 
@@ -99,5 +98,5 @@ def _count_frames(recording: Source) -> None:
         except RecordingError as error:
             if not count:
                 raise
-            messages.print(f"note: {error}", soft_wrap=True)
+            print_note(str(error))
     recording.frame_count = count

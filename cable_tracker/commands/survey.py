@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from cable_tracker.campaigns.folder_tasks import TaskState
@@ -210,7 +211,7 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
 def _print_routes(result: SurveyResult) -> None:
     rows = []
     for name, route in zip(result.names, result.routes, strict=True):
-        sigma = sorted(float(value) for value in route.sigmas)[len(route.sigmas) // 2]
+        sigma = float(np.median(route.sigmas))
         rows.append((
             name, f"{route.along[-1]:.1f}", f"{sigma:.3f}", str(len(route.events)),
             ", ".join(route.recordings),

@@ -13,8 +13,8 @@ from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.terminal import (
     advance,
     console,
-    messages,
     print_files,
+    print_note,
     print_table,
     progress_bar,
 )
@@ -138,10 +138,10 @@ def _descriptions(campaign: Campaign) -> dict[str, str]:
 
 
 def _say_refusals(results: Sequence[RunResult]) -> None:
-    """Say on stderr which methods refused frames of which sequence, once for all seeds."""
+    """Say which methods refused frames of which sequence, once for all seeds."""
     refusing = {(each.sequence, each.method): each for each in results if each.refused}
     for (sequence, method), result in refusing.items():
-        messages.print(f"note: {method} on {sequence}: {refusal_words(result)}", soft_wrap=True)
+        print_note(f"{method} on {sequence}: {refusal_words(result)}")
 
 
 def _print(view: TableView) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from statistics import median
 from typing import Protocol
 
-from cable_tracker.commands.console.terminal import console, messages
+from cable_tracker.commands.console.terminal import console, print_note
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.tables.estimates import EstimateRow
@@ -98,7 +99,7 @@ def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:
 def print_events(rows: Sequence[TrackedFrame]) -> None:
     """Say what `event_notes` has to say."""
     for note in event_notes(rows):
-        messages.print(f"note: {note}", soft_wrap=True)
+        print_note(note)
 
 
 def metres_told(rows: Sequence[EstimateRow]) -> str:
@@ -120,6 +121,6 @@ def metres_told(rows: Sequence[EstimateRow]) -> str:
 
 def print_median_time(milliseconds: Sequence[float | None]) -> None:
     """Say how long the tracker takes, if it was measured."""
-    times = sorted(each for each in milliseconds if each is not None)
+    times = [each for each in milliseconds if each is not None]
     if times:
-        console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
+        console.print(f"median time in the tracker: {median(times):.2f} ms per frame")

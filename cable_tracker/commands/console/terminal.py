@@ -93,12 +93,17 @@ def print_table(
     console.print(table)
 
 
+def print_note(text: str) -> None:
+    """Say on stderr what the user should know."""
+    messages.print(f"note: {text}", soft_wrap=True)
+
+
 def say_left_out(reasons: Mapping[str, str]) -> None:
-    """Say on stderr which scenarios of a pattern are left out, and why; `reasons` by name."""
+    """Say which scenarios of a pattern are left out, and why; `reasons` by name."""
     for reason in dict.fromkeys(reasons.values()):
         names = [name for name, other in reasons.items() if other == reason]
         verb = "is" if len(names) == 1 else "are"
-        messages.print(f"note: {', '.join(names)} {verb} left out: {reason}", soft_wrap=True)
+        print_note(f"{', '.join(names)} {verb} left out: {reason}")
 
 
 def print_facts(title: str, facts: Iterable[tuple[str, str]]) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.campaigns.settings import DASHBOARD, LARGEST_WORKER_COUNT, ClusterSettings
-from cable_tracker.commands.console.terminal import messages
+from cable_tracker.commands.console.terminal import messages, print_note
 from cable_tracker.errors import ParameterError
 
 MEMORY = "4 GiB"
@@ -61,7 +61,7 @@ def chosen_cluster(
             "dashboard: one worker needs no Dask, which would serve it; give --workers 2 or more,"
             " or leave out --dashboard"
         )
-    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where, _note)
+    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where, print_note)
 
 
 def _say_where(dashboard: str) -> None:
@@ -86,10 +86,6 @@ def with_whole_paths(parameters: TrackerParameters) -> TrackerParameters:
         return parameters
     table = whole_path(Path(parameters.response_table))
     return parameters.replaced({"response_table": str(table)})
-
-
-def _note(text: str) -> None:
-    messages.print(f"note: {text}", soft_wrap=True)
 
 
 def seeds_from(count: int, first: int) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.commands.console.terminal import console, messages
+from cable_tracker.commands.console.terminal import console, print_note
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
@@ -208,4 +208,4 @@ def print_needless_rate(source: Source, rate: float | None) -> None:
 def print_notes(path: Path, notes: Iterable[str]) -> None:
     """Say what the user should know about a recording, each note on a line of its own."""
     for note in notes:
-        messages.print(f"note: {path}: {note}", soft_wrap=True)
+        print_note(f"{path}: {note}")

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.commands.console.terminal import messages
+from cable_tracker.commands.console.terminal import print_note
 from cable_tracker.errors import ParameterError
 from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
 from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
@@ -120,21 +120,21 @@ def chosen_parameters(
     """
     values = read_parameter_file(file, kind.node) if file is not None else {}
     single = dict(map(parse_value, words or ()))
-    _note(single.keys() & OF_NODES_ALONE, "only nodes read this")
+    _note_unread(single.keys() & OF_NODES_ALONE, "only nodes read this")
     values |= single
     parameters = kind.with_values(_base_name(kind, preset_name, values), values)
     for names, why in UNREAD:
-        _note(values.keys() & names, why)
+        _note_unread(values.keys() & names, why)
     if seed is not None:
         parameters = parameters.replaced({"seed": seed})
     for remark in parameters.remarks():
-        messages.print(f"note: {remark}", soft_wrap=True)
+        print_note(remark)
     return values, parameters
 
 
-def _note(names: set[str], why: str) -> None:
+def _note_unread(names: set[str], why: str) -> None:
     if names:
-        messages.print(f"note: {', '.join(sorted(names))}: {why}", soft_wrap=True)
+        print_note(f"{', '.join(sorted(names))}: {why}")
 
 
 def _base_name(
@@ -147,10 +147,7 @@ def _base_name(
         return option or "default"
     named = str(values["preset"])
     if option not in {None, named}:
-        messages.print(
-            f"note: the preset {named} is used, which the parameters name, not --preset {option}",
-            soft_wrap=True,
-        )
+        print_note(f"the preset {named} is used, which the parameters name, not --preset {option}")
     return named
 
 
