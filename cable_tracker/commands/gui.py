@@ -113,7 +113,7 @@ def gui(  # noqa: PLR0917
     altitude = NO_TOPIC if target else altitude_topic
     choice = chosen_instruments(camera_info_topic, altitude, imu_topic, odometry_topic)
     kind: FollowedKind[ParameterSet] = TARGET if target else CABLE
-    values, parameters = chosen_parameters(kind, preset_name, params, None, seed)
+    values, parameters = chosen_parameters(kind, preset_name, params, {}, seed)
     start = init or WAIT if target else chosen_start(init, values)
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),

@@ -114,7 +114,7 @@ def target(  # noqa: PLR0917
     same estimates, with --ros and without.
     """
     named = preset_name.value if preset_name else None
-    _, parameters = chosen_parameters(TARGET, named, params, None, seed)
+    _, parameters = chosen_parameters(TARGET, named, params, {}, seed)
     if init == DETECT:
         parameters = parameters.with_detector()
     start = _chosen_start(init)

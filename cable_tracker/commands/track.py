@@ -58,6 +58,7 @@ from cable_tracker.commands.options.parameters import (
     ValueOption,
     chosen_parameters,
     chosen_start,
+    single_values,
 )
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
@@ -110,7 +111,7 @@ def track(  # noqa: PLR0917
     and seed give the same estimates, with --ros and without.
     """
     named = preset_name.value if preset_name else None
-    values, parameters = chosen_parameters(CABLE, named, params, param, seed)
+    values, parameters = chosen_parameters(CABLE, named, params, single_values(param), seed)
     folder = output if output is not None else folder_beside(source, "tracked")
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)

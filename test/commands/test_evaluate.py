@@ -86,6 +86,15 @@ def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_pa
             tuned_filters([tmp_path / name for name in names], None, None)
 
 
+def test_that_a_single_value_does_nothing_is_said_once_for_all_files(tmp_path, capsys):
+    files = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
+    for file in files:
+        file.write_text("particle_count: 60\n")
+    tuned_filters(files, ["image_transport=raw", "camera_pitch=70.0"], None)
+    noted = capsys.readouterr().err
+    assert [noted.count(name) for name in ("image_transport", "camera_pitch")] == [1, 1]
+
+
 def test_scenarios_are_evaluated(command, tmp_path):
     out = tmp_path / "out"
     code, printed, _ = command(

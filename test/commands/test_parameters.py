@@ -29,7 +29,7 @@ def test_parameters_are_printed_as_a_file_for_track(command):
     outcome = command("parameters", "--preset", "thesis", "--format", "yaml")
     Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
     assert set(read_parameter_file(Path("thesis.yaml"))) == set(PARAMETERS_BY_NAME)
-    _, chosen = chosen_parameters(CABLE, None, Path("thesis.yaml"), None, None)
+    _, chosen = chosen_parameters(CABLE, None, Path("thesis.yaml"), {}, None)
     assert chosen == PRESETS["thesis"]
 
 

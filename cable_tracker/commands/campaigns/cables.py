@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from cable_tracker.commands.console.terminal import (
     progress_bar,
 )
 from cable_tracker.commands.options.campaigns import with_whole_paths
-from cable_tracker.commands.options.parameters import chosen_parameters
+from cable_tracker.commands.options.parameters import chosen_parameters, single_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
@@ -83,12 +83,17 @@ def tuned_filters(
         raise ParameterError(
             f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
         )
-    return tuple(ConfiguredFilter(name, _tuned(file, words, table)) for name, file in given.items())
+    single = single_values(words)
+    return tuple(
+        ConfiguredFilter(name, _tuned(file, single, table)) for name, file in given.items()
+    )
 
 
-def _tuned(file: Path | None, words: Sequence[str] | None, table: Path | None) -> TrackerParameters:
+def _tuned(
+    file: Path | None, single: Mapping[str, object], table: Path | None
+) -> TrackerParameters:
     """Return the parameters that a file, single values and a response table make."""
-    _, parameters = chosen_parameters(CABLE, None, file, words, None)
+    _, parameters = chosen_parameters(CABLE, None, file, single, None)
     if table is not None:
         parameters = parameters.replaced({"response_table": str(table)})
     return with_whole_paths(parameters)

@@ -76,7 +76,7 @@ def tuned_targets(files: Sequence[Path] | None) -> tuple[tuple[str, TargetParame
         name = file.stem
         if name in tuned or name in method_names():
             raise ParameterError(f"params: there are two methods {name!r}; rename {file}")
-        _, tuned[name] = chosen_parameters(TARGET, None, file, None, None)
+        _, tuned[name] = chosen_parameters(TARGET, None, file, {}, None)
     return tuple(tuned.items())
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from pathlib import Path
 from typing import Annotated
 
@@ -85,14 +85,27 @@ def parse_value(word: str) -> tuple[str, object]:
     return name, parse_parameters(f"{name}: {text}", f"-p {word}").get(name)
 
 
+def single_values(words: Iterable[str] | None) -> dict[str, object]:
+    """Read single values as of `parse_value`; notes say which of them do nothing.
+
+    Raises
+    ------
+    ParameterError
+        One of them cannot be read.
+    """
+    values = dict(map(parse_value, words or ()))
+    _note_unread(values.keys(), ((OF_NODES_ALONE, "only nodes read this"), *UNREAD))
+    return values
+
+
 def chosen_parameters(
     kind: FollowedKind[Parameters],
     preset_name: str | None,
     file: Path | None,
-    words: Iterable[str] | None,
+    single: Mapping[str, object],
     seed: int | None,
 ) -> tuple[dict[str, object], Parameters]:
-    """Combine preset, values of the user, and seed; notes say which of them do nothing.
+    """Combine preset, values of the user, and seed; notes say which of the file's do nothing.
 
     Parameters
     ----------
@@ -102,29 +115,26 @@ def chosen_parameters(
         Preset of the option `--preset`; one that stands among the values wins.
     file : Path or None
         Parameter file.
-    words : iterable of str or None
-        Single values as of `parse_value`, which win over those of the file.
+    single : mapping of str to object
+        Single values by name, see `single_values`, which win over those of the file.
     seed : int or None
         Seed of the option `--seed`, which wins over one among the values.
 
     Returns
     -------
     dict, ParameterSet
-        Values of the file and the words by name, and the parameters of the filter.
+        Values of the file and single ones by name, and the parameters of the filter.
 
     Raises
     ------
     ParameterError
-        The file or a word cannot be read, there is no such preset, a name is unknown, or a value is
-        not acceptable.
+        The file cannot be read, there is no such preset, a name is unknown, or a value is not
+        acceptable.
     """
-    values = read_parameter_file(file, kind.node) if file is not None else {}
-    single = dict(map(parse_value, words or ()))
-    _note_unread(single.keys() & OF_NODES_ALONE, "only nodes read this")
-    values |= single
+    of_file = read_parameter_file(file, kind.node) if file is not None else {}
+    values = {**of_file, **single}
     parameters = kind.with_values(_base_name(kind, preset_name, values), values)
-    for names, why in UNREAD:
-        _note_unread(values.keys() & names, why)
+    _note_unread(of_file.keys() - single.keys(), UNREAD)
     if seed is not None:
         parameters = parameters.replaced({"seed": seed})
     for remark in parameters.remarks():
@@ -132,9 +142,12 @@ def chosen_parameters(
     return values, parameters
 
 
-def _note_unread(names: set[str], why: str) -> None:
-    if names:
-        print_note(f"{', '.join(sorted(names))}: {why}")
+def _note_unread(names: Set[str], kinds: Iterable[tuple[Set[str], str]]) -> None:
+    """Say which names are of a kind that commands do not read, and why."""
+    for kind, why in kinds:
+        unread = names & kind
+        if unread:
+            print_note(f"{', '.join(sorted(unread))}: {why}")
 
 
 def _base_name(

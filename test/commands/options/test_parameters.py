@@ -1,6 +1,6 @@
 import pytest
 
-from cable_tracker.commands.options.parameters import chosen_parameters, parse_value
+from cable_tracker.commands.options.parameters import chosen_parameters, parse_value, single_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.followed_kinds import CABLE, TARGET
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
@@ -13,7 +13,7 @@ def choose(tmp_path):
 
     def choose_from(kind, text="{}", words=(), *, preset_name=None, seed=None):
         file.write_text(text)
-        return chosen_parameters(kind, preset_name, file, words, seed)[1]
+        return chosen_parameters(kind, preset_name, file, single_values(words), seed)[1]
 
     return choose_from
 
@@ -25,7 +25,7 @@ def test_a_value_is_given_as_to_the_command_or_as_to_the_node(equals):
 
 def test_values_are_read_as_in_a_parameter_file():
     words = ["loss_time=1", "detector:=none", "response_table=", "evidence_limit=1e6"]
-    values, parameters = chosen_parameters(CABLE, None, None, words, None)
+    values, parameters = chosen_parameters(CABLE, None, None, single_values(words), None)
     assert values == {
         "loss_time": 1,
         "detector": "none",
@@ -93,7 +93,7 @@ def test_preset_file_and_seed_add_up(choose):
 
 @pytest.mark.parametrize("kind", [CABLE, TARGET])
 def test_where_nothing_is_given_it_is_the_default(kind):
-    assert chosen_parameters(kind, None, None, None, None) == ({}, kind.presets["default"])
+    assert chosen_parameters(kind, None, None, {}, None) == ({}, kind.presets["default"])
 
 
 @pytest.mark.parametrize("kind", [CABLE, TARGET])
