@@ -22,7 +22,6 @@ from cable_tracker.commands.options.common import (
     RateOption,
     SkipOption,
     SourceArgument,
-    Storage,
     TopicOption,
     TruthOption,
     chosen_instruments,
@@ -33,7 +32,7 @@ from cable_tracker.errors import OutputError, RecordingError, read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.metric.recorded.recorded_messages import carried_messages
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_writer import kept_notes
+from cable_tracker.sequences.bags.bag_writer import StorageFormat, kept_notes
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
@@ -50,7 +49,7 @@ LOOK_EVERY = 10
 def convert(  # noqa: PLR0917
     source: SourceArgument,
     output: Annotated[Path, typer.Argument(help="Folder of the bag to write.")],
-    storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
+    storage: Annotated[StorageFormat, typer.Option(help="Format of the bag.")] = StorageFormat.MCAP,
     image_format: Annotated[
         ImageFormat, typer.Option("--format", help="Pixels: as recorded, grey, or JPEG.")
     ] = ImageFormat.AS_IS,
@@ -91,7 +90,7 @@ def convert(  # noqa: PLR0917
             written = write_bag(
                 output,
                 counted(recording.frames(), progress),
-                storage=storage.value,
+                storage=storage,
                 image_format=image_format,
                 looked_at=_every_tenth(recording),
                 skip_bad_frames=skip_bad_frames,

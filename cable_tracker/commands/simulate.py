@@ -14,13 +14,12 @@ from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import advance, console, counted, progress_bar
 from cable_tracker.commands.options.common import (
     ForceOption,
-    Storage,
     parse_size,
     print_notes,
     refuse_without_effect,
 )
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.bags.bag_writer import kept_notes
+from cable_tracker.sequences.bags.bag_writer import StorageFormat, kept_notes
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
@@ -125,7 +124,7 @@ def simulate_command(  # noqa: PLR0917
         ),
     ] = None,
     storage: Annotated[
-        Storage | None, typer.Option(help="Format of the bag.  [default: mcap]")
+        StorageFormat | None, typer.Option(help="Format of the bag.  [default: mcap]")
     ] = None,
     force: ForceOption = False,
     live: Annotated[
@@ -144,7 +143,7 @@ def simulate_command(  # noqa: PLR0917
         "--format": output_format, "--storage": storage, "--force": force,
     }  # fmt: skip
     _check_effects(kind, options)
-    output_format, storage = output_format or SimulationFormat.BAG, storage or Storage.MCAP
+    output_format, storage = output_format or SimulationFormat.BAG, storage or StorageFormat.MCAP
     frames = FRAMES if frames is None else frames
     rate = RATE if rate is None else rate
     if live:
@@ -262,7 +261,7 @@ def _write_cable(
     seed: int,
     kind: SimulationFormat,
     *,
-    storage: Storage,
+    storage: StorageFormat,
     force: bool,
 ) -> None:
     kept = kept_notes(output) if force and cable.dive is None else []
@@ -271,10 +270,10 @@ def _write_cable(
         if kind is SimulationFormat.SEQUENCE:
             count = write_sequence(output, frames, overwrite=force)
         elif cable.dive is None:
-            count = write_bag(output, frames, storage=storage.value, overwrite=force).count
+            count = write_bag(output, frames, storage=storage, overwrite=force).count
         else:
             count = write_instrumented_bag(
-                output, frames, *cable.dive, seed, storage=storage.value, overwrite=force
+                output, frames, *cable.dive, seed, storage=storage, overwrite=force
             )
     print_notes(output, kept)
     console.print(f"{count} frames: {output}", soft_wrap=True)
@@ -296,7 +295,7 @@ def _write_target(
     frames: int,
     kind: SimulationFormat,
     *,
-    storage: Storage,
+    storage: StorageFormat,
     force: bool,
 ) -> None:
     """Write the frames of a target's scenario, with its boxes."""
@@ -307,7 +306,7 @@ def _write_target(
             for index, each in enumerate(counted(simulated, progress))
         )
         if kind is SimulationFormat.BAG:
-            count = write_target_bag(output, labelled, storage=storage.value, overwrite=force)
+            count = write_target_bag(output, labelled, storage=storage, overwrite=force)
         else:
             count = write_target_pictures(output, labelled, overwrite=force)
     print_notes(output, kept)
@@ -315,7 +314,7 @@ def _write_target(
 
 
 def _simulate_survey(
-    output: Path, settings: SurveyDiveSettings, storage: Storage, force: bool
+    output: Path, settings: SurveyDiveSettings, storage: StorageFormat, force: bool
 ) -> None:
     """Let a vehicle inspect a cable, and write everything that its bag holds."""
     way = [0.0]
@@ -325,9 +324,7 @@ def _simulate_survey(
             advance(progress, round(along) - round(way[0]))
             way[0] = along
 
-        written = write_survey_bag(
-            output, settings, storage=storage.value, overwrite=force, advance=move
-        )
+        written = write_survey_bag(output, settings, storage=storage, overwrite=force, advance=move)
     console.print(f"{written.frames} frames, {written.seconds:.0f} s: {output}", soft_wrap=True)
 
 

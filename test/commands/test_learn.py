@@ -8,6 +8,7 @@ from estimate_reader import read_estimates
 from cable_tracker.cable.measure.borders.response_table import is_table, load_table
 from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
@@ -171,7 +172,7 @@ def test_the_filter_is_that_of_the_parameters(command, bag):
 
 
 def test_the_frames_before_a_damage_count_and_the_other_recordings(command, bag, frames):
-    write_bag(Path("broken"), frames, storage="sqlite3")
+    write_bag(Path("broken"), frames, storage=StorageFormat.SQLITE3)
     (storage,) = Path("broken").glob("*.db3")
     os.truncate(storage, storage.stat().st_size // 2)
     wanted = ("learn", "--harder", 0, "--output")

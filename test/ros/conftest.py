@@ -27,6 +27,7 @@ from cable_tracker.ros.process.environment import (
     RANGE_VARIABLE,
     local_environment,
 )
+from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
@@ -504,14 +505,16 @@ def make_dive(tmp_path: Path) -> Callable[..., Path]:
     def make(
         frames: int = 8,
         *,
-        storage: Any = "mcap",
+        storage: str = "mcap",
         jpeg: bool = False,
         size: tuple[int, int] = (160, 120),
         name: str = "dive",
     ) -> Path:
         image_format = ImageFormat.JPEG if jpeg else ImageFormat.AS_IS
         path = tmp_path / name
-        write_bag(path, dive(frames, size), storage=storage, image_format=image_format)
+        write_bag(
+            path, dive(frames, size), storage=StorageFormat(storage), image_format=image_format
+        )
         return path
 
     return make

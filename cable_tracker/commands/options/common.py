@@ -20,14 +20,6 @@ from cable_tracker.sequences.source_base import Source
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
-
-class Storage(str, Enum):
-    """Formats of a bag's storage file."""
-
-    MCAP = "mcap"
-    SQLITE3 = "sqlite3"
-
-
 PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
 TargetPresetName = Enum(  # type: ignore[misc]
     "TargetPresetName", {name: name for name in TARGET_PRESETS}, type=str

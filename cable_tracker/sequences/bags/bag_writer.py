@@ -7,9 +7,10 @@ import sqlite3
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from enum import Enum
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Protocol, Self
+from typing import Protocol, Self
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, WriterError
@@ -25,12 +26,18 @@ from cable_tracker.sequences.bags.bag_limits import (
 from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.bags.typestores import typestore
 
-_PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 _LATEST_STAMP = 2**63 - 1
 _SIMULATED_VEHICLE = re.compile(
     rb"# What no topic of this bag says\.\ncable_height: \S+\naltitude_is_vertical: true\n"
 )
 """What simulating writes into `vehicle.yaml`: it goes with its bag."""
+
+
+class StorageFormat(str, Enum):
+    """Format of a bag's storage file."""
+
+    MCAP = "mcap"
+    SQLITE3 = "sqlite3"
 
 
 def _is_bag(path: Path) -> bool:
@@ -115,7 +122,7 @@ class BagWriter:
     def __init__(
         self,
         path: Path,
-        storage: Literal["sqlite3", "mcap"] = "mcap",
+        storage: StorageFormat = StorageFormat.MCAP,
         *,
         overwrite: bool = False,
         vehicle: bytes | None = None,
@@ -136,7 +143,7 @@ class BagWriter:
                 self._writer = BagFileWriter(
                     self._folder.content,
                     version=BagFileWriter.VERSION_LATEST,
-                    storage_plugin=_PLUGINS[self._storage],
+                    storage_plugin=StoragePlugin[self._storage.name],
                 )
                 self._writer.open()
         except (OutputError, RecordingError):

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from heapq import merge
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink
+from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink, StorageFormat
 from cable_tracker.sequences.bags.frame_messages import FrameMessages
 from cable_tracker.sequences.encodings import decode_bgr_levels, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -215,7 +214,7 @@ def write_bag(
     path: Path,
     frames: Iterable[Frame],
     *,
-    storage: Literal["sqlite3", "mcap"] = "mcap",
+    storage: StorageFormat = StorageFormat.MCAP,
     image_format: ImageFormat = ImageFormat.AS_IS,
     looked_at: Iterable[Frame] = (),
     skip_bad_frames: bool = False,

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.convert import write_box, write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BOXES_NAME, format_boxes
@@ -26,7 +25,7 @@ def write_target_bag(
     path: Path,
     frames: Iterable[LabelledFrame],
     *,
-    storage: Literal["sqlite3", "mcap"] = "mcap",
+    storage: StorageFormat = StorageFormat.MCAP,
     overwrite: bool = False,
 ) -> int:
     """Write a bag with the topics `image` and `ground_truth/box`; return the number of frames.

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
@@ -35,7 +34,7 @@ def write_instrumented_bag(
     rate: float,
     seed: int,
     *,
-    storage: Literal["sqlite3", "mcap"] = "mcap",
+    storage: StorageFormat = StorageFormat.MCAP,
     overwrite: bool = False,
 ) -> int:
     """Write the frames of a dive, and calibration, altitude, imu, odometry, fixes and mounting.

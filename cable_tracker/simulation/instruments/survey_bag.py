@@ -10,14 +10,13 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header
@@ -64,7 +63,7 @@ def write_survey_bag(
     path: Path,
     settings: SurveyDiveSettings,
     *,
-    storage: Literal["sqlite3", "mcap"] = "mcap",
+    storage: StorageFormat = StorageFormat.MCAP,
     overwrite: bool = False,
     advance: Callable[[float], None] = lambda way: None,
 ) -> WrittenDive:

@@ -75,7 +75,7 @@ def video(tmp_path, pictures):
 def bag(folder):
     """A ROS 2 bag."""
     path = folder.parent / "bag"
-    write_bag(path, open_source(folder).frames(), storage="mcap")
+    write_bag(path, open_source(folder).frames())
     return path
 
 

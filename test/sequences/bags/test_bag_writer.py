@@ -8,12 +8,12 @@ from rosbags.rosbag2 import Reader, Writer
 
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.typestores import typestore
 
 IMAGE = "sensor_msgs/msg/Image"
 TEXT = "std_msgs/msg/String"
-STORAGES = pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+STORAGES = pytest.mark.parametrize("storage", list(StorageFormat))
 
 
 @pytest.fixture

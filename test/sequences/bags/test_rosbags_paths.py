@@ -11,7 +11,7 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
@@ -46,7 +46,7 @@ def test_so_is_a_ros1_bag(make_ros1_bag, folder):
     assert len(list(BagSource(bag).frames())) == 5
 
 
-@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+@pytest.mark.parametrize("storage", list(StorageFormat))
 def test_a_bag_is_written_whatever_characters_its_path_has(folder, maker, storage):
     path = folder / f"b {folder.name}"
     with BagWriter(path, storage) as bag:
@@ -127,10 +127,10 @@ for path in sys.argv[1:]:
 WRITE = """
 import sys
 from pathlib import Path
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.typestores import typestore
 for path in map(Path, sys.argv[1:]):
-    with BagWriter(path, path.parent.name) as bag:
+    with BagWriter(path, StorageFormat(path.parent.name)) as bag:
         text = typestore().types["std_msgs/msg/String"]("x")
         bag.write("/note", "std_msgs/msg/String", text, 1)
 """

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
@@ -66,7 +67,7 @@ def test_pictures_are_written_with_their_boxes(tmp_path):
     assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
 
 
-@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("storage", list(StorageFormat))
 def test_a_bag_says_by_time_where_the_target_is(tmp_path, storage):
     assert write_target_bag(tmp_path / "dive", labelled(), storage=storage) == 3
     assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
@@ -123,8 +124,8 @@ def test_a_bag_with_boxes_that_cannot_be_opened_is_named(tmp_path):
 
 
 def test_a_bag_whose_boxes_break_off_is_named(tmp_path):
-    write_target_bag(tmp_path / "dive", labelled(), storage="sqlite3")
-    write_target_bag(tmp_path / "broken", list(labelled()) * 20, storage="sqlite3")
+    write_target_bag(tmp_path / "dive", labelled(), storage=StorageFormat.SQLITE3)
+    write_target_bag(tmp_path / "broken", list(labelled()) * 20, storage=StorageFormat.SQLITE3)
     file = tmp_path / "broken" / "broken.db3"
     os.truncate(file, int(0.6 * file.stat().st_size))
     with pytest.raises(RecordingError, match=r"broken: \S+ is damaged after \d+ boxes"):
