@@ -29,9 +29,8 @@ def chase(  # noqa: PLR0917
     ] = 6.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the world.")] = 0,
     preset_name: Annotated[
-        TargetPresetName | None,
-        typer.Option("--preset", help="Of the target tracker.  [default: default]"),
-    ] = None,
+        TargetPresetName, typer.Option("--preset", help="Of the target tracker.")
+    ] = TargetPresetName["default"],
     force: ForceOption = False,
 ) -> None:
     """Let a simulated vehicle follow a moving target over DDS.
@@ -43,7 +42,7 @@ def chase(  # noqa: PLR0917
     world = ChaseSettings(seed=seed, duration=duration, hidden_for=hidden_for)
     request = rigs.ChaseRequest(
         world=world,
-        preset=preset_name.value if preset_name else "default",
+        preset=preset_name.value,
         distance=distance,
     )
     with progress_bar("following", math.ceil(duration * world.rate) + 1) as progress:

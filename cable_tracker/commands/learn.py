@@ -108,8 +108,7 @@ def learn(  # noqa: PLR0917
         of_recordings = {"--unlabelled-is-empty": unlabelled_is_empty}
         refuse_without_effect(of_recordings, "can only do something for a recording")
     numbers = parse_seeds(seeds if seeds is not None else "0")
-    named = preset_name.value if preset_name else None
-    _, parameters = chosen_parameters(CABLE, named, params, {}, seed)
+    _, parameters = chosen_parameters(CABLE, preset_name, params, {}, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
     say_left_out(left_out)

@@ -33,7 +33,7 @@ class ParameterFormat(str, Enum):
 def parameters(
     preset_name: Annotated[
         PresetName, typer.Option("--preset", help="Whose values to print.")
-    ] = PresetName.default,  # type: ignore[attr-defined]
+    ] = PresetName["default"],
     output_format: Annotated[
         ParameterFormat, typer.Option("--format", help="A list to read, or a file for the node.")
     ] = ParameterFormat.TABLE,
@@ -43,15 +43,15 @@ def parameters(
     force: ForceOption = False,
 ) -> None:
     """Print all parameters, or write them to a file."""
-    values = preset(preset_name.value)
+    values = preset(preset_name)
     if output is not None:
-        text = format_parameter_file(values, f"Preset `{preset_name.value}`.")
+        text = format_parameter_file(values, f"Preset `{preset_name}`.")
         with output_file(output, _is_parameter_file, overwrite=force) as file:
             file.write_text(text, encoding="utf-8")
-        console.print(f"preset {preset_name.value}: {output}", soft_wrap=True)
+        console.print(f"preset {preset_name}: {output}", soft_wrap=True)
         return
     if output_format is ParameterFormat.YAML:
-        print(format_parameter_file(values, f"Preset `{preset_name.value}`."), end="")
+        print(format_parameter_file(values, f"Preset `{preset_name}`."), end="")
         return
     for spec in PARAMETER_TABLE:
         _print_parameter(spec, values)

@@ -97,8 +97,7 @@ def survey(  # noqa: PLR0917
 
     Each recording is tracked forwards and smoothed backwards; dives over the same cable are merged.
     """
-    named = preset_name.value if preset_name else None
-    _, parameters = chosen_parameters(CABLE, named, params, {}, seed)
+    _, parameters = chosen_parameters(CABLE, preset_name, params, {}, seed)
     forward = ForwardSettings(
         parameters=with_whole_paths(parameters),
         topic=topic,

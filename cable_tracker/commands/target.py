@@ -30,7 +30,7 @@ from cable_tracker.commands.options.common import (
     SeedOption,
     SkipOption,
     SourceArgument,
-    TargetPresetName,
+    TargetPresetOption,
     TimingOption,
     TopicOption,
     VehicleOption,
@@ -72,10 +72,7 @@ def target(  # noqa: PLR0917
             f" corner; or `{DETECT}`: a detector proposes one."
         ),
     ] = DETECT,
-    preset_name: Annotated[
-        TargetPresetName | None,
-        typer.Option("--preset", help="Values to start from; --params wins.  [default: default]"),
-    ] = None,
+    preset_name: TargetPresetOption = None,
     params: ParamsOption = None,
     seed: SeedOption = None,
     output: Annotated[
@@ -113,8 +110,7 @@ def target(  # noqa: PLR0917
     which direction and how far the target is. The same recording, parameters and seed give the
     same estimates, with --ros and without.
     """
-    named = preset_name.value if preset_name else None
-    _, parameters = chosen_parameters(TARGET, named, params, {}, seed)
+    _, parameters = chosen_parameters(TARGET, preset_name, params, {}, seed)
     if init == DETECT:
         parameters = parameters.with_detector()
     start = _chosen_start(init)

@@ -110,8 +110,7 @@ def track(  # noqa: PLR0917
     vehicle moves. With ground truth, a table of errors is printed. The same recording, parameters
     and seed give the same estimates, with --ros and without.
     """
-    named = preset_name.value if preset_name else None
-    values, parameters = chosen_parameters(CABLE, named, params, single_values(param), seed)
+    values, parameters = chosen_parameters(CABLE, preset_name, params, single_values(param), seed)
     folder = output if output is not None else folder_beside(source, "tracked")
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)

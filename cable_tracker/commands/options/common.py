@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -20,10 +20,8 @@ from cable_tracker.sequences.source_base import Source
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
-PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
-TargetPresetName = Enum(  # type: ignore[misc]
-    "TargetPresetName", {name: name for name in TARGET_PRESETS}, type=str
-)
+PresetName = StrEnum("PresetName", list(PRESETS))  # type: ignore[misc]
+TargetPresetName = StrEnum("TargetPresetName", list(TARGET_PRESETS))  # type: ignore[misc]
 InitOption = Annotated[
     str | None,
     typer.Option(
@@ -32,10 +30,11 @@ InitOption = Annotated[
         "  [default: random]"
     ),
 ]
-PresetOption = Annotated[
-    PresetName | None,
-    typer.Option("--preset", help="Values to start from; --params wins.  [default: default]"),
-]
+_START_PRESET = typer.Option(
+    "--preset", help="Values to start from; --params wins.  [default: default]"
+)
+PresetOption = Annotated[PresetName | None, _START_PRESET]
+TargetPresetOption = Annotated[TargetPresetName | None, _START_PRESET]
 ParamsOption = Annotated[
     Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
 ]
