@@ -164,13 +164,9 @@ class Seeds:
         return cls(*np.random.SeedSequence(seed).spawn(4))
 
 
-def dive_camera(
-    image_size: tuple[int, int],
-    mounting: float = MOUNTING,
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
-) -> Camera:
+def dive_camera(image_size: tuple[int, int], mounting: float = MOUNTING) -> Camera:
     """Return the camera of a dive; see `Camera`. A wider picture shows the same view."""
-    return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting, distortion)
+    return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting)
 
 
 def random_course(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:

@@ -111,7 +111,6 @@ def simulate_scenario(
     seed: int = 0,
     image_size: tuple[int, int] = SCENARIO_SIZE,
     *,
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
     photographs: Path | None = None,
 ) -> Iterator[SimulatedFrame]:
     """Yield the frames of a scenario at 25 frames per second, bit for bit the same each time.
@@ -124,8 +123,6 @@ def simulate_scenario(
         Not negative: draws motion, course, surfaces and noise.
     image_size : (int, int)
         Width and height [px], each 32 to 4096; lengths scale with the width.
-    distortion : tuple of 5 float
-        Camera distortion k1, k2, p1, p2, k3 of the model "plumb_bob"; all 0 is none.
     photographs : Path or None
         A folder of photographs of a sea bed that the bottom is made of; None: made of noise.
 
@@ -139,7 +136,7 @@ def simulate_scenario(
     """
     chosen = _checked(scenario, seed, image_size)
     seeds = Seeds.of(seed)
-    dive = _scenario_dive(chosen, seeds, image_size, distortion)
+    dive = _scenario_dive(chosen, seeds, image_size)
     surroundings = Surroundings(
         chosen.look,
         chosen.has_cable,
@@ -172,14 +169,9 @@ def _checked(scenario: str | Scenario, seed: int, image_size: tuple[int, int]) -
     return chosen
 
 
-def _scenario_dive(
-    scenario: Scenario,
-    seeds: Seeds,
-    image_size: tuple[int, int],
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
-) -> Dive:
+def _scenario_dive(scenario: Scenario, seeds: Seeds, image_size: tuple[int, int]) -> Dive:
     return Dive(
-        camera=dive_camera(image_size, float(np.deg2rad(scenario.mounting)), distortion),
+        camera=dive_camera(image_size, float(np.deg2rad(scenario.mounting))),
         tube=random_course(scenario.curvature, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=scenario_trajectory(scenario, np.random.default_rng(seeds.route)),
     )
