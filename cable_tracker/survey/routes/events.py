@@ -96,10 +96,6 @@ class Limits:
     ----------
     least_burial : float
         Length of the shortest stretch without visible borders that is reported [m].
-    width_share : float
-        Deviation of an unusual diameter from the dive's usual one, as a share.
-    least_width_way : float
-        Shortest way over which an unusual diameter is reported [m].
     bend_radius : float
         Radius below which bends are reported [m]; 0: none.
     most_aside : float
@@ -112,8 +108,6 @@ class Limits:
     """
 
     least_burial: float = 1.0
-    width_share: float = 0.3
-    least_width_way: float = 1.0
     bend_radius: float = 10.0
     most_aside: float = 1.2
 
@@ -128,6 +122,12 @@ MERGED_BURIALS = 0.6
 
 USUAL_WAY = 20.0
 """Way over which the usual diameter is taken [m]."""
+
+WIDTH_SHARE = 0.3
+"""Deviation of an unusual diameter from the usual one, as a share."""
+
+LEAST_WIDTH_WAY = 1.0
+"""Shortest way over which an unusual diameter is reported [m]."""
 
 HIDDEN_WORDS = {
     EventKind.BURIED: "not to be seen",
@@ -162,7 +162,7 @@ def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Lim
         *_found_and_lost(maker),
         *_hidden(maker, limits),
         *_without_metres(maker),
-        *_widths(maker, limits),
+        *_widths(maker),
         *_bends(maker, limits),
         *_asides(maker, limits),
         *_crossings(maker),
@@ -294,11 +294,11 @@ def _without_metres(maker: _Maker) -> list[Event]:
     return _stretches(maker, EventKind.NO_METRES, route.unjudged(), LEAST_LOST, words)
 
 
-def _widths(maker: _Maker, limits: Limits) -> list[Event]:
+def _widths(maker: _Maker) -> list[Event]:
     route = maker.route
     diameters = np.where(route.visible(), route.diameters, np.nan)
     known = np.isfinite(diameters)
-    if known.sum() < 2 * limits.least_width_way / SPACING:
+    if known.sum() < 2 * LEAST_WIDTH_WAY / SPACING:
         return []
     half = round(USUAL_WAY / SPACING / 2)
     usual = np.array(
@@ -310,13 +310,13 @@ def _widths(maker: _Maker, limits: Limits) -> list[Event]:
         ]
     )
     with np.errstate(invalid="ignore"):
-        odd = known & (np.abs(diameters - usual) > limits.width_share * usual)
+        odd = known & (np.abs(diameters - usual) > WIDTH_SHARE * usual)
 
     def words(stretch: slice) -> str:
         value, normal = float(np.median(diameters[stretch])), float(usual[stretch.start])
         return f"diameter {value:.3f} m, usually {normal:.3f} m"
 
-    return _stretches(maker, EventKind.WIDTH, odd, limits.least_width_way, words)
+    return _stretches(maker, EventKind.WIDTH, odd, LEAST_WIDTH_WAY, words)
 
 
 def _bends(maker: _Maker, limits: Limits) -> list[Event]:
