@@ -307,18 +307,18 @@ def _write_all(
     apart = _longest_first([route for placed in own for route in merge([placed])])
     beside = output / WITHOUT_PLACE
     _remove_map(beside)
-    names = (*_names(merged), *_names(apart))
+    names, names_apart = _names(merged), _names(apart)
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
     if frame is not None:
-        _write_map(output, SurveyMap(tuple(merged), frame, _names(merged), in_time), rows)
+        _write_map(output, SurveyMap(tuple(merged), frame, names, in_time), rows)
         if apart:
             beside.mkdir(exist_ok=True)
-            _write_map(beside, SurveyMap(tuple(apart), None, _names(apart), root="../"), rows)
-            names = (*_names(merged), *(f"{WITHOUT_PLACE}: {name}" for name in _names(apart)))
+            _write_map(beside, SurveyMap(tuple(apart), None, names_apart, root="../"), rows)
+            names_apart = tuple(f"{WITHOUT_PLACE}: {name}" for name in names_apart)
     else:
-        _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
+        _write_map(output, SurveyMap(tuple(apart), None, names_apart, in_time), rows)
     _write_all_frames(output, dives)
-    return (*merged, *apart), names
+    return (*merged, *apart), (*names, *names_apart)
 
 
 def _write_all_frames(output: Path, dives: Sequence[SurveyedDive]) -> None:
