@@ -25,6 +25,7 @@ from cable_tracker.commands.campaigns.loops import (
 from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import (
     advance,
+    advance_to,
     console,
     print_facts,
     print_files,
@@ -39,7 +40,6 @@ from cable_tracker.commands.options.campaigns import (
     SchedulerOption,
     chosen_cluster,
     seeds_from,
-    whole_path,
 )
 from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
 from cable_tracker.errors import ParameterError
@@ -190,9 +190,10 @@ def _files_of(params: Path | None, scheduler: str | None) -> tuple[Path, ...]:
     if scheduler is not None and name and not Path(name).is_absolute():
         raise ParameterError(
             f"response_table: {params} names {name}, which workers elsewhere would not find; give"
-            f" its whole path, {whole_path(Path(name))}"
+            f" its whole path, {Path(name).absolute()}"
         )
-    return tuple(map(whole_path, [params, *([Path(name)] if name else [])]))
+    files = [params, Path(name)] if name else [params]
+    return tuple(file.absolute() for file in files)
 
 
 def _shared_arguments(
@@ -223,12 +224,11 @@ def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
 
 def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None:  # noqa: ANN401
     with progress_bar("following [m]", round(request.world.length)) as progress:
-        task = progress.task_ids[0]
         summary = ros.run_loop(
             request,
             folder,
             overwrite=force,
-            advance=lambda way: progress.update(task, completed=max(0, round(way))),
+            advance=lambda way: advance_to(progress, way),
         )
     _print(summary)
     print_files(folder, ros.file_names(request))

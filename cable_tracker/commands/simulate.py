@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.console.ros_part import need_ros
-from cable_tracker.commands.console.terminal import advance, console, counted, progress_bar
+from cable_tracker.commands.console.terminal import advance_to, console, counted, progress_bar
 from cable_tracker.commands.options.common import (
     ForceOption,
     parse_size,
@@ -21,7 +21,6 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.bags.bag_writer import StorageFormat, kept_notes
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_writer import write_target_bag, write_target_pictures
 from cable_tracker.sequences.pictures.image_writer import write_sequence
@@ -43,6 +42,7 @@ from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import (
     TargetFrame,
     find_target_scenario,
+    labelled_frames,
     simulate_target,
 )
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -301,10 +301,7 @@ def _write_target(
     """Write the frames of a target's scenario, with its boxes."""
     kept = kept_notes(output) if force else []
     with progress_bar("simulating", frames) as progress:
-        labelled = (
-            (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
-            for index, each in enumerate(counted(simulated, progress))
-        )
+        labelled = labelled_frames(counted(simulated, progress))
         if kind is SimulationFormat.BAG:
             count = write_target_bag(output, labelled, storage=storage, overwrite=force)
         else:
@@ -317,14 +314,14 @@ def _simulate_survey(
     output: Path, settings: SurveyDiveSettings, storage: StorageFormat, force: bool
 ) -> None:
     """Let a vehicle inspect a cable, and write everything that its bag holds."""
-    way = [0.0]
     with progress_bar("simulating, in m", round(settings.length)) as progress:
-
-        def move(along: float) -> None:
-            advance(progress, round(along) - round(way[0]))
-            way[0] = along
-
-        written = write_survey_bag(output, settings, storage=storage, overwrite=force, advance=move)
+        written = write_survey_bag(
+            output,
+            settings,
+            storage=storage,
+            overwrite=force,
+            advance=lambda way: advance_to(progress, way),
+        )
     console.print(f"{written.frames} frames, {written.seconds:.0f} s: {output}", soft_wrap=True)
 
 

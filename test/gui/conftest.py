@@ -17,14 +17,12 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_writer import write_target_pictures
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
-from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 
 DIVE_LENGTH = 60
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
@@ -232,9 +230,5 @@ def target_frames():
 def target_dive(tmp_path_factory, target_frames):
     """Return the folder of the same as pictures with `boxes.txt`."""
     folder = tmp_path_factory.mktemp("recordings") / "target"
-    frames = (
-        (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
-        for index, each in enumerate(target_frames)
-    )
-    write_target_pictures(folder, frames)
+    write_target_pictures(folder, labelled_frames(target_frames))
     return folder

@@ -55,6 +55,11 @@ def advance(progress: Progress, count: int = 1) -> None:
     progress.advance(progress.task_ids[0], count)
 
 
+def advance_to(progress: Progress, place: float) -> None:
+    """Move the only task of a progress bar to a place, or to its beginning if that is before it."""
+    progress.update(progress.task_ids[0], completed=max(0, round(place)))
+
+
 def counted(frames: Iterable[AnyFrame], progress: Progress) -> Iterator[AnyFrame]:
     """Move the progress bar with every frame that passes."""
     for frame in frames:

@@ -12,13 +12,12 @@ import typer
 from cable_tracker.atomic_output import output_file
 from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.ros_part import need_ros
-from cable_tracker.commands.console.terminal import console, print_table, progress_bar
+from cable_tracker.commands.console.terminal import advance_to, console, print_table, progress_bar
 from cable_tracker.commands.options.common import ForceOption, parse_size
-from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.setting_checks import check_size
-from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 
 if TYPE_CHECKING:
     from cable_tracker.ros.rigs.soak.record import SoakRecord
@@ -75,9 +74,7 @@ def soak(  # noqa: PLR0917
             record = module.run_soak(
                 pictures,
                 settings,
-                lambda share: progress.update(
-                    progress.task_ids[0], completed=round(share * PROGRESS_STEPS)
-                ),
+                lambda share: advance_to(progress, share * PROGRESS_STEPS),
             )
         facts = {"command": typed_command(), "machine": machine(), **asdict(settings)}
         file.write_text(record.as_json(facts), encoding="utf-8")
@@ -93,10 +90,8 @@ def _pictures(size: tuple[int, int], seed: int, *, target: bool) -> list[Frame]:
         settings = SimulationSettings(frame_count=FRAMES, image_size=size, seed=seed)
         return list(islice(simulate(settings), FRAMES))
     check_size(size)
-    return [
-        Frame(index, each.stamp, raw_from_array(each.image, "bgr8"))
-        for index, each in enumerate(simulate_target("leaving", seed, FRAMES, size=size))
-    ]
+    simulated = simulate_target("leaving", seed, FRAMES, size=size)
+    return [frame for frame, _ in labelled_frames(simulated)]
 
 
 def _is_report(path: Path) -> bool:

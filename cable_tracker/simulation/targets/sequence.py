@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
@@ -75,6 +77,14 @@ def find_target_scenario(name: str) -> TargetScenario:
         There is none.
     """
     return named("scenario", name, TARGET_SCENARIOS)
+
+
+def labelled_frames(
+    simulated: Iterable[TargetFrame],
+) -> Iterator[tuple[Frame, Window | None]]:
+    """Yield the frames of a run as of a camera, each with its true box."""
+    for index, each in enumerate(simulated):
+        yield Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box
 
 
 def simulate_target(

@@ -21,10 +21,8 @@ from cable_tracker.evaluation.targets.target_sequences import (
     SimulatedTarget,
     TargetEvaluationFrame,
 )
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_writer import write_target_bag
-from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 
@@ -79,11 +77,7 @@ def test_a_frame_that_the_tracker_refuses_is_one_without_a_claim():
 
 def test_a_recording_with_boxes_is_judged_as_the_scenario_that_it_was_made_of(tmp_path):
     simulated = list(simulate_target("near_surface", 1, 6))
-    frames = (
-        (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
-        for index, each in enumerate(simulated)
-    )
-    write_target_bag(tmp_path / "dive", frames)
+    write_target_bag(tmp_path / "dive", labelled_frames(simulated))
     recorded = RecordedTarget(tmp_path / "dive")
     assert recorded.frame_count() == 6
     (result,) = TargetTask(recorded, 1, ("default",)).run(lambda: None)

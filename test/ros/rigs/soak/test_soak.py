@@ -26,12 +26,10 @@ from cable_tracker.ros.rigs.soak.record import SoakRecord
 from cable_tracker.ros.rigs.soak.rig import SoakSettings
 from cable_tracker.ros.rigs.soak.soak import check_settings, run_soak
 from cable_tracker.ros.rigs.soak.soaked_node import CABLE_NODE, TARGET_NODE
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import make_particles
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target import read_start
-from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
 
 pytestmark = pytest.mark.slow
 
@@ -68,10 +66,8 @@ def test_a_tracker_keeps_its_promises(frames):
 
 
 def test_a_target_tracker_keeps_its_promises():
-    frames = [
-        Frame(index, each.stamp, raw_from_array(each.image, "bgr8"))
-        for index, each in enumerate(simulate_target("leaving", 1, 12, size=(80, 60)))
-    ]
+    simulated = simulate_target("leaving", 1, 12, size=(80, 60))
+    frames = [frame for frame, _ in labelled_frames(simulated)]
     settings = replace(SETTINGS, node="target_tracker", preset="default", frames=200)
     record = run_soak(frames, settings, lambda share: None)
     assert record.breaches == []
