@@ -28,7 +28,6 @@ from cable_tracker.commands.options.campaigns import (
     WorkersOption,
     chosen_cluster,
     seeds_from,
-    whole_path,
 )
 from cable_tracker.commands.options.common import (
     ForceOption,
@@ -145,7 +144,8 @@ def evaluate(  # noqa: PLR0917
     numbers = seeds_from(seeds, first_seed)
     chosen = None
     if source is not None:
-        path, labels = whole_path(source), whole_path(truth)
+        # Links stay links: their names are those that the user knows.
+        path, labels = source.absolute(), truth and truth.absolute()
         chosen = ChosenRecording(path, topic, rate, labels, skip_bad_frames, allow_outside)
     if targets:
         tuned = tuned_targets(params)

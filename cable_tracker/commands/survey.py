@@ -20,7 +20,6 @@ from cable_tracker.commands.options.campaigns import (
     ResumeOption,
     SchedulerOption,
     chosen_cluster,
-    whole_path,
     with_whole_paths,
 )
 from cable_tracker.commands.options.common import (
@@ -105,7 +104,7 @@ def survey(  # noqa: PLR0917
         choice=chosen_instruments(
             camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
         ),
-        vehicle=whole_path(vehicle),
+        vehicle=vehicle and vehicle.absolute(),
         most_rate=most_rate,
     )
     limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, overload
+from typing import Annotated
 
 import typer
 
@@ -68,23 +68,14 @@ def _say_where(dashboard: str) -> None:
     messages.print(f"Dask's pages: {dashboard}", soft_wrap=True)
 
 
-@overload
-def whole_path(path: Path) -> Path: ...
-@overload
-def whole_path(path: None) -> None: ...
-def whole_path(path: Path | None) -> Path | None:
-    """Return a path as workers find it too, which may have been started in other folders.
+def with_whole_paths(parameters: TrackerParameters) -> TrackerParameters:
+    """Return parameters that name their files as workers in other folders find them too.
 
     Links stay links: their names are those that the user knows.
     """
-    return path.absolute() if path is not None else None
-
-
-def with_whole_paths(parameters: TrackerParameters) -> TrackerParameters:
-    """Return parameters that name their files as workers find them too; see `whole_path`."""
     if not parameters.response_table:
         return parameters
-    table = whole_path(Path(parameters.response_table))
+    table = Path(parameters.response_table).absolute()
     return parameters.replaced({"response_table": str(table)})
 
 

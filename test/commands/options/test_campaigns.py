@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import pytest
 
 from cable_tracker.cable.parameters.presets import preset
@@ -7,7 +5,6 @@ from cable_tracker.campaigns.settings import LARGEST_WORKER_COUNT
 from cable_tracker.commands.options.campaigns import (
     MEMORY,
     chosen_cluster,
-    whole_path,
     with_whole_paths,
 )
 from cable_tracker.errors import ParameterError
@@ -41,5 +38,3 @@ def test_workers_in_other_folders_are_told_the_whole_paths(tmp_path, monkeypatch
     parameters = preset("default").replaced({"response_table": "mine/table.json"})
     assert with_whole_paths(parameters).response_table == str(tmp_path / "mine/table.json")
     assert with_whole_paths(preset("default")) == preset("default")
-    assert whole_path(Path("../dive")) == tmp_path / "../dive"
-    assert whole_path(None) is None
