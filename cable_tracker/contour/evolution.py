@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray
 from cable_tracker.contour.levels import Levels, levels_of_mask
 from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
 from cable_tracker.errors import FrameError
@@ -48,23 +48,14 @@ class Contour:
         Level set, shape of the picture.
     iterations : int
         Number of iterations that were done.
-    converged : bool
-        Whether the last iteration switched no point.
-    inside_count : int
-        Points inside.
     inside_mean, outside_mean : float
         Mean of the data on either side.
-    changes : FloatArray
-        Changes of energy of the first switches, as many as were asked for at most.
     """
 
     levels: Levels
     iterations: int
-    converged: bool
-    inside_count: int
     inside_mean: float
     outside_mean: float
-    changes: FloatArray
 
     @property
     def mask(self) -> BoolArray:
@@ -82,7 +73,6 @@ def evolve_by_means(
     image: NDArray[np.float32],
     start: BoolArray,
     settings: ContourSettings,
-    recorded: int = 0,
 ) -> Contour:
     """Separate two regions of different mean intensity: Table 1 of the thesis.
 
@@ -94,15 +84,13 @@ def evolve_by_means(
         Inside at the start, of the same shape.
     settings : ContourSettings
         Settings of the contour.
-    recorded : int
-        Number of changes of energy to return.
 
     Raises
     ------
     FrameError
         The shapes differ, or one of the regions has fewer than two points.
     """
-    return _evolve(image, start, settings, by_means=True, recorded=recorded)
+    return _evolve(image, start, settings, by_means=True)
 
 
 def evolve_by_ratio(
@@ -134,7 +122,6 @@ def _evolve(
     settings: ContourSettings,
     *,
     by_means: bool,
-    recorded: int = 0,
 ) -> Contour:
     if data.ndim != 2 or data.shape != start.shape:
         raise FrameError(f"a contour of shape {start.shape} cannot evolve on data {data.shape}")
@@ -145,20 +132,16 @@ def _evolve(
             f"a contour needs {FEWEST} points on either side,"
             f" not {inside} and {levels.size - inside}"
         )
-    changes = np.zeros(recorded)
     pixels = np.ascontiguousarray(data, dtype=np.float32)
     switching = SwitchingSettings(
         by_means, settings.regulariser, settings.balance, settings.flooding
     )
-    iterations, converged, inside, inside_sum, outside_sum, switches = switch_points(
-        pixels, levels, switching, settings.iterations, changes
+    iterations, inside, inside_sum, outside_sum = switch_points(
+        pixels, levels, switching, settings.iterations
     )
     return Contour(
         levels=levels,
         iterations=iterations,
-        converged=converged,
-        inside_count=inside,
         inside_mean=inside_sum / inside,
         outside_mean=outside_sum / (levels.size - inside),
-        changes=changes[:switches],
     )

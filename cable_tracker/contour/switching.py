@@ -110,8 +110,7 @@ def switch_points(
     levels: Levels,
     settings: SwitchingSettings,
     most_iterations: int,
-    changes: FloatArray,
-) -> tuple[int, bool, int, float, float, int]:
+) -> tuple[int, int, float, float]:
     """Let the contour evolve; `levels` is changed in place.
 
     Parameters
@@ -126,14 +125,11 @@ def switch_points(
         points that join a list during its scan in the same scan.
     most_iterations : int
         Largest number of iterations.
-    changes : FloatArray
-        Filled in with the changes of energy of the first K switches, shape (K,).
 
     Returns
     -------
     tuple
-        Iterations done; whether nothing changed in the last; points inside; sum inside; sum
-        outside; switches.
+        Iterations done; points inside; sum inside; sum outside.
     """
     height, width = levels.shape
     stride = width + 2
@@ -147,12 +143,12 @@ def switch_points(
         np.zeros(2),
     )
     _read(data, levels, sides, values, regions)
-    iterations, switches, before = 0, 0, -1
-    while iterations < most_iterations and switches != before:
+    iterations, has_changed = 0, True
+    while iterations < most_iterations and has_changed:
         iterations += 1
-        before = switches
+        has_changed = False
         for region in (INSIDE, OUTSIDE):
-            switches = _scan(region, sides, values, stride, regions, settings, changes, switches)
+            has_changed |= _scan(region, sides, values, stride, regions, settings)
             other = 1 - region
             regions.edge_sizes[other] = _drop_buried(
                 sides,
@@ -166,8 +162,7 @@ def switch_points(
         first = (row + 1) * stride + 1
         for column in range(width):
             levels[row, column] = sides[first + column]
-    inside, outside = regions.sums[INSIDE], regions.sums[OUTSIDE]
-    return iterations, switches == before, regions.sizes[INSIDE], inside, outside, switches
+    return iterations, regions.sizes[INSIDE], regions.sums[INSIDE], regions.sums[OUTSIDE]
 
 
 @compiled_loop
@@ -212,10 +207,8 @@ def _scan(
     stride: int,
     regions: Regions,
     settings: SwitchingSettings,
-    changes: FloatArray,
-    switches: int,
-) -> int:
-    """Let the points of one region beside the contour go over; return the number of switches."""
+) -> bool:
+    """Let the points of one region beside the contour go over; tell whether any did."""
     other = 1 - region
     sign = 1.0 if region == INSIDE else -1.0
     edge, foreign_edge, depth = EDGES[region], EDGES[other], DEPTHS[region]
@@ -226,7 +219,7 @@ def _scan(
     smooth = 0.0
     if count > 0 and abs(1.0 - foreign_count / count) > settings.balance:
         smooth = sign * settings.regulariser
-    kept, index, end = 0, 0, count
+    kept, index, end, has_changed = 0, 0, count, False
     while index < end:
         point = own[index]
         index += 1
@@ -245,9 +238,7 @@ def _scan(
         sides[point] = foreign_edge
         foreign[foreign_count] = point
         foreign_count += 1
-        if switches < len(changes):
-            changes[switches] = change
-        switches += 1
+        has_changed = True
         size, foreign_size = size - 1, foreign_size + 1
         total, foreign_total = total - value, foreign_total + value
         for neighbour in (point - stride, point - 1, point + 1, point + stride):
@@ -261,4 +252,4 @@ def _scan(
     regions.edge_sizes[region], regions.edge_sizes[other] = kept, foreign_count
     regions.sizes[region], regions.sizes[other] = size, foreign_size
     regions.sums[region], regions.sums[other] = total, foreign_total
-    return switches
+    return has_changed
