@@ -145,14 +145,13 @@ def test_byte_order_matters():
 
 
 @pytest.mark.parametrize(
-    ("value", "grey"), [(0.0, 0.0), (0.5, 127.5), (1.0, 255.0), (-0.5, 0.0), (1.25, 255.0)]
-)
-def test_float_pixels_up_to_one_are_scaled(value, grey):
-    assert decode_grey(packed("32FC1", np.full((2, 2, 1), value)))[0, 0] == grey
-
-
-@pytest.mark.parametrize(("value", "grey"), [(2.0, 2.0), (200.0, 200.0), (300.0, 255.0)])
-def test_float_pixels_above_one_are_taken_as_they_are(value, grey):
+    ("value", "grey"),
+    [
+        (0.0, 0.0), (0.5, 127.5), (1.0, 255.0), (-0.5, 0.0), (1.25, 255.0),
+        (2.0, 2.0), (200.0, 200.0), (300.0, 255.0),
+    ],
+)  # fmt: skip
+def test_float_pixels_up_to_one_are_scaled_and_above_it_taken_as_they_are(value, grey):
     assert decode_grey(packed("32FC1", np.full((2, 2, 1), value)))[0, 0] == grey
 
 

@@ -21,19 +21,12 @@ def test_runs_of_digits_count_as_numbers():
 @pytest.mark.parametrize(
     "names",
     [
+        # Decimals, padded or not.
         ["frame_9.25.png", "frame_9.5.png", "frame_10.25.png", "frame_10.3.png"],
         ["1699999998.75.png", "1699999999.0.png", "1699999999.25.png", "1699999999.5.png"],
         ["lat54.05_0.5.png", "lat54.1_0.25.png", "lat54.1_0.5.png"],
         ["1.050.png", "1.500.png", "2.000.png"],
-    ],
-)
-def test_decimals_that_are_not_padded_are_decimals(names):
-    assert in_order(*names) == in_order(*reversed(names)) == names
-
-
-@pytest.mark.parametrize(
-    "names",
-    [
+        # Numbers that count, with points between them.
         [f"dive1.{count}.png" for count in range(1, 21)],
         ["v1.2.9_0003.png", "v1.2.10_0001.png", "v1.2.10_0003.png", "v1.10.1_0001.png"],
         ["2023.9.28.png", "2023.11.5.png"],
@@ -42,7 +35,7 @@ def test_decimals_that_are_not_padded_are_decimals(names):
         ["1699999999.5000000.png", "1699999999.45000000.png", "1699999999.250000000.png"],
     ],
 )
-def test_points_between_numbers_that_count_make_no_decimals(names):
+def test_what_follows_a_point_is_a_decimal_unless_it_counts(names):
     assert in_order(*names) == in_order(*reversed(names)) == names
 
 
