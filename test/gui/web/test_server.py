@@ -1,11 +1,17 @@
+import os
 import socket
+import urllib.request
 
+import cv2
+import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
 
 from cable_tracker.errors import GuiError
 from cable_tracker.gui.web.server import Channels, Listening, claim_port, listen_on, serve
+
+from ..conftest import Running
 
 
 def test_a_port_that_is_taken_is_named():
@@ -55,3 +61,17 @@ def test_the_ssh_line_leads_to_where_it_listens(host, there):
 
 def test_the_ssh_line_forwards_the_port():
     assert "-L 8123:127.0.0.1:8123" in Listening("127.0.0.1", 8123).ssh_line()
+
+
+@pytest.mark.parametrize("command", ["gui", "label"])
+def test_a_recording_in_a_folder_whose_name_is_no_utf8_is_shown(tmp_path, command):
+    dive = tmp_path / os.fsdecode(b"caf\xe9") / "dive"
+    dive.mkdir(parents=True)
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    (tmp_path / "0.png").rename(dive / "0.png")
+    running = Running([command, dive, "--port", "0"], tmp_path)
+    try:
+        with urllib.request.urlopen(running.url, timeout=60) as page:
+            assert b"caf\\\\xe9" in page.read()
+    finally:
+        running.stop()

@@ -4,15 +4,11 @@ import json
 from dataclasses import replace
 
 import numpy as np
-import pyarrow.parquet as pq
 import pyogrio
 import pytest
 import shapely
-from survey_dives import Plan, make_dive
 
 from cable_tracker.metric.local_frame import LocalFrame
-from cable_tracker.survey.frames.frame_table import HIDDEN, SEEN
-from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.outputs.maps import (
     EARTH,
     WRITERS,
@@ -22,26 +18,8 @@ from cable_tracker.survey.outputs.maps import (
     picture_name,
     write_events,
 )
-from cable_tracker.survey.outputs.report import RecordingRow, _summary, write_report
-from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.outputs.report import RecordingRow, write_report
 from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merging import merge
-
-FRAME = LocalFrame(54.25, 7.9)
-
-
-@pytest.fixture(scope="module")
-def survey() -> SurveyMap:
-    surveyed, _ = analyse(make_dive(Plan(hidden=((15.0, 21.0),))), SurveySettings())
-    return SurveyMap(tuple(merge(surveyed.routes)), FRAME, ("route 1",))
-
-
-@pytest.fixture(scope="module")
-def written(survey, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("map")
-    for name, write in WRITERS.items():
-        write(folder / name, survey)
-    return folder
 
 
 def test_gdal_reads_all_layers_of_the_geopackage(written, survey):
@@ -154,55 +132,10 @@ def test_a_survey_without_routes_writes_its_tables_all_the_same(tmp_path):
     assert "failed: no frames" in (tmp_path / "report.html").read_text()
 
 
-def test_the_report_fetches_nothing_and_cannot_be_broken_by_a_name(survey, tmp_path):
-    rows = [RecordingRow("</script><b>dive", "done", 10, 9, 1.0, ("<i>note</i>",))]
-    write_report(tmp_path / "report.html", survey, rows, "Cable")
-    page = (tmp_path / "report.html").read_text()
-    assert "http:" not in page and "https:" not in page and 'src="' not in page
-    assert "</script><b>" not in page and "<i>note" not in page
-
-
-def test_frames_of_several_dives_are_one_table(tmp_path):
-    parts = []
-    for name in ("a", "b"):
-        dive = make_dive(Plan(length=10.0))
-        _, course = analyse(dive, SurveySettings())
-        parts.append(tmp_path / f"{name}.parquet")
-        write_frames(parts[-1], name, dive, course)
-    join_frames(parts, tmp_path / "frames.parquet")
-    table = pq.read_table(tmp_path / "frames.parquet")
-    assert table.num_rows == 400
-    assert set(table["recording"].to_pylist()) == {"a", "b"}
-    assert table.schema.field("smoothed_aside").metadata == {b"unit": b"m"}
-    aside, smoothed = (np.array(table[name].to_pylist(), float) for name in ("x", "smoothed_aside"))
-    assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9
-
-
-def test_a_time_that_comes_again_has_no_place_in_the_table_the_second_time(tmp_path):
-    dive = make_dive(Plan(length=20.0))
-    again = slice(200, 299)
-    dive.table.rows["stamp"][200:] -= 10_000_000_000
-    _, course = analyse(dive, SurveySettings())
-    write_frames(tmp_path / "frames.parquet", "dive", dive, course)
-    table = pq.read_table(tmp_path / "frames.parquet")
-    for name in ("x", "y", "yaw", "smoothed_aside", "along"):
-        column = np.array(table[name].to_pylist(), float)
-        assert np.isnan(column[again]).all() and np.isfinite(column[10:200]).all()
-        assert np.isfinite(column[310:]).all()
-
-
 def test_a_geopackage_that_cannot_be_written_is_an_error_of_the_system(tmp_path):
     writer = _LayerWriter(tmp_path / "no folder" / "route.gpkg", EARTH)
     with pytest.raises(OSError):
         writer("route", "Point", [shapely.Point(0.0, 0.0)], {"name": ["a"]})
-
-
-def test_rows_that_were_looked_at_again_say_so(tmp_path):
-    dive = make_dive(Plan(length=4.0))
-    dive.table.rows["again"][[2, 5]] = HIDDEN, SEEN
-    write_frames(tmp_path / "frames.parquet", "dive", dive, None)
-    column = pq.read_table(tmp_path / "frames.parquet")["again"].to_pylist()
-    assert (column[0], column[2], column[5]) == ("", "hidden", "seen")
 
 
 def test_geojson_and_geopackage_say_the_same_of_routes_and_kilometre_points(written):
@@ -218,25 +151,3 @@ def test_a_cable_across_the_antimeridian_is_drawn_in_one_stroke(survey, tmp_path
     WRITERS["route.gpkg"](tmp_path / "route.gpkg", west)
     box = pyogrio.read_info(tmp_path / "route.gpkg", layer="route", force_total_bounds=True)
     assert box["total_bounds"][2] - box["total_bounds"][0] < 0.01
-
-
-def test_a_datum_on_the_other_side_of_the_earth_is_told_and_lays_nothing_there():
-    dive = make_dive(Plan())
-    stamps = dive.table.rows["stamp"]
-    for k, east in enumerate(np.linspace(0.0, 40.0, 20)):
-        latitude, longitude = FRAME.to_degrees(np.array([[east, 0.0]]))[0]
-        dive.fixes.add(int(stamps[20 * k]), [latitude, longitude, 0.01, 0.01])
-    right, _ = analyse(dive, SurveySettings(datum=(54.25, 7.9)))
-    wrong, _ = analyse(dive, SurveySettings(datum=(7.9, 54.25)))
-    assert right.on_earth and not wrong.on_earth
-    assert any("km from the fixes" in note for note in wrong.notes)
-
-
-@pytest.mark.parametrize(
-    ("shares", "words"),
-    [([1.0, 1.0, 0.5, 0.5], "75.0"), ([0.5, 0.5, np.nan, 0.5], "50.0"), ([np.nan] * 4, "")],
-)
-def test_a_cable_that_one_of_two_dives_sees_is_visible_to_half_of_them(survey, shares, words):
-    count = len(survey.routes[0].along)
-    route = replace(survey.routes[0], visible=np.resize(shares, 4 * (count // 4)))
-    assert _summary("route 1", route)["visible"] == words
