@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.storage_files import METADATA
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, read_any_labels
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from cable_tracker.errors import ParameterError, RecordingError, UnreachableError, read_failure
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
-from cable_tracker.sequences.bags.bag_limits import METADATA
 from cable_tracker.sequences.bags.storage_files import (
     BAG_SUFFIXES,
+    METADATA,
     is_packed,
     is_ros1,
     packed_files,

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from cable_tracker.commands.console.terminal import console, print_note
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag_limits import METADATA
+from cable_tracker.sequences.bags.storage_files import METADATA
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status import REFUSED
 

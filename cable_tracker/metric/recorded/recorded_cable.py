@@ -26,13 +26,13 @@ from cable_tracker.metric.recorded.vehicle import (
 )
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.bag import BagSource
-from cable_tracker.sequences.bags.bag_limits import METADATA, VEHICLE_FILE
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import (
     Instrument,
     InstrumentChoice,
     refuse_named_topics,
 )
+from cable_tracker.sequences.bags.storage_files import METADATA, VEHICLE_FILE
 from cable_tracker.sequences.source_base import Source
 
 

@@ -17,13 +17,13 @@ from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
-from cable_tracker.sequences.bags.bag_limits import (
+from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
+from cable_tracker.sequences.bags.storage_files import (
     METADATA,
     ROS2_SUFFIXES,
     TRUTH_FILE,
     VEHICLE_FILE,
 )
-from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.bags.typestores import typestore
 
 _LATEST_STAMP = 2**63 - 1

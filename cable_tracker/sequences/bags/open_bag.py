@@ -10,11 +10,12 @@ import zstandard
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags import mcap_recovery
-from cable_tracker.sequences.bags.bag_limits import METADATA, room_to_unpack, unpacked_blocks
+from cable_tracker.sequences.bags.bag_limits import room_to_unpack, unpacked_blocks
 from cable_tracker.sequences.bags.bag_storage import BagStorage
 from cable_tracker.sequences.bags.rosbags_storage import RosbagsStorage
 from cable_tracker.sequences.bags.salvaged_storage import SalvagedStorage
 from cable_tracker.sequences.bags.storage_files import (
+    METADATA,
     is_mcap,
     mcap_files,
     packed_files,

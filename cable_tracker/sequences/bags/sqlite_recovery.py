@@ -8,8 +8,8 @@ from contextlib import closing
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag_limits import check_database, opened_database
 from cable_tracker.sequences.bags.bag_storage import StoredMessage
+from cable_tracker.sequences.bags.database_limits import check_database, opened_database
 
 
 def _decoded(data: bytes) -> str:

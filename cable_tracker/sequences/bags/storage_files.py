@@ -1,11 +1,26 @@
-"""The files of a bag that hold its messages, by their names."""
+"""The files of a bag, by their names."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from cable_tracker.sequences.bags.bag_limits import PACKED_SUFFIX, ROS2_SUFFIXES
 from cable_tracker.sequences.natural_order import naturally_sorted
+
+METADATA = "metadata.yaml"
+"""File in the folder of a ROS 2 bag that says which storage files belong to it."""
+
+ROS2_SUFFIXES = (".db3", ".mcap")
+"""Suffixes of the storage files of a ROS 2 bag."""
+
+PACKED_SUFFIX = ".zstd"
+"""Follows that of a storage file which a recorder compressed as a whole."""
+
+VEHICLE_FILE = "vehicle.yaml"
+"""Beside the storage files of a bag it is read without being asked for, also where one of those is
+named instead of the bag's folder."""
+
+TRUTH_FILE = "truth.json"
+"""Beside the storage file of a simulated survey."""
 
 _ROS1_SUFFIX = ".bag"
 BAG_SUFFIXES = (*ROS2_SUFFIXES, _ROS1_SUFFIX)

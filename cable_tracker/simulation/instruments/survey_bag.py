@@ -15,8 +15,8 @@ import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
+from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bz2
 import sqlite3
-import struct
 import subprocess
 import sys
 import tracemalloc
@@ -12,7 +11,6 @@ from collections import namedtuple
 from collections.abc import Callable
 from contextlib import closing
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 
 import lz4.frame
@@ -26,7 +24,6 @@ from rosbags.rosbag2 import Reader as Reader2
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags import bag_limits
 from cable_tracker.sequences.bags.bag_limits import (
-    check_database,
     check_folder,
     check_overlap,
     unpack_bz2,
@@ -114,11 +111,6 @@ def test_what_a_recorder_writes_is_within_the_limits(make_bag, compression):
     read(make_bag(compression=compression))
 
 
-@pytest.mark.parametrize("compression", ["none", "message", "file"])
-def test_a_database_of_a_recorder_is_within_the_limits(make_bag, compression):
-    read(make_bag(storage="sqlite3", compression=compression))
-
-
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 def test_a_ros1_bag_is_within_the_limits(make_ros1_bag, compression):
     read(make_ros1_bag(compression=compression))
@@ -164,103 +156,6 @@ def test_chunks_of_one_time_may_not_be_large_together():
 
 def test_chunks_one_after_the_other_may_be_many():
     check_overlap(Chunk(start, start + 1, bag_limits.LARGEST_OVERLAP // 4) for start in range(99))
-
-
-RECORDER = (
-    "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT,"
-    " offered_qos_profiles TEXT);"
-    "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB);"
-    "INSERT INTO topics VALUES(1, '/image', 'sensor_msgs/msg/Image', 'cdr', '');"
-    "INSERT INTO messages VALUES(1, 1, 1, x'00010000');"
-)
-ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i"
-
-
-def database(path: Path, *statements: str) -> Path:
-    with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(";".join(statements))
-        connection.commit()
-    return path
-
-
-@pytest.mark.parametrize(
-    ("statements", "words"),
-    [
-        (
-            (
-                RECORDER,
-                f"CREATE VIEW message_definitions AS {ENDLESS} AS topic_type, 1 AS encoding FROM n",
-            ),
-            "views, triggers or virtual tables",
-        ),
-        (
-            (RECORDER, "CREATE VIRTUAL TABLE files USING fts4(content)"),
-            "views, triggers or virtual tables",
-        ),
-        (
-            (RECORDER, "ALTER TABLE messages ADD COLUMN more AS (zeroblob(100000000))"),
-            "computes columns",
-        ),
-        (
-            (
-                RECORDER.replace("id INTEGER PRIMARY KEY, name", "id INTEGER, name"),
-                "INSERT INTO topics SELECT * FROM topics",
-            ),
-            "have the same number",
-        ),
-    ],
-)
-def test_a_database_that_holds_more_than_data_is_refused(tmp_path, statements, words):
-    path = database(tmp_path / "dive.db3", *statements)
-    with pytest.raises(RecordingError, match=words):
-        check_database(path)
-    with pytest.raises(RecordingError, match=words):
-        open_source(path)
-
-
-def test_a_database_is_checked_that_rosbags_unpacks(make_bag, tmp_path):
-    path = make_bag(storage="sqlite3", compression="file")
-    (packed,) = path.glob("*.db3.zstd")
-    plain = tmp_path / "plain.db3"
-    plain.write_bytes(zstandard.ZstdDecompressor().decompressobj().decompress(packed.read_bytes()))
-    database(plain, "ALTER TABLE messages ADD COLUMN more AS (zeroblob(100000000))")
-    packed.write_bytes(zstandard.compress(plain.read_bytes()))
-    with pytest.raises(RecordingError, match="computes columns"):
-        open_source(path)
-
-
-def test_a_database_of_plain_tables_is_read(tmp_path):
-    read(database(tmp_path / "dive.db3", RECORDER))
-
-
-def looped(path: Path) -> Path:
-    """Let all pages of a level of the table of messages be one page, so that rows have no end."""
-    rows = "INSERT INTO messages(topic_id, timestamp, data) VALUES(1, 1, zeroblob(300))"
-    database(path, "PRAGMA page_size = 512", RECORDER, *[rows] * 1000)
-    with closing(sqlite3.connect(path)) as connection:
-        query = "SELECT rootpage FROM sqlite_master WHERE name = 'messages'"
-        (root,) = connection.execute(query).fetchone()
-    data = bytearray(path.read_bytes())
-    kinds = {number: data[512 * (number - 1)] for number in range(2, len(data) // 512 + 1)}
-    inner = [number for number, kind in kinds.items() if kind == 5 and number != root]
-    leaf = next(number for number, kind in kinds.items() if kind == 13)
-    levels = [root, *inner[:8], leaf]
-    for page, child in pairwise(levels):
-        start = 512 * (page - 1)
-        (cells,) = struct.unpack_from(">H", data, start + 3)
-        # The last child stands in the header, the others at the beginning of their cells.
-        struct.pack_into(">I", data, start + 8, child)
-        for cell in range(cells):
-            (offset,) = struct.unpack_from(">H", data, start + 12 + 2 * cell)
-            struct.pack_into(">I", data, start + offset, child)
-    path.write_bytes(data)
-    return path
-
-
-def test_a_database_whose_rows_have_no_end_is_refused(tmp_path):
-    path = looped(tmp_path / "dive.db3")
-    with pytest.raises(RecordingError, match="more rows than its file can hold"):
-        check_database(path)
 
 
 def test_importing_the_readers_leaves_rosbags_as_it_is():

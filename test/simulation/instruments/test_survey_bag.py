@@ -7,8 +7,8 @@ import pytest
 
 from cable_tracker.errors import OutputError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.sequences.bags.bag_limits import TRUTH_FILE
 from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.instrument_writer import ORIGIN, to_east_north
 from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
