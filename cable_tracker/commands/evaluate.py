@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -39,7 +39,6 @@ from cable_tracker.commands.options.common import (
     refuse_without_effect,
 )
 from cable_tracker.commands.options.parameters import ValueOption
-from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
@@ -50,8 +49,7 @@ from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.targets.comparison import TargetCampaign
-from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.evaluation.targets.target_sequences import RecordedTarget, TargetSequence
 
 Recording = TypeVar("Recording", bound=LabelledRecording)
 
@@ -128,67 +126,77 @@ def evaluate(  # noqa: PLR0917
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
     gives the same numbers, except for the times. With --targets it holds table.md and figures.csv.
     """
+    of_recordings = {
+        "--truth": truth, "--unlabelled-is-empty": unlabelled_is_empty, "--topic": topic,
+        "--rate": rate, "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
+    }  # fmt: skip
     if source is None:
-        if truth is not None:
-            raise ParameterError("--truth labels a recording; give it with --source")
-        of_recordings = {
-            "--unlabelled-is-empty": unlabelled_is_empty, "--topic": topic, "--rate": rate,
-            "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
-        }  # fmt: skip
         refuse_without_effect(of_recordings, "can only do something for a recording, --source")
-    elif scenario or frames:
-        raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
-    if targets and (param or table or init is not Start.TRUTH):
-        raise ParameterError("--targets goes without --param, --table and --init; leave those out")
+    else:
+        of_scenarios = {"--scenario": bool(scenario), "--frames": frames}
+        refuse_without_effect(of_scenarios, "can do nothing with --source")
+    if targets:
+        is_cold = init is not Start.TRUTH
+        of_cables = {"--param": bool(param), "--table": table, "--init": is_cold}
+        refuse_without_effect(of_cables, "can do nothing with --targets")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     numbers = seeds_from(seeds, first_seed)
-    chosen = None
+    recording = None
     if source is not None:
         # Links stay links: their names are those that the user knows.
         path, labels = source.absolute(), truth and truth.absolute()
-        chosen = ChosenRecording(path, topic, rate, labels, skip_bad_frames, allow_outside)
+        recording = LabelledRecording(
+            path, topic, rate, labels, skip_bad_frames, allow_outside,
+            unlabelled_is_empty=unlabelled_is_empty,
+        )  # fmt: skip
     if targets:
         tuned = tuned_targets(params)
-        followed = TargetCampaign(
-            (_labelled(RecordedTarget, chosen, unlabelled_is_empty),)
-            if chosen is not None
-            else simulated_targets(scenario or (), frames),
-            numbers,
-            chosen_methods(method, tuned),
-            tuned,
-        )
+        pictures = _target_sequences(recording, scenario or (), frames)
+        followed = TargetCampaign(pictures, numbers, chosen_methods(method, tuned), tuned)
         evaluate_targets(followed, output, cluster, force=force, resume=resume)
-        return
-    sequences: Sequence[EvaluationSequence]
-    if chosen is not None:
-        sequences = (_labelled(RecordingSequence, chosen, unlabelled_is_empty),)
     else:
-        sequences, left_out = available_sequences(scenario or (), frames)
-        say_left_out(left_out)
-    filters = tuned_filters(params, param, table)
-    campaign = _cable_campaign(method, sequences, numbers, init, filters)
-    evaluate_cables(campaign, output, cluster, force=force, resume=resume)
+        filters = tuned_filters(params, param, table)
+        sequences = _cable_sequences(recording, scenario or (), frames)
+        campaign = _cable_campaign(method, sequences, numbers, init, filters)
+        evaluate_cables(campaign, output, cluster, force=force, resume=resume)
 
 
-def _labelled(
-    kind: type[Recording], chosen: ChosenRecording, unlabelled_is_empty: bool
-) -> Recording:
-    values = {each.name: getattr(chosen, each.name) for each in fields(chosen)}
-    return kind(**values, unlabelled_is_empty=unlabelled_is_empty)
+def _target_sequences(
+    recording: LabelledRecording | None, scenarios: Sequence[str], frames: int | None
+) -> tuple[TargetSequence, ...]:
+    """Return a recording to judge trackers of targets on, or else scenarios."""
+    if recording is not None:
+        return (_as_sequence(RecordedTarget, recording),)
+    return simulated_targets(scenarios, frames)
+
+
+def _cable_sequences(
+    recording: LabelledRecording | None, scenarios: Sequence[str], frames: int | None
+) -> tuple[EvaluationSequence, ...]:
+    """Return a recording to judge trackers of cables on, or else scenarios and worlds."""
+    if recording is not None:
+        return (_as_sequence(RecordingSequence, recording),)
+    sequences, left_out = available_sequences(scenarios, frames)
+    say_left_out(left_out)
+    return tuple(sequences)
+
+
+def _as_sequence(kind: type[Recording], recording: LabelledRecording) -> Recording:
+    return kind(**asdict(recording))
 
 
 def _cable_campaign(
     methods: Sequence[str] | None,
-    sequences: Sequence[EvaluationSequence],
+    sequences: tuple[EvaluationSequence, ...],
     seeds: tuple[int, ...],
     start: Start,
     filters: tuple[ConfiguredFilter, ...],
 ) -> Campaign:
-    """Return what is judged: the methods that are named, or else the usual ones."""
+    """Return what is judged of cables: the methods that are named, or else the usual ones."""
     usual = ("default",) if filters else tuple(METHODS)
     return Campaign(
         methods=tuple(dict.fromkeys(methods or usual)),
-        sequences=tuple(sequences),
+        sequences=sequences,
         seeds=seeds,
         start=start,
         with_sheets=True,

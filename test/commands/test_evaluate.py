@@ -65,7 +65,7 @@ def test_pictures_without_labels_are_judged_as_empty_when_that_is_said(command, 
 def test_labels_without_a_recording_are_refused(command, tmp_path, options):
     code, _, error = command("evaluate", "--truth", tmp_path / "boxes.txt", *options)
     assert code == 2
-    assert "give it with --source" in error
+    assert "--truth can only do something for a recording, --source" in error
 
 
 def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_path):
@@ -187,12 +187,13 @@ def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
         (("--seeds", "0"), "seeds is 0"),
         (("--first-seed", "-1"), "first-seed is -1: give 0 to"),
         (("--first-seed", "2000000000"), "first-seed is 2000000000: give 0 to"),
-        (("--truth", "x.txt"), "give it with --source"),
+        (("--truth", "x.txt"), "--truth can only do something for a recording, --source"),
         (("--unlabelled-is-empty",), "--unlabelled-is-empty can only do something for a recording"),
         (("--rate", "25"), "--rate can only do something for a recording"),
         (("--topic", "x", "--allow-outside"), "--topic and --allow-outside can only do something"),
         (("--skip-bad-frames", "--targets"), "--skip-bad-frames can only do something"),
-        (("--source", "x.txt", "--scenario", "S1"), "--source takes the place of"),
+        (("--source", "x.txt", "--scenario", "S1"), "--scenario can do nothing with --source"),
+        (("--targets", "-p", "seed=1"), "--param can do nothing with --targets"),
         (("--source", "x.txt"), "no such file"),
         (("--scenario", "S1", "--workers", "0", "--frames", "2"), "workers is 0"),
     ],
