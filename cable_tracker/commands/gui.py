@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -101,15 +100,20 @@ def gui(  # noqa: PLR0917
     server = need_gui("web.server")
     requests = need_gui("session.recording_request")
     if ros is not None:
+        if source is not None:
+            raise GuiError("give a recording or --ros NAMESPACE, not both")
         of_recordings = {
             "--init": init, "--preset": preset_name, "--params": params, "--seed": seed,
             "--topic": topic, "--rate": rate, "--truth": truth,
             "--skip-bad-frames": skip_bad_frames, "--allow-outside": allow_outside,
+            "--vehicle": vehicle, "--camera-info-topic": camera_info_topic,
+            "--altitude-topic": altitude_topic, "--imu-topic": imu_topic,
+            "--odometry-topic": odometry_topic,
         }  # fmt: skip
-        instruments = (vehicle, camera_info_topic, altitude_topic, imu_topic, odometry_topic)
-        _check_live(source, of_recordings, instruments)
-    if target and altitude_topic is not None:
-        raise GuiError("--altitude-topic is for a cable; leave it out")
+        refuse_without_effect(of_recordings, "would not reach the node of --ros")
+    if target:
+        of_cables = {"--altitude-topic": altitude_topic}
+        refuse_without_effect(of_cables, "can do nothing with --target")
     altitude = NO_TOPIC if target else altitude_topic
     choice = chosen_instruments(camera_info_topic, altitude, imu_topic, odometry_topic)
     kind: FollowedKind[ParameterSet] = TARGET if target else CABLE
@@ -134,19 +138,4 @@ def gui(  # noqa: PLR0917
     elif source is not None:
         desk.open(request)
         print_notes(source, desk.session.notes)
-    window.serve_tracking_window(
-        desk,
-        listening,
-        started=lambda: announce(listening),
-    )
-
-
-def _check_live(
-    source: Path | None, of_recordings: Mapping[str, object], instruments: Sequence[object]
-) -> None:
-    """Refuse with --ros what is for a recording: options by name, and vehicle and instruments."""
-    if source is not None:
-        raise GuiError("give a recording or --ros NAMESPACE, not both")
-    refuse_without_effect(of_recordings, "would not reach the node of --ros")
-    if any(each is not None for each in instruments):
-        raise GuiError("--vehicle and topics of instruments are for a recording; leave them out")
+    window.serve_tracking_window(desk, listening, started=lambda: announce(listening))

@@ -103,10 +103,13 @@ def learn(  # noqa: PLR0917
     same file. Of a recording that breaks off, the frames before that count.
     """
     paths, scenarios = source or [], list(dict.fromkeys(scenario or []))
-    _check_wishes(paths, truth, scenarios, seeds, frames)
+    _check_sources(paths, truth, scenarios)
     if not paths:
         of_recordings = {"--unlabelled-is-empty": unlabelled_is_empty}
         refuse_without_effect(of_recordings, "can only do something for a recording")
+    if not scenarios:
+        of_dives = {"--seeds": seeds, "--frames": frames}
+        refuse_without_effect(of_dives, "can only do something with --scenario")
     numbers = parse_seeds(seeds if seeds is not None else "0")
     _, parameters = chosen_parameters(CABLE, preset_name, params, {}, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
@@ -144,13 +147,7 @@ def learn(  # noqa: PLR0917
         raise RecordingError("; ".join(map(str, damages)))
 
 
-def _check_wishes(
-    paths: Sequence[Path],
-    truth: Path | None,
-    scenarios: Sequence[str],
-    seeds: str | None,
-    frames: int | None,
-) -> None:
+def _check_sources(paths: Sequence[Path], truth: Path | None, scenarios: Sequence[str]) -> None:
     if not (paths or scenarios):
         raise ParameterError(
             "there is nothing to learn from; name a labelled recording, or give --scenario"
@@ -160,7 +157,3 @@ def _check_wishes(
             f"--truth labels a single recording, not {len(paths)}; learn from sequence files"
             " instead, which name their pictures"
         )
-    if seeds is not None and not scenarios:
-        raise ParameterError("--seeds draws simulated dives; give it with --scenario")
-    if frames is not None and not scenarios:
-        raise ParameterError("--frames cuts simulated dives; give it with --scenario")

@@ -15,6 +15,7 @@ pytest.importorskip("nicegui", reason="the windows need the extra `gui`")
         (("--topic", "/cam"), "--topic"),
         (("--rate", 5), "--rate"),
         (("--skip-bad-frames",), "--skip-bad-frames"),
+        (("--odometry-topic", "/odom"), "--odometry-topic"),
     ],
 )
 def test_what_a_live_node_would_not_hear_of_is_refused(command, arguments, name):
@@ -23,14 +24,7 @@ def test_what_a_live_node_would_not_hear_of_is_refused(command, arguments, name)
     assert f"{name} would not reach the node" in told
 
 
-@pytest.mark.parametrize(
-    ("arguments", "name"),
-    [
-        (("--ros", "/", "--odometry-topic", "/odom"), "topics of instruments"),
-        (("--target", "--altitude-topic", "/altitude"), "--altitude-topic"),
-    ],
-)
-def test_instruments_that_would_not_count_are_refused(command, arguments, name):
-    code, _, told = command("gui", *arguments)
+def test_an_altitude_is_refused_for_a_target(command):
+    code, _, told = command("gui", "--target", "--altitude-topic", "/altitude")
     assert code == 2
-    assert name in told
+    assert "--altitude-topic can do nothing with --target" in told
