@@ -143,37 +143,28 @@ def simulate_command(  # noqa: PLR0917
         "--format": output_format, "--storage": storage, "--force": force,
     }  # fmt: skip
     _check_effects(kind, options)
-    output_format, storage = output_format or SimulationFormat.BAG, storage or StorageFormat.MCAP
     frames = FRAMES if frames is None else frames
     rate = RATE if rate is None else rate
     if live:
-        _run_live(output, seed, image_size, rate)
-        return
+        raise typer.Exit(_run_live(output, seed, image_size, rate))
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
+    written = _Written(
+        output, output_format or SimulationFormat.BAG, storage or StorageFormat.MCAP, force
+    )
     if target is not None:
         _check_target(target, frames, rate, image_size, seed)
         simulated = simulate_target(target, seed, frames, rate=rate, size=image_size)
-        _write_target(output, simulated, frames, output_format, storage=storage, force=force)
-        return
-    if survey is not None:
+        _write_target(written, simulated, frames)
+    elif survey is not None:
         usual = usual_survey(survey, seed, cable_seed or 0)
-        inspection = replace(usual, rate=rate, image_size=image_size)
-        _simulate_survey(output, inspection, storage, force)
-        return
-    if scenario is not None:
-        cable = _scenario_frames(scenario, seed, image_size, photographs)
+        _write_survey(written, replace(usual, rate=rate, image_size=image_size))
+    elif scenario is not None:
+        _write_cable(written, _scenario_frames(scenario, seed, image_size, photographs), seed)
     else:
-        cable = _own_frames(
-            SimulationSettings(
-                frame_count=frames,
-                rate=rate,
-                image_size=image_size,
-                clutter=CLUTTER if clutter is None else clutter,
-                seed=seed,
-            )
-        )
-    _write_cable(output, cable, seed, output_format, storage=storage, force=force)
+        overgrown = CLUTTER if clutter is None else clutter
+        settings = SimulationSettings(frames, rate, image_size, overgrown, seed=seed)
+        _write_cable(written, _own_frames(settings), seed)
 
 
 def _only_kind(live: bool, target: str | None, survey: float | None, scenario: str | None) -> str:
@@ -211,6 +202,28 @@ def _check_photographs(kind: str, photographs: Path | None) -> None:
             f"--photographs covers the bottom of a scenario, not of {kind}; leave it out"
         )
     raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """What is written.
+
+    Attributes
+    ----------
+    folder : Path
+        Folder of the bag or of the pictures.
+    kind : SimulationFormat
+        Which of them it is.
+    storage : StorageFormat
+        Format of the bag.
+    force : bool
+        Replace what lies there already.
+    """
+
+    folder: Path
+    kind: SimulationFormat
+    storage: StorageFormat
+    force: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,28 +268,22 @@ def _own_frames(settings: SimulationSettings) -> _CableFrames:
     return _CableFrames(settings.frame_count, simulate(settings), (dive, settings.rate))
 
 
-def _write_cable(
-    output: Path,
-    cable: _CableFrames,
-    seed: int,
-    kind: SimulationFormat,
-    *,
-    storage: StorageFormat,
-    force: bool,
-) -> None:
-    kept = kept_notes(output) if force and cable.dive is None else []
+def _write_cable(written: _Written, cable: _CableFrames, seed: int) -> None:
+    """Write the frames of a cable, with their truth."""
+    folder, storage, force = written.folder, written.storage, written.force
+    kept = kept_notes(folder) if force and cable.dive is None else []
     with progress_bar("simulating", cable.count) as progress:
         frames = counted(cable.frames, progress)
-        if kind is SimulationFormat.SEQUENCE:
-            count = write_sequence(output, frames, overwrite=force)
+        if written.kind is SimulationFormat.SEQUENCE:
+            count = write_sequence(folder, frames, overwrite=force)
         elif cable.dive is None:
-            count = write_bag(output, frames, storage=storage, overwrite=force).count
+            count = write_bag(folder, frames, storage=storage, overwrite=force).count
         else:
             count = write_instrumented_bag(
-                output, frames, *cable.dive, seed, storage=storage, overwrite=force
+                folder, frames, *cable.dive, seed, storage=storage, overwrite=force
             )
-    print_notes(output, kept)
-    console.print(f"{count} frames: {output}", soft_wrap=True)
+    print_notes(folder, kept)
+    console.print(f"{count} frames: {folder}", soft_wrap=True)
 
 
 def _check_target(
@@ -289,48 +296,39 @@ def _check_target(
     check_frames(frames, rate)
 
 
-def _write_target(
-    output: Path,
-    simulated: Iterable[TargetFrame],
-    frames: int,
-    kind: SimulationFormat,
-    *,
-    storage: StorageFormat,
-    force: bool,
-) -> None:
+def _write_target(written: _Written, simulated: Iterable[TargetFrame], frames: int) -> None:
     """Write the frames of a target's scenario, with its boxes."""
-    kept = kept_notes(output) if force else []
+    folder, force = written.folder, written.force
+    kept = kept_notes(folder) if force else []
     with progress_bar("simulating", frames) as progress:
         labelled = labelled_frames(counted(simulated, progress))
-        if kind is SimulationFormat.BAG:
-            count = write_target_bag(output, labelled, storage=storage, overwrite=force)
+        if written.kind is SimulationFormat.BAG:
+            count = write_target_bag(folder, labelled, storage=written.storage, overwrite=force)
         else:
-            count = write_target_pictures(output, labelled, overwrite=force)
-    print_notes(output, kept)
-    console.print(f"{count} frames: {output}", soft_wrap=True)
+            count = write_target_pictures(folder, labelled, overwrite=force)
+    print_notes(folder, kept)
+    console.print(f"{count} frames: {folder}", soft_wrap=True)
 
 
-def _simulate_survey(
-    output: Path, settings: SurveyDiveSettings, storage: StorageFormat, force: bool
-) -> None:
+def _write_survey(written: _Written, settings: SurveyDiveSettings) -> None:
     """Let a vehicle inspect a cable, and write everything that its bag holds."""
     with progress_bar("simulating, in m", round(settings.length)) as progress:
-        written = write_survey_bag(
-            output,
+        dive = write_survey_bag(
+            written.folder,
             settings,
-            storage=storage,
-            overwrite=force,
+            storage=written.storage,
+            overwrite=written.force,
             advance=lambda way: advance_to(progress, way),
         )
-    console.print(f"{written.frames} frames, {written.seconds:.0f} s: {output}", soft_wrap=True)
+    console.print(f"{dive.frames} frames, {dive.seconds:.0f} s: {written.folder}", soft_wrap=True)
 
 
-def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate: float) -> None:
-    """Run the simulator node in this process until its cable is at its end."""
+def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate: float) -> int:
+    """Run the simulator node in this process until its cable is at its end; return its code."""
     if output is not None:
         raise ParameterError(f"output: --live publishes and writes nothing; leave {output} out")
     entry = need_ros("entry")
     width, height = image_size
     values = {"seed": seed, "image_width": width, "image_height": height, "rate": rate}
     given = [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
-    raise typer.Exit(entry.run("simulator", ["simulator", "--ros-args", *given]))
+    return int(entry.run("simulator", ["simulator", "--ros-args", *given]))
