@@ -58,16 +58,11 @@ class Particles:
         """Return particles with these states and the same weights."""
         return Particles(states, self.log_weights)
 
-    def reweighted(self, log_likelihoods: FloatArray) -> tuple[Particles, float]:
-        """Multiply the weights by likelihoods and normalise them.
+    def reweighted(self, log_likelihoods: FloatArray) -> Particles:
+        """Multiply the weights by likelihoods, shape (N,), and normalise them.
 
-        Returns
-        -------
-        particles : Particles
-            The posterior. Where no particle has a positive weight left, the weights of before:
-            an observation that excludes everything is no information.
-        log_evidence : float
-            Logarithm of the likelihood averaged over the prior weights; -inf in that last case.
+        Where no particle has a positive weight left, the weights stay those of before: an
+        observation that excludes everything is no information.
         """
         if log_likelihoods.shape != self.log_weights.shape:
             raise ValueError(
@@ -79,8 +74,8 @@ class Particles:
             products = self.log_weights + log_likelihoods
         posterior = normalise_log_weights(products)
         if posterior.degenerate:
-            return self, -np.inf
-        return Particles(self.states, posterior.log_weights), posterior.log_evidence
+            return self
+        return Particles(self.states, posterior.log_weights)
 
     def selected(self, indices: IndexArray) -> Particles:
         """Return the particles at `indices`, equally weighted."""

@@ -18,16 +18,12 @@ class NormalisedWeights(NamedTuple):
     ----------
     log_weights : FloatArray
         Normalised log-weights, shape (N,).
-    log_evidence : float
-        Logarithm of the sum of the weights before they were normalised; -inf if degenerate, inf if
-        a weight was infinite.
     degenerate : bool
         True when no particle had a positive weight. The weights are uniform then: an observation
         that excludes every particle says nothing about which of them is better.
     """
 
     log_weights: FloatArray
-    log_evidence: float
     degenerate: bool
 
 
@@ -97,11 +93,11 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
         for row in range(len(log_weights)):
             if log_weights[row] == math.inf:
                 result[row] = -math.log(infinite)
-        return NormalisedWeights(result, math.inf, False)
+        return NormalisedWeights(result, False)
     if peak == -math.inf:
         for row in range(len(log_weights)):
             result[row] = -math.log(len(log_weights))
-        return NormalisedWeights(result, -math.inf, True)
+        return NormalisedWeights(result, True)
     total = 0.0
     for value in log_weights:
         if not math.isnan(value):
@@ -111,7 +107,7 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
         if not math.isnan(log_weights[row]):
             # The peak goes first: a sum beside a large peak would be rounded away.
             result[row] = log_weights[row] - peak - log_total
-    return NormalisedWeights(result, peak + log_total, False)
+    return NormalisedWeights(result, False)
 
 
 @compiled

@@ -51,7 +51,7 @@ def test_normalising_keeps_the_ratios(log_weights):
     result = normalise_log_weights(log_weights)
     assert not result.degenerate
     np.testing.assert_allclose(
-        result.log_weights + result.log_evidence, log_weights, rtol=1e-9, atol=1e-9
+        np.diff(result.log_weights), np.diff(log_weights), rtol=1e-9, atol=1e-9
     )
 
 
@@ -59,7 +59,6 @@ def test_normalising_keeps_the_ratios(log_weights):
 def test_weights_that_are_all_zero_or_nan_become_equal(value):
     result = normalise_log_weights(np.full(4, value))
     assert result.degenerate
-    assert result.log_evidence == -np.inf
     np.testing.assert_allclose(np.exp(result.log_weights), 0.25)
 
 
@@ -73,14 +72,12 @@ def test_infinite_weights_share_everything():
     result = normalise_log_weights(np.array([np.inf, 5.0, np.inf, -np.inf, np.nan]))
     assert not result.degenerate
     np.testing.assert_allclose(np.exp(result.log_weights), [0.5, 0.0, 0.5, 0.0, 0.0])
-    assert result.log_evidence == np.inf
 
 
 @pytest.mark.parametrize("offset", [np.log(1e-300), -700.0, -1e5, 1e5])
 def test_tiny_and_huge_weights_keep_their_ratio(offset):
     result = normalise_log_weights(offset + np.log([1.0, 3.0]))
     np.testing.assert_allclose(np.exp(result.log_weights), [0.25, 0.75], rtol=1e-9)
-    assert result.log_evidence == pytest.approx(offset + np.log(4.0), rel=1e-9)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 7, 14, 500, 1000])

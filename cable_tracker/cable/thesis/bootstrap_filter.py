@@ -104,7 +104,7 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
             moved = self._movement.propagate(particles.states, dt, self._rng, motion)
             particles = particles.moved_to(moved)
         log_likelihoods = self._observation.log_likelihoods(particles.states, image)
-        return BootstrapBelief(particles.reweighted(log_likelihoods)[0])
+        return BootstrapBelief(particles.reweighted(log_likelihoods))
 
     def _resampled(self, particles: Particles) -> Particles:
         """Resample if N_eff has fallen below the threshold.
