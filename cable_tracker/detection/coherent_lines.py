@@ -22,6 +22,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.detection.edges import magnitude, sobel
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
     DIRECTIONS,
@@ -70,7 +71,7 @@ def coarse_texture(image: WorkingImage) -> Image:
     sigma = max(TEXTURE_SIGMA * image.scale, SMALLEST_TEXTURE_SIGMA)
     smooth = np.asarray(cv2.GaussianBlur(image.pixels, (0, 0), sigma))
     level = np.maximum(smooth, 0.0) + DARK_SHARE * max(float(smooth.mean()), 0.0) + TINY
-    texture = _by_cell(gradient_lengths(*_gradients(smooth)) / level, image)
+    texture = _by_cell(magnitude(*sobel(smooth)) / level, image)
     texture = np.asarray(cv2.GaussianBlur(texture, (0, 0), TEXTURE_SIGMA))
     return np.log(texture + EVEN_SHARE * float(texture.mean()) + TINY)
 
@@ -78,21 +79,6 @@ def coarse_texture(image: WorkingImage) -> Image:
 def _by_cell(picture: Image, image: WorkingImage) -> Image:
     size = tuple(max(int(side / (CELL * image.scale)), 1) for side in image.size)
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
-
-
-def _gradients(picture: Image) -> tuple[Image, Image]:
-    """Return the gradients to the right and upwards, of any unit, shapes (m, n)."""
-    right = np.asarray(cv2.Sobel(picture, cv2.CV_32F, 1, 0, ksize=3))
-    down = np.asarray(cv2.Sobel(picture, cv2.CV_32F, 0, 1, ksize=3))
-    return right, -down
-
-
-def gradient_lengths(right: Image, up: Image) -> Image:
-    """Return the lengths of gradients.
-
-    The last bit of what OpenCV returns depends on where the data lie in memory.
-    """
-    return np.asarray(np.sqrt(right * right + up * up))
 
 
 def coherent_votes(picture: Image) -> Image:
@@ -109,8 +95,8 @@ def coherent_votes(picture: Image) -> Image:
         By direction in which it gets brighter, and offset in cells, as `strongest_lines` takes
         them: float32, shape (ANGLE_BINS, 2 middle + 1).
     """
-    right, up = _gradients(picture)
-    lengths = gradient_lengths(right, up)
+    right, up = sobel(picture)
+    lengths = magnitude(right, up)
     median = max(float(np.median(lengths)), TINY)
     factor = np.minimum(1.0 / median, GRADIENT_CAP / np.maximum(lengths, TINY))
     votes = np.zeros((ANGLE_BINS, 2 * middle_offset(picture) + 1), np.float32)

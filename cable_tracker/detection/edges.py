@@ -9,7 +9,6 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.detection.search_region import SearchRegion
-from cable_tracker.libraries import without_ipp
 from cable_tracker.tracking.robust import RAYLEIGH_MEDIAN
 
 GRADIENT_FLOOR = 0.5
@@ -38,15 +37,26 @@ class Gradient:
 
 
 def magnitude(x: Image, y: Image) -> Image:
-    """Return the lengths of vectors with components of shape (h, w), float32."""
-    with without_ipp():
-        return cv2.magnitude(x, y).astype(np.float32, copy=False)
+    """Return the lengths of vectors with components of shape (h, w), float32.
+
+    The last bit of what OpenCV returns depends on where the data lie in memory.
+    """
+    return np.asarray(np.sqrt(x * x + y * y))
+
+
+def sobel(picture: Image, scale: float = 1.0) -> tuple[Image, Image]:
+    """Return the sums of a Sobel filter to the right and upwards, float32, shapes (h, w).
+
+    `scale` is a factor on them; with 1/8 they are the gradient [grey levels per px].
+    """
+    x = cv2.Sobel(picture, cv2.CV_32F, 1, 0, ksize=3, scale=scale)
+    y = cv2.Sobel(picture, cv2.CV_32F, 0, 1, ksize=3, scale=-scale)
+    return np.asarray(x), np.asarray(y)
 
 
 def gradient_of(smooth: Image) -> Gradient:
     """Return the gradient of a picture that is smoothed already, float32 of shape (h, w)."""
-    x = cv2.Sobel(smooth, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8)
-    y = cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=3, scale=-1 / 8)
+    x, y = sobel(smooth, 1 / 8)
     modulus = magnitude(x, y)
     # Every second row and column says the same in a quarter of the time.
     scale = float(np.median(modulus[::2, ::2])) / RAYLEIGH_MEDIAN

@@ -12,7 +12,6 @@ from cable_tracker.detection.coherent_lines import (
     coarse_brightness,
     coarse_texture,
     coherent_votes,
-    gradient_lengths,
     middle_offset,
 )
 from cable_tracker.detection.vote_peaks import ANGLE_BINS
@@ -114,22 +113,3 @@ def test_a_picture_of_one_level_has_an_even_texture(level):
     texture = coarse_texture(make_working_image(np.full((240, 320), level, np.float32), 320))
     # What is left is rounding, which depends on the processor; textures that tell differ by more.
     assert np.ptp(texture) < 0.1
-
-
-def moved_in_memory(values, places):
-    room = np.empty(values.size + places, values.dtype)
-    moved = room[places:].reshape(values.shape)
-    moved[:] = values
-    return moved
-
-
-@pytest.mark.parametrize("places", [1, 2, 3, 5, 8, 13])
-def test_lengths_are_the_same_wherever_the_gradients_lie_in_memory(rng, places):
-    right, up = rng.normal(0.0, 20.0, (2, 480, 640)).astype(np.float32)
-    lengths = gradient_lengths(right, up)
-    np.testing.assert_allclose(lengths, np.hypot(right, up), rtol=1e-6)
-    for moved in (
-        gradient_lengths(moved_in_memory(right, places), up),
-        gradient_lengths(right, moved_in_memory(up, places)),
-    ):
-        np.testing.assert_array_equal(moved, lengths)
