@@ -33,7 +33,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
-from cable_tracker.tracking.rates import event_probability
+from cable_tracker.tracking.rates import event_probability, over_time
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability, survival_rates
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
@@ -139,6 +139,8 @@ class Predictor:
         ancestors, survival = self._draw_ancestors(belief, reference_angle, dt)
         birth = event_probability(parameters.appearance_rate, dt)
         existence = predict_existence(belief.presence, survival, birth)
+        # Without movement a kernel would be a point: the first frame after a given prior.
+        time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
         expected = means.copy()
         expected[:, :POSE_SIZE] = self._movement.expected(means, dt, motion)[:, :POSE_SIZE]
         prior = PriorPresence(
@@ -146,10 +148,11 @@ class Predictor:
             log_odds=belief.log_odds,
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
             birth=birth,
-            gain=gain_over(parameters.presence_gain, dt),
+            # Consecutive frames look alike, the less the longer the time between them.
+            gain=1.0 - over_time(1.0 - parameters.presence_gain, time),
             is_known=belief.is_known(parameters.known_after),
         )
-        density = self._density(ancestors, existence, expected[0], belief.memory, dt, motion)
+        density = self._density(ancestors, existence, expected[0], belief.memory, dt, time, motion)
         return Prediction(existence, density, prior, reference_angle)
 
     def _density(
@@ -159,13 +162,15 @@ class Predictor:
         leader: FloatArray,
         memory: RememberedCable | None,
         dt: float,
+        time: float,
         motion: MotionAid | None,
     ) -> PredictedDensity:
-        """Return the density of cables in view; `leader` (8,) is where the leading one will be."""
+        """Return the density of cables in view.
+
+        `leader` (8,) is where the leading one will be, `time` that over which kernels spread [s].
+        """
         parameters = self._parameters
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
-        # Without movement the kernel would be a point: the first frame after a given prior.
-        time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
         scales = self._movement.diffusion_scales(time, motion)
         switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
@@ -202,16 +207,6 @@ class Predictor:
         return surviving_ancestors(
             drawn, reference_angle, self._image_size, self._survival_rates, dt
         )
-
-
-def gain_over(gain: float, dt: float) -> float:
-    """Return the share of a frame's log-likelihood ratio that is new after `dt` seconds.
-
-    `gain` is that share at 25 frames per second. Consecutive frames look alike, the less the longer
-    the time between them.
-    """
-    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
-    return 1.0 - math.pow(1.0 - gain, frames)
 
 
 def draw_ancestors(

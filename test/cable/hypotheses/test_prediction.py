@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.prediction import (
@@ -11,7 +9,6 @@ from cable_tracker.cable.hypotheses.prediction import (
     Ancestors,
     Predictor,
     draw_ancestors,
-    gain_over,
     surviving_ancestors,
     with_map_in_birth_density,
 )
@@ -99,21 +96,18 @@ def test_ancestors_are_written_in_the_chart_about_the_reference(rng):
     np.testing.assert_allclose(after.states[:, 1], 1.5 - np.pi)
 
 
-@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
-def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
-    assert gain_over(gain, 0.04) == pytest.approx(gain)
-    assert gain_over(gain, 0.0) == pytest.approx(gain)
-    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)
-
-
 @pytest.mark.parametrize(("dt", "time"), [(0.005, 0.005), (0.04, 0.04), (1.0, 1.0), (0.0, 0.04)])
-def test_survivors_diffuse_by_the_time_between_frames_and_by_one_frame_after_a_prior(dt, time, rng):
+def test_survivors_diffuse_and_frames_count_by_the_time_between_and_by_one_after_a_prior(
+    dt, time, rng
+):
     parameters = TrackerParameters()
     movement = CableMovement(parameters, SIZE[0])
     box = search_box(parameters, SIZE[0])
     belief = initial_belief(box.draw(50, rng), 0.9)
-    density = Predictor(parameters, movement, box, SIZE, rng).predict(belief, dt, None).density
-    scales = movement.diffusion_scales(time)
+    prediction = Predictor(parameters, movement, box, SIZE, rng).predict(belief, dt, None)
+    repeated = 1.0 - parameters.presence_gain
+    assert prediction.prior.gain == pytest.approx(1.0 - repeated ** (25.0 * time))
+    density, scales = prediction.density, movement.diffusion_scales(time)
     np.testing.assert_allclose(density.kernels.scales, scales[:4])
     np.testing.assert_allclose(density.rate_scales, scales[4:])
 
