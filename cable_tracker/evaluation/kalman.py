@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import states_in_chart, wrapped_estimate
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.geometry import wrapped_estimate
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
+from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
 
@@ -137,10 +138,7 @@ class CableKalmanFilter:
 
     def _innovation(self, measured: CableState) -> FloatArray:
         """Return measured minus expected, with the line written as the expected one is."""
-        angle = float(self.mean[StateColumn.ANGLE])
-        chart = states_in_chart(measured.to_array()[None, :], angle)[0]
-        innovation: FloatArray = chart[:POSE_SIZE] - self.mean[:POSE_SIZE]
-        return innovation
+        return state_errors(measured, CableState.from_array(self.mean))
 
     def _innovation_covariance(self) -> FloatArray:
         return self.covariance[:POSE_SIZE, :POSE_SIZE] + self._measurement_noise()

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.geometry import states_in_chart, turned_covariance
+from cable_tracker.cable.model.geometry import wrapped_estimate
 from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
 from cable_tracker.sequences.labels.sequence_file import APART
@@ -194,8 +194,5 @@ def _in_chart(outcome: FrameOutcome) -> tuple[FloatArray, FloatArray]:
     covariance = outcome.estimate.covariance
     if outcome.truth is None or not np.isfinite(values).all():
         return values[:POSE_SIZE], covariance[:POSE_SIZE, :POSE_SIZE]
-    chart = states_in_chart(values[None, :], outcome.truth.angle)[0]
-    half_turns = round((chart[StateColumn.ANGLE] - values[StateColumn.ANGLE]) / np.pi)
-    if half_turns % 2:
-        covariance = turned_covariance(covariance)
+    chart, covariance = wrapped_estimate(values, covariance, outcome.truth.angle)
     return chart[:POSE_SIZE], covariance[:POSE_SIZE, :POSE_SIZE]

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.cable.model.geometry import states_in_chart, wraps_between
+from cable_tracker.cable.model.geometry import wrap_state, wraps_between
 from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
@@ -130,7 +130,7 @@ def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
     """Return d, alpha, w, beta of the truth, on the same side of the wrap as the estimate."""
     values = truth.to_array()
     if estimate is not None and estimate.is_finite():
-        values = states_in_chart(values[None, :], estimate.angle)[0]
+        values = wrap_state(values, estimate.angle)
     return values[:4]
 
 

@@ -24,6 +24,7 @@ from cable_tracker.cable.model.state import (
     SKEW,
     STATE_SIZE,
     WIDTH,
+    CableState,
     StateColumn,
 )
 from cable_tracker.compilation import compiled, compiled_inside
@@ -201,22 +202,32 @@ def wrap_states(states: FloatArray) -> FloatArray:
     return states_in_chart(states, 0.0)
 
 
-def wrap_state(state: FloatArray) -> FloatArray:
-    """Write one cable, shape (8,), with its normal angle in (-pi/2, pi/2]."""
-    if -math.pi / 2 < state[StateColumn.ANGLE] <= math.pi / 2:
+def wrap_state(state: FloatArray, reference_angle: float = 0.0) -> FloatArray:
+    """Write one cable, shape (8,), with its normal angle within pi/2 of a reference angle.
+
+    One that has it there stays as it is, bit for bit.
+    """
+    if -math.pi / 2 < state[StateColumn.ANGLE] - reference_angle <= math.pi / 2:
         return state.copy()
-    wrapped: FloatArray = wrap_states(state[None, :])[0]
+    wrapped: FloatArray = states_in_chart(state[None, :], reference_angle)[0]
     return wrapped
 
 
-def wrapped_estimate(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Write an estimate, shapes (8,) and (8, 8), with its normal angle in (-pi/2, pi/2]."""
-    wrapped = wrap_state(mean)
+def wrapped_cable(state: CableState) -> CableState:
+    """Return the same cable with its normal angle in (-pi/2, pi/2]."""
+    return CableState.from_array(wrap_state(state.to_array()))
+
+
+def wrapped_estimate(
+    mean: FloatArray, covariance: FloatArray, reference_angle: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Write an estimate, shapes (8,) and (8, 8), with its normal angle within pi/2 of another."""
+    wrapped = wrap_state(mean, reference_angle)
     half_turns = round(float(mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / math.pi)
-    return wrapped, turned_covariance(covariance) if half_turns % 2 else covariance
+    return wrapped, _turned_covariance(covariance) if half_turns % 2 else covariance
 
 
-def turned_covariance(covariance: FloatArray) -> FloatArray:
+def _turned_covariance(covariance: FloatArray) -> FloatArray:
     """Return the covariance (8, 8) of a cable whose normal is turned round."""
     turned: FloatArray = covariance * np.outer(TURNED_SIGNS, TURNED_SIGNS)
     return turned

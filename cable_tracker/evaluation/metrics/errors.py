@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, CableState
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.sample_statistics import mean
@@ -58,7 +58,7 @@ class ErrorSummary:
 
 def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
     """Return estimate minus truth of d, alpha, w, beta, shape (4,), also across the wrap."""
-    chart = states_in_chart(estimate.to_array()[None, :], truth.angle)[0]
+    chart = wrap_state(estimate.to_array(), truth.angle)
     errors: FloatArray = chart[:POSE_SIZE] - truth.to_array()[:POSE_SIZE]
     return errors
 

@@ -18,10 +18,10 @@ from cable_tracker.cable.model.geometry import (
     states_from_borders,
     states_in_chart,
     wrap_states,
+    wrapped_cable,
 )
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.labels.sequence_file import wrapped_if_outside
 
 NO_CABLE = "no_cable"
 
@@ -127,7 +127,7 @@ def state_from_page(values: Iterable[object]) -> CableState:
     if abs(distance) > LARGEST_LENGTH:
         raise ParameterError(f"d must be within ±{LARGEST_LENGTH:g} px, not {distance:g}")
     # Wrapping rounds; what was typed must stay as it is.
-    return wrapped_if_outside(CableState(*numbers))
+    return wrapped_cable(CableState(*numbers))
 
 
 def interpolated_states(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -123,7 +123,7 @@ class Proposer:
         if seconds <= 0.0:
             return state
         now = state.to_array()
-        then = states_in_chart(before.state.to_array()[None], state.angle)[0]
+        then = wrap_state(before.state.to_array(), state.angle)
         rates = (now - then)[:2] / seconds
         return replace(state, distance_rate=float(rates[0]), angle_rate=float(rates[1]))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.errors import MetricError, one_line
 from cable_tracker.libraries import REFUSALS
@@ -187,7 +187,7 @@ class MotionAiding:
             self._gate.interrupt()
             return
         expected = move_states(before.state.to_array()[None, :], predicted.mapping)[0]
-        seen = states_in_chart(estimate.state.to_array()[None, :], float(expected[1]))[0]
+        seen = wrap_state(estimate.state.to_array(), float(expected[1]))
         self._gate.compare(
             seen[:CHECKED] - expected[:CHECKED],
             predicted.place_sigmas[:CHECKED] ** 2,

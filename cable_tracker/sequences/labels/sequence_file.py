@@ -14,9 +14,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
-import numpy as np
-
-from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.geometry import wrapped_cable
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import (
     FrameError,
@@ -70,13 +68,6 @@ class Label:
 
     def __str__(self) -> str:
         return self.filename if self.frame is None else f"{self.filename}:{self.frame}"
-
-
-def wrapped_if_outside(state: CableState) -> CableState:
-    """Return a state with its angle in (-pi/2, pi/2]; one that has it there stays as it is."""
-    if -math.pi / 2 < state.angle <= math.pi / 2:
-        return state
-    return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
 
 
 def _parse_name(text: str) -> tuple[str, int | None]:
@@ -149,7 +140,7 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
     _check_video(filename, frame)
-    return Label(wrapped_if_outside(CableState(*values)), filename, frame, line)
+    return Label(wrapped_cable(CableState(*values)), filename, frame, line)
 
 
 def _read_lines(path: Path) -> Iterator[str]:

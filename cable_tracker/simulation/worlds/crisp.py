@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.worlds.motion import WORLD_RATE
@@ -105,6 +105,6 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
         grain: Image = rng.standard_normal(seen.shape, np.float32)
         seen = seen + np.float32(noise) * grain
         picture = eight_bits(seen)
-        truth = CableState.from_array(wrap_states(state[None, :])[0])
+        truth = CableState.from_array(wrap_state(state))
         yield SimulatedFrame(make_frame(index, WORLD_RATE, picture, truth), 1.0)
         state[DISTANCE] += DRIFT * scale * rng.standard_normal()

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import LENGTHS, CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.rendering.texture import smooth_step
@@ -178,8 +178,7 @@ class WorldDive:
         for index, state in enumerate(self.states):
             image = self._render(index, state)
             visibility = self._visibility(index, state)
-            wrapped = wrap_states(state[None, :])[0]
-            truth = CableState.from_array(wrapped) if visibility != 0.0 else None
+            truth = CableState.from_array(wrap_state(state)) if visibility != 0.0 else None
             yield SimulatedFrame(make_frame(index, WORLD_RATE, image, truth), visibility)
 
     def _render(self, index: int, state: FloatArray) -> Image:
