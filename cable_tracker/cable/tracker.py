@@ -65,15 +65,23 @@ class CableTracker:
     ) -> None:
         self._parameters = parameters if parameters is not None else TrackerParameters()
         self._proposer = proposer if proposer is not None else NoProposer()
-        self._rng = np.random.default_rng(self._parameters.seed)
         self._table = load_table(self._parameters.response_table)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything; the next frame is like the first, with the same random numbers."""
+        self._rng = np.random.default_rng(self._parameters.seed)
+        self._given: GivenState | None = None
+        self._notice = ""
+        self._frame: FrameMark | None = None
+        self._start_anew()
+
+    def _start_anew(self) -> None:
+        """Forget what the frames before have shown."""
         self._filter: CableFilter[Any] | None = None
         self._belief: ParticleBelief | None = None
         self._pictures = NO_HISTORY
-        self._given: GivenState | None = None
-        self._notice = ""
         self._status = StatusMachine()
-        self._frame: FrameMark | None = None
 
     @property
     def parameters(self) -> TrackerParameters:
@@ -117,17 +125,6 @@ class CableTracker:
             self._belief = self._filter.converted(self._belief)
         if proposer is not None:
             self._proposer = proposer
-
-    def reset(self) -> None:
-        """Forget everything; the next frame is like the first, with the same random numbers."""
-        self._rng = np.random.default_rng(self._parameters.seed)
-        self._filter = None
-        self._belief = None
-        self._pictures = NO_HISTORY
-        self._given = None
-        self._status = StatusMachine()
-        self._notice = ""
-        self._frame = None
 
     def copy(self) -> CableTracker:
         """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
@@ -182,10 +179,7 @@ class CableTracker:
         has_previous_frame = self._frame is not None
         step = succession(self._frame, frame, self._parameters.maximum_gap)
         if step.event:
-            self._filter = None
-            self._belief = None
-            self._pictures = NO_HISTORY
-            self._status = StatusMachine()
+            self._start_anew()
         self._frame = frame
         working_image = working_image_for(image, self._parameters, self._pictures, step.dt)
         known = motion if has_previous_frame and not step.event else None
