@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.predict.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
+from cable_tracker.cable.hypotheses.predict.frame_noise import BIRTH_TAIL
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import (
     image_reach,
@@ -145,33 +145,29 @@ def birth_density_of(
 
 def draw_births(births: BirthDensity, count: int, rng: np.random.Generator) -> FloatArray:
     """Draw cables with their angle in (-pi/2, pi/2], shape (count, 8), none by the map."""
-    noise = FrameNoise(
-        np.empty((0, STATE_SIZE)),
-        np.empty((0, 2)),
-        rng.random((count, STATE_SIZE)),
-        rng.standard_t(BIRTH_TAIL, (count, POSE_SIZE)),
-        np.empty((0, POSE_SIZE)),
-        np.empty(0),
-        np.empty((0, ALIKE)),
-    )
+    uniform = rng.random((count, STATE_SIZE))
+    about_memory = rng.standard_t(BIRTH_TAIL, (count, POSE_SIZE))
     states = np.empty((count, STATE_SIZE))
-    place_births(states, 0, count, births.remembered_of(count), births, noise)
+    place_births(states, 0, count, births.remembered_of(count), births, uniform, about_memory)
     return wrap_states(states)
 
 
 @compiled_loop
 def place_births(
     states: FloatArray, start: int, stop: int, remembered: int, births: BirthDensity,
-    noise: FrameNoise,
+    uniform: FloatArray, about_memory: FloatArray,
 ) -> None:  # fmt: skip
-    """Draw births into the rows from `start` to `stop`, first those about the memory."""
+    """Draw births into the rows from `start` to `stop`, first those about the memory.
+
+    `uniform` and `about_memory` as in `FrameNoise`.
+    """
     for row in range(start, stop):
         if row - start < remembered:
-            _place_near(states[row], noise.about_memory[row - start], births)
+            _place_near(states[row], about_memory[row - start], births)
         else:
             for column in range(STATE_SIZE):
                 states[row, column] = between(
-                    births.lower[column], births.upper[column], noise.uniform[row, column]
+                    births.lower[column], births.upper[column], uniform[row, column]
                 )
 
 

@@ -175,8 +175,9 @@ def _place_first(
         add_rates(states[row], row, ancestor, predicted, noise)
     first = counts.survivors + counts.births
     place_births(
-        states, counts.survivors, first, counts.births_near_memory, predicted.births, noise
-    )
+        states, counts.survivors, first, counts.births_near_memory, predicted.births,
+        noise.uniform, noise.about_memory,
+    )  # fmt: skip
     for row in range(first):
         state_in_chart(states[row], inputs.reference_angle, states[row])
     switched = first + counts.switches
