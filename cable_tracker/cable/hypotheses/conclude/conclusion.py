@@ -206,7 +206,9 @@ def conclude(
     groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
-    corrected = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
+    map_log_ratios = sample.map_log_ratios[: len(states)]
+    particles = WeighedParticles(states, log_prior, log_posterior, sample.densities, map_log_ratios)
+    corrected = corrected_clusters(particles, groups, inputs, config)
     clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
     log_odds = _log_odds(corrected, clear, sample, inputs, config, prior)
     order = most_probable_first(corrected.clusters.masses, log_odds)
@@ -220,36 +222,22 @@ def conclude(
 
 @compiled_part
 def corrected_clusters(
-    states: FloatArray,
-    log_prior: FloatArray,
-    log_posterior: FloatArray,
-    groups: Groups,
-    sample: Sample,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
+    particles: WeighedParticles, groups: Groups, inputs: ProposalInputs, config: ProposalConfig
 ) -> CorrectedClusters:
     """Correct the weights of the particles, and return their clusters.
 
     Parameters
     ----------
-    states : FloatArray
-        The particles, angles in (-pi/2, pi/2], shape (N, 8).
-    log_prior, log_posterior : FloatArray
-        Their log-weights before and after the frame, shape (N,).
+    particles : WeighedParticles
+        The particles, angles in (-pi/2, pi/2].
     groups : Groups
-        Groups of particles by the posterior, at least one.
-    sample, inputs, config : Sample, ProposalInputs, ProposalConfig
-        The sample that they come from, and what it was drawn with.
+        Groups of them by the posterior, at least one.
+    inputs, config : ProposalInputs, ProposalConfig
+        What they were drawn with.
     """
+    states = particles.states
     background, appearances = _background_and_appearances(
-        states, log_posterior, groups, inputs, config
-    )
-    particles = WeighedParticles(
-        states,
-        log_prior,
-        log_posterior,
-        sample.densities,
-        sample.map_log_ratios[: len(states)],
+        states, particles.log_posterior, groups, inputs, config
     )
     measured = MeasuredGroups(groups, background.alike, appearances)
     log_weights = normalise_log_weights(
