@@ -160,31 +160,22 @@ def _scan_both(
     gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
     turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)
     scale = max(_gradient_scale(gradients, turned_gradients), NOISE_FLOOR)
-    if not len(kernels.region):
-        _multiply(gradients.reshape(-1), np.float32(1.0 / scale))
-        _multiply(turned_gradients.reshape(-1), np.float32(1.0 / scale))
-        return (
-            ScanLines(gradients, smooth, places[0]),
-            ScanLines(turned_gradients, turned_smooth, places[1]),
-            scale,
-            SMALLEST_CONTRAST,
-            ROUND,
+    for values in (gradients, turned_gradients):
+        _multiply(values.reshape(-1), np.float32(1.0 / scale))
+    contrast_scale, shape = SMALLEST_CONTRAST, ROUND
+    if len(kernels.region):
+        contrast_scale = max(
+            _contrast_scale(smooth, turned_smooth, kernels.contrast_lag), SMALLEST_CONTRAST
         )
-    contrast_scale = _contrast_scale(smooth, turned_smooth, kernels.contrast_lag)
-    contrast_scale = max(contrast_scale, SMALLEST_CONTRAST)
-    for values, unit in (
-        (gradients.reshape(-1), scale),
-        (turned_gradients.reshape(-1), scale),
-        (smooth.reshape(-1), contrast_scale),
-        (turned_smooth.reshape(-1), contrast_scale),
-    ):
-        _multiply(values, np.float32(1.0 / unit))
+        for values in (smooth, turned_smooth):
+            _multiply(values.reshape(-1), np.float32(1.0 / contrast_scale))
+        shape = gradient_shape(gradients, turned_gradients)
     return (
         ScanLines(gradients, smooth, places[0]),
         ScanLines(turned_gradients, turned_smooth, places[1]),
         scale,
         contrast_scale,
-        gradient_shape(gradients, turned_gradients),
+        shape,
     )
 
 
