@@ -57,7 +57,7 @@ def _record_points(
     for border in range(2 * len(states)):
         state, side = states[border // 2], border_side(border % 2)
         depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
-        steep, _, crossing = border_on_scan(state, side, scan, -side, depths, True)
+        steep, _, crossing = border_on_scan(state, side, scan, -side, depths)
         lines = scan.rows if steep else scan.columns
         for start in range(0, len(lines.places), BLOCK):
             first, found = find_crossings(lines, start, crossing, crossings)

@@ -105,7 +105,7 @@ def _sum_responses(
     for cable in range(len(states)):
         for border in range(2):
             side = border_side(border)
-            steep, along, line = border_on_scan(states[cable], side, scan, 1.0, NO_DEPTHS, False)
+            steep, along, line = border_on_scan(states[cable], side, scan, 1.0, NO_DEPTHS)
             lines = scan.rows if steep else scan.columns
             total, count = np.float32(0.0), 0
             for start in range(0, len(lines.places), BLOCK):

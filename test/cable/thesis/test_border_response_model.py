@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.picture.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import (
@@ -43,11 +43,15 @@ def literal_sums(state, picture, spacing=20.0, sigma=1.6, taps=11) -> np.ndarray
     return sums
 
 
+def working_image(picture, **replaced) -> WorkingImage:
+    return working_image_for(picture, PARAMETERS.replaced(replaced))
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.2, -0.6, 1.3, np.pi / 2])
 def test_sums_are_those_of_the_filter_of_the_thesis(draw_strip, angle):
     state = CableState(12.0, angle, 40.0, 0.02)
     picture = draw_strip(state, SIZE, blur=2.0).astype(np.float32)
-    image = make_working_image(picture, 320, sample_spacing=20.0)
+    image = working_image(picture, sample_spacing=20.0)
     (found,), (lengths,) = border_sums(state.to_array()[None], image)
     expected = literal_sums(state.to_array(), picture)
     # Neither the places of the points nor the smoothing along the border are the same.
@@ -66,14 +70,14 @@ def test_evidence_does_not_depend_on_the_size_of_the_frame(draw_strip, rng):
     small = cv2.resize(large, (160, 120), interpolation=cv2.INTER_AREA)
     half = CableState(STRIP.distance / 2, STRIP.angle, STRIP.width / 2, STRIP.skew)
     of_small, of_large = (
-        MODEL.evidence(state.to_array(), make_working_image(image, 320))
+        MODEL.evidence(state.to_array(), working_image(image))
         for state, image in ((half, small), (STRIP, large))
     )
     assert of_small == pytest.approx(of_large, rel=0.25)
 
 
 def test_the_true_cable_has_more_evidence_than_another_and_one_outside_none(draw_strip):
-    image = make_working_image(draw_strip(STRIP, SIZE), 320, sample_spacing=20.0)
+    image = working_image(draw_strip(STRIP, SIZE), sample_spacing=20.0)
     true, beside, outside = (
         MODEL.evidence(STRIP.to_array() + np.array([shift, *[0.0] * 7]), image)
         for shift in (0.0, 30.0, 500.0)
@@ -85,7 +89,7 @@ def test_the_true_cable_has_more_evidence_than_another_and_one_outside_none(draw
 @given(st.integers(0, 2**32 - 1))
 def test_how_a_cable_is_written_makes_no_difference(seed):
     rng = np.random.default_rng(seed)
-    image = make_working_image(rng.normal(100, 20, SIZE[::-1]).astype(np.float32), 320)
+    image = working_image(rng.normal(100, 20, SIZE[::-1]).astype(np.float32))
     one = rng.uniform([-90, -1.5, 8, -0.2, 0, 0, 0, 0], [90, 1.5, 90, 0.2, 1, 1, 1, 1])
     other = one * np.array([-1, 1, 1, -1, -1, 1, 1, -1]) + np.pi * np.eye(8)[1]
     both = MODEL.log_likelihoods(np.array([one, other]), image)

@@ -168,7 +168,7 @@ def border_appearance(
     """
     width = width_across(state, scan.reduction)
     depths = contrast_depths(width, scan.scale)
-    steep, component, line = border_on_scan(state, side, scan, -side, depths, True)
+    steep, component, line = border_on_scan(state, side, scan, -side, depths)
     lines = scan.rows if steep else scan.columns
     stretch = -side / component
     scale = stretch_scale(stretch_axis(state, scan), line, steep)

@@ -206,7 +206,6 @@ def border_on_scan(
     scan: ScanInputs,
     inward: float,
     depths: tuple[float, float, float],
-    directional: bool,
 ) -> tuple[bool, float, BorderLine]:
     """Return how a border of a cable lies on the scan lines of a frame.
 
@@ -220,8 +219,6 @@ def border_on_scan(
         The frame.
     inward, depths : float, (float, float, float)
         See `border_line`.
-    directional : bool
-        Whether responses are divided by the scale of the gradients in their direction.
 
     Returns
     -------
@@ -230,7 +227,7 @@ def border_on_scan(
         these lines; how it crosses them.
     """
     steep, along, across, offset = border_normal(state, side, scan.reduction)
-    gain = gain_across(steep, along, across, scan.shape) if directional else 1.0
+    gain = gain_across(steep, along, across, scan.shape)
     return steep, along, border_line(along, across, offset, inward, depths, scan.scale, gain)
 
 

@@ -228,7 +228,7 @@ def fill_measures(
         axis = stretch_axis(state, scan)
         for border in range(2):
             side = border_side(border)
-            steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
+            steep, _, line = border_on_scan(state, side, scan, -side, depths)
             lines = scan.rows if steep else scan.columns
             scale = stretch_scale(axis, line, steep)
             lengths[border] = _sum_border(

@@ -159,7 +159,7 @@ def test_a_stretch_lies_across_the_cable_on_both_borders(angle, distance, skew):
     depths = contrast_depths(40.0, 1.0)
     for border in range(2):
         side = border_side(border)
-        steep, _, line = border_on_scan(state, side, scan, -side, depths, True)
+        steep, _, line = border_on_scan(state, side, scan, -side, depths)
         scale = stretch_scale(stretch_axis(state, scan), line, steep)
         for place in (-50.0, 0.0, 70.0):
             along = line.start + line.step * place
