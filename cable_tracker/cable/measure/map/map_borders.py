@@ -33,7 +33,7 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import (
     compiled,
     compiled_fast_loop,
-    compiled_loop,
+    compiled_inside,
     compiled_part,
 )
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
@@ -109,7 +109,7 @@ def map_borders(
         Pixels of the picture per pixel of the frame.
     """
     if not is_worked_out(cable_map):
-        return MapBorders(0.0, 0.0, 0.0)
+        return AS_THE_STRIP
     widening = _widening(state, cable_map)
     if state[WIDTH] < LEAST_WITH_RIM * cable_map.cell:
         return MapBorders(widening, 0.0, 0.0)
@@ -178,7 +178,7 @@ def _without_rims(state: FloatArray, left_rim: float, right_rim: float) -> Float
     return rest
 
 
-@compiled_loop
+@compiled_part
 def _is_shadow(
     state: FloatArray, border: int, rim: float, cell: float, picture: Image, reduction: float
 ) -> bool:
@@ -194,8 +194,7 @@ def _is_shadow(
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
     height, width = picture.shape
     margin = BESIDE_EDGES * width / (reduction * REFERENCE_WIDTH)
-    number_inside, sum_inside, squares_inside = 0, 0.0, 0.0
-    number_beyond, sum_beyond, squares_beyond = 0, 0.0, 0.0
+    inside, beyond = np.zeros(3), np.zeros(3)
     for row in range(0, height, 2):
         y = (0.5 * (height - 1) - row) / reduction
         for column in range(0, width, 2):
@@ -205,19 +204,32 @@ def _is_shadow(
                 continue
             level = picture[row, column]
             if inwards < 0.0:
-                number_beyond += 1
-                sum_beyond += level
-                squares_beyond += level * level
+                _add_level(level, beyond)
             elif inwards < rim - margin:
-                number_inside += 1
-                sum_inside += level
-                squares_inside += level * level
-    if min(number_inside, number_beyond) < FEWEST_PIXELS:
+                _add_level(level, inside)
+    return _is_darker(inside, beyond)
+
+
+@compiled_inside
+def _add_level(level: float, moments: FloatArray) -> None:
+    """Add a grey level to number, sum, and sum of squares of those before, shape (3,)."""
+    moments[0] += 1.0
+    moments[1] += level
+    moments[2] += level * level
+
+
+@compiled_inside
+def _is_darker(one: FloatArray, other: FloatArray) -> bool:
+    """Tell whether the levels with some moments (3,) are much darker than others; see `_add_level`.
+
+    Not with fewer than `FEWEST_PIXELS` of either.
+    """
+    if min(one[0], other[0]) < FEWEST_PIXELS:
         return False
-    inside, beyond = sum_inside / number_inside, sum_beyond / number_beyond
-    variance = squares_inside / number_inside - inside**2
-    variance += squares_beyond / number_beyond - beyond**2
-    is_darker: bool = beyond - inside >= LEAST_DARKNESS * math.sqrt(max(0.5 * variance, 1.0))
+    dark, bright = one[1] / one[0], other[1] / other[0]
+    variance = one[2] / one[0] - dark**2
+    variance += other[2] / other[0] - bright**2
+    is_darker: bool = bright - dark >= LEAST_DARKNESS * math.sqrt(max(0.5 * variance, 1.0))
     return is_darker
 
 
