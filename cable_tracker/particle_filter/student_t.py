@@ -31,8 +31,6 @@ def standard_student_t(
 ) -> FloatArray:
     """Draw from the distribution of location zero and unit scale, shape (count, dimensions)."""
     normal = rng.standard_normal((count, dimensions))
-    if math.isinf(degrees_of_freedom):
-        return normal
     return normal * student_t_stretches(rng, count, 1, degrees_of_freedom)
 
 
