@@ -135,11 +135,8 @@ class MethodRun:
         if count:
             self._method = self._make(self._seed + count)
         if self._start is Start.TRUTH and frame.truth is not None:
-            truth = frame.truth
             # A label file has no rates, so the simulator's are not told either.
-            self._method.initialise(
-                CableState(truth.distance, truth.angle, truth.width, truth.skew)
-            )
+            self._method.initialise(frame.truth.at_rest())
 
     def _add_picture(
         self, sheet: ContactSheet, frame: EvaluationFrame, estimate: CableEstimate

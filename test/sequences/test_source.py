@@ -35,10 +35,6 @@ def labelled(source: Source) -> dict[int, CableState]:
     return {frame.index: frame.truth for frame in source.frames() if frame.truth is not None}
 
 
-def resting(state: CableState) -> CableState:
-    return CableState(state.distance, state.angle, state.width, state.skew)
-
-
 def test_the_path_decides_the_kind(make_bag, make_ros1_bag, make_video, pictures, write_truth):
     video = make_video()
     bag = make_bag()
@@ -123,13 +119,13 @@ def test_labels_are_attached_to_a_video_by_number(make_video, write_truth, state
     truth = write_truth(("dive.avi", 2), ("dive.avi", 7))
     source = open_source(make_video(), truth=truth)
     assert source.has_truth
-    assert labelled(source) == {2: resting(state(0)), 7: resting(state(1))}
+    assert labelled(source) == {2: state(0).at_rest(), 7: state(1).at_rest()}
 
 
 def test_labels_are_attached_to_a_bag_by_number(make_bag, write_truth, state):
     source = open_source(make_bag(truth=False), truth=write_truth(("strip.mp4", 3)))
     assert source.has_truth
-    assert labelled(source) == {3: resting(state(0))}
+    assert labelled(source) == {3: state(0).at_rest()}
 
 
 def test_truth_of_a_bag_is_attached_to_a_bag_by_time_and_to_others_by_order(tmp_path):
@@ -172,8 +168,8 @@ def test_a_bag_without_truth_is_no_truth(tmp_path, make_bag):
 def test_labels_are_attached_to_pictures_by_name(pictures, write_truth, state):
     truth = write_truth(("pictures/3.png", None), ("0.png", None))
     assert labelled(open_source(pictures, truth=truth)) == {
-        3: resting(state(0)),
-        0: resting(state(1)),
+        3: state(0).at_rest(),
+        0: state(1).at_rest(),
     }
 
 
@@ -198,13 +194,13 @@ def test_of_labels_for_several_folders_the_own_ones_count(
     (tmp_path / place).mkdir(exist_ok=True)
     moved = truth.replace(tmp_path / place / "truth.txt")
     day1, day2 = (labelled(open_source(folder, truth=moved)) for folder in days)
-    assert day1 == {0: resting(state(0)), 1: resting(state(2))}
-    assert day2 == {0: resting(state(1))}
+    assert day1 == {0: state(0).at_rest(), 1: state(2).at_rest()}
+    assert day2 == {0: state(1).at_rest()}
 
 
 def test_a_folder_is_known_by_its_place_before_its_name(days, write_truth, state):
     truth = write_truth(("old/day1/0.png", None), ("dives/day1/0.png", None))
-    assert labelled(open_source(days[0], truth=truth)) == {0: resting(state(1))}
+    assert labelled(open_source(days[0], truth=truth)) == {0: state(1).at_rest()}
 
 
 def test_labels_of_other_folders_that_could_both_be_meant_are_refused(days, write_truth):
@@ -216,8 +212,8 @@ def test_labels_of_other_folders_that_could_both_be_meant_are_refused(days, writ
 def test_labels_of_a_folder_that_was_renamed_are_attached_by_name(days, write_truth, state):
     truth = write_truth(("a/0.png", None), ("a/1.png", None))
     assert labelled(open_source(days[0], truth=truth)) == {
-        0: resting(state(0)),
-        1: resting(state(1)),
+        0: state(0).at_rest(),
+        1: state(1).at_rest(),
     }
 
 
@@ -226,7 +222,7 @@ def test_of_labels_for_videos_of_one_name_those_of_the_own_folder_count(
 ):
     video = make_video()
     truth = write_truth(("other/dive.avi", 2), ("dive.avi", 2))
-    assert labelled(open_source(video, truth=truth)) == {2: resting(state(1))}
+    assert labelled(open_source(video, truth=truth)) == {2: state(1).at_rest()}
     truth = write_truth(("other/dive.avi", 2), ("third/dive.avi", 2))
     with pytest.raises(RecordingError, match="either of which"):
         open_source(video, truth=truth)
@@ -234,12 +230,12 @@ def test_of_labels_for_videos_of_one_name_those_of_the_own_folder_count(
 
 def test_labels_are_attached_to_pictures_by_number(pictures, write_truth, state):
     truth = write_truth(("strip.mp4", 1))
-    assert labelled(open_source(pictures, truth=truth)) == {1: resting(state(0))}
+    assert labelled(open_source(pictures, truth=truth)) == {1: state(0).at_rest()}
 
 
 def test_of_labels_for_several_videos_the_own_ones_count(make_video, write_truth, state):
     truth = write_truth(("other.mp4", 1), ("dive.avi", 2))
-    assert labelled(open_source(make_video(), truth=truth)) == {2: resting(state(1))}
+    assert labelled(open_source(make_video(), truth=truth)) == {2: state(1).at_rest()}
 
 
 def test_labels_for_several_other_videos_are_refused(make_video, write_truth):
