@@ -17,6 +17,7 @@ from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
     WorldSequence,
     available_sequences,
+    frames_in_all,
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -178,9 +179,7 @@ def labelled_recording(recording: Source, plan: LearningPlan) -> LabelledSequenc
 
 def total_of(sequences: Iterable[LabelledSequence]) -> int | None:
     """Return the number of all frames; None if it is unknown of one."""
-    counts = [sequence.frame_count for sequence in sequences]
-    known = [count for count in counts if count is not None]
-    return sum(known) if len(known) == len(counts) else None
+    return frames_in_all(sequence.frame_count for sequence in sequences)
 
 
 @dataclass(slots=True)

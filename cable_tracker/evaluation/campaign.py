@@ -9,7 +9,7 @@ from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence
+from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all
 from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
@@ -65,9 +65,8 @@ class Campaign:
         RecordingError
             A recording cannot be judged by.
         """
-        counts = [sequence.frame_count() for sequence in self.sequences]
-        known = [count for count in counts if count is not None]
-        return sum(known) * len(self.seeds) if len(known) == len(counts) else None
+        counts = (sequence.frame_count() for sequence in self.sequences)
+        return frames_in_all(counts, len(self.seeds))
 
 
 @dataclass(frozen=True, slots=True)

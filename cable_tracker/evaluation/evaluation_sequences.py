@@ -324,6 +324,12 @@ def _why_not_drawn(sequence: EvaluationSequence) -> str:
     return ""
 
 
+def frames_in_all(counts: Iterable[int | None], runs: int = 1) -> int | None:
+    """Return how many frames sequences have in so many runs of each; None if one does not say."""
+    known = list(counts)
+    return None if None in known else runs * sum(count or 0 for count in known)
+
+
 def left_out_notes(left_out: Mapping[str, str]) -> tuple[str, ...]:
     """Return a note in Markdown about each sequence left out; `left_out`: reasons by name."""
     return tuple(f"`{name}` is left out: {reason}" for name, reason in left_out.items())

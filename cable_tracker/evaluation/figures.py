@@ -20,6 +20,7 @@ from cable_tracker.cable.model.geometry import wraps_between
 from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.sample_statistics import percentages
 from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.visualisation.figure_files import figure_png, with_faint_grid
@@ -233,7 +234,7 @@ def _loss_shares(results: Sequence[RunResult], methods: Sequence[str]) -> FloatA
             trace = result.trace
             lost[: len(trace)] += carried(trace, trace.lost)
             visible[: len(trace)] += carried(trace, trace.visible)
-        rows.append(np.where(visible > 0, 100.0 * lost / np.maximum(visible, 1.0), np.nan))
+        rows.append(percentages(lost, visible))
     return np.array(rows)
 
 

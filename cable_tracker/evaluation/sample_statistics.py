@@ -24,6 +24,16 @@ def median(values: Sample) -> float:
     return float(np.median(values)) if len(values) else math.nan
 
 
+def percentage(part: float, whole: float) -> float:
+    """Return how much a part is of the whole [%]."""
+    return 100.0 * part / whole if whole else math.nan
+
+
+def percentages(parts: FloatArray, wholes: FloatArray) -> FloatArray:
+    """Return how much parts are of wholes [%], counts of one shape."""
+    return np.where(wholes > 0.0, 100.0 * parts / np.maximum(wholes, 1.0), math.nan)
+
+
 def root_mean_square(values: FloatArray) -> float:
     """Return the root of the mean square of a sample, shape (N,)."""
     return math.sqrt(mean(values**2)) if len(values) else math.nan

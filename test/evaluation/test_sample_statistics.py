@@ -9,6 +9,8 @@ import pytest
 from cable_tracker.evaluation.sample_statistics import (
     mean,
     median,
+    percentage,
+    percentages,
     percentile_of_size,
     root_mean_square,
     spread_of,
@@ -22,13 +24,16 @@ def test_figures_of_a_sample():
     assert median([1.0, 9.0, 2.0]) == 2.0
     assert root_mean_square(values) == pytest.approx(2.5)
     assert percentile_of_size(values, 100.0) == 4.0
+    assert percentage(1, 8) == 12.5
+    assert percentages(np.array([1.0, 0.0]), np.array([4.0, 2.0])).tolist() == [25.0, 0.0]
 
 
 def test_an_empty_sample_has_no_figure_and_warns_of_nothing():
     none = np.empty(0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = (mean([]), median(none), root_mean_square(none), percentile_of_size(none, 95.0))
+        found = [mean([]), median(none), root_mean_square(none), percentile_of_size(none, 95.0)]
+        found += [percentage(0, 0), *percentages(np.zeros(2), np.zeros(2))]
     assert all(math.isnan(each) for each in found)
 
 

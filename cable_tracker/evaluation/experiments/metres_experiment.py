@@ -13,7 +13,11 @@ from cable_tracker.cable.model.geometry import wrap_angles
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.evaluation_sequences import THESIS_SEQUENCES, ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import (
+    THESIS_SEQUENCES,
+    ScenarioSequence,
+    frames_in_all,
+)
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
@@ -28,6 +32,7 @@ from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.sample_statistics import (
     mean,
+    percentage,
     percentile_of_size,
     root_mean_square,
     spread_of,
@@ -135,8 +140,8 @@ class MetresExperiment:
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through."""
-        frames = sum(sequence.frame_count() or 0 for sequence in self.sequences)
-        return frames * len(self.seeds) * len(TABLES)
+        counts = (sequence.frame_count() for sequence in self.sequences)
+        return frames_in_all(counts, len(self.seeds) * len(TABLES))
 
     def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
@@ -175,11 +180,10 @@ def _row(name: str, runs: Sequence[FloatArray]) -> tuple[str, ...]:
 def _numbers(errors: FloatArray) -> tuple[float, ...]:
     """Return what stands in a row from `with metres` on, for the errors (N, 6) of one run."""
     known = errors[np.isfinite(errors).all(axis=1)]
-    share = len(known) / len(errors) if len(errors) else math.nan
     held = known[known[:, ON_CABLE] > 0.0]
     inside = np.abs(known) <= 2.0
     return (
-        100.0 * share,
+        percentage(len(known), len(errors)),
         100.0 * root_mean_square(known[:, OFFSET]),
         math.degrees(root_mean_square(known[:, HEADING])),
         100.0 * mean(known[:, ON_CABLE]),

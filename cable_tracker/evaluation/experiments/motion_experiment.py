@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.methods import ConfiguredFilter
@@ -16,6 +16,7 @@ from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
 from cable_tracker.evaluation.sample_statistics import spread_of
+from cable_tracker.evaluation.tables import chosen
 
 MOTION_SEQUENCES = ("S1", "S2", "S6")
 METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")
@@ -129,7 +130,8 @@ class MotionExperiment:
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through."""
-        return sum(sequence.frame_count() or 0 for sequence in self.sequences) * len(self.seeds)
+        counts = (sequence.frame_count() for sequence in self.sequences)
+        return frames_in_all(counts, len(self.seeds))
 
     def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
@@ -175,7 +177,7 @@ class MotionExperiment:
     def _row(
         self, setting: MotionSetting, runs: Sequence[RunResult], without: Sequence[RunResult]
     ) -> tuple[str, ...]:
-        groups = [[r for r in runs if r.sequence == each.name] for each in self.sequences]
+        groups = [chosen(runs, sequence=each.name) for each in self.sequences]
         lost = _lost_frames(runs)
         visible = sum(run.metrics.visible_count for run in runs)
         return (
@@ -185,7 +187,7 @@ class MotionExperiment:
             str(lost),
             str(_lost_frames(without)) if without else "–",
             format_number(100.0 * lost / max(visible, 1), "%"),
-            *(_metric_text("lost", group) for group in groups),
+            *(median_and_range(metric_spread("lost", group), "%") for group in groups),
             *(_mean_of_medians(metric, groups) for metric in METRICS),
         )
 
@@ -203,10 +205,6 @@ def _without_odometry(
 
 def _lost_frames(runs: Sequence[RunResult]) -> int:
     return sum(int(run.trace.lost.sum()) for run in runs)
-
-
-def _metric_text(metric: str, runs: Sequence[RunResult]) -> str:
-    return median_and_range(metric_spread(metric, runs), METRICS_BY_NAME[metric].unit)
 
 
 def _mean_of_medians(metric: str, groups: Sequence[Sequence[RunResult]]) -> str:

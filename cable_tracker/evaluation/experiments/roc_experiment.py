@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -26,6 +25,7 @@ from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.sample_statistics import percentage
 from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
@@ -156,17 +156,13 @@ def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:
     visible, hidden = _count(traces, lambda t: t.visible), _count(traces, lambda t: t.hidden)
     starts = [result.metrics.start for result in results]
     outcomes = [start.outcome.value for start in starts if start and start.outcome]
-
-    def share(count: int, total: int) -> float:
-        return 100.0 * count / total if total else math.nan
-
     return (
-        share(_count(traces, lambda t: t.useful), visible),
-        share(_count(traces, lambda t: t.visible & t.claimed & ~t.useful), visible),
-        share(_count(traces, lambda t: t.visible & ~t.claimed), visible),
-        share(_count(traces, lambda t: t.hidden & t.claimed), hidden),
-        share(outcomes.count("right"), len(outcomes)),
-        share(outcomes.count("wrong"), len(outcomes)),
+        percentage(_count(traces, lambda t: t.useful), visible),
+        percentage(_count(traces, lambda t: t.visible & t.claimed & ~t.useful), visible),
+        percentage(_count(traces, lambda t: t.visible & ~t.claimed), visible),
+        percentage(_count(traces, lambda t: t.hidden & t.claimed), hidden),
+        percentage(outcomes.count("right"), len(outcomes)),
+        percentage(outcomes.count("wrong"), len(outcomes)),
     )
 
 

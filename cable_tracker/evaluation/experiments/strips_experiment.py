@@ -14,6 +14,7 @@ from cable_tracker.evaluation.experiments.experiment_result import ExperimentRes
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean
+from cable_tracker.evaluation.tables import chosen
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 STRIPS_PER_SEED = 100
@@ -43,26 +44,26 @@ class StripsExperiment(CampaignExperiment):
         Keys of `METHODS`.
     sequence : StripSequence
         Sequence of strips to run on.
-    strips_per_seed : int
-        Strips drawn for each seed.
     """
 
     seeds: tuple[int, ...]
     methods: tuple[str, ...] = ("default",)
     sequence: StripSequence = field(default_factory=StripSequence)
-    strips_per_seed: int = STRIPS_PER_SEED
 
     def campaign(self) -> Campaign:
         """Return what is run."""
-        count = self.strips_per_seed
-        strips = tuple(seed * count + place for seed in self.seeds for place in range(count))
+        strips = tuple(
+            seed * STRIPS_PER_SEED + place
+            for seed in self.seeds
+            for place in range(STRIPS_PER_SEED)
+        )
         return Campaign(self.methods, (self.sequence,), strips, Start.RANDOM)
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
         """Put the runs into tables and figures."""
         rows = []
         for method in self.methods:
-            runs = [run for run in results if run.method == method]
+            runs = chosen(results, method=method)
             for low, high in pairwise(WIDTH_BINS):
                 inside = [run for run in runs if low <= _width(run) < high]
                 rows.append((method, f"{low:g} to {high:g}", *_cells(inside)))

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.gradients.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
@@ -36,7 +35,7 @@ from cable_tracker.evaluation.metrics.initialisation import (
 )
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
-from cable_tracker.evaluation.sample_statistics import mean, median
+from cable_tracker.evaluation.sample_statistics import mean, median, percentage, percentages
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
 
@@ -201,7 +200,7 @@ def _start_row(sequence: str, method: str, parts: Sequence[Trace]) -> tuple[str,
     numbers = (
         *(format_number(share, "%") for share in shares),
         format_number(median(known), "frames"),
-        format_number(100.0 * lost / visible if visible else math.nan, "%"),
+        format_number(percentage(lost, visible), "%"),
     )
     return sequence, method, str(len(starts)), *numbers
 
@@ -212,8 +211,7 @@ def _held_after_start(parts: Sequence[Trace]) -> tuple[list[float], list[float]]
     for part in parts:
         held[: len(part)] += part.useful
         visible[: len(part)] += part.visible
-    known: FloatArray = np.where(visible > 0, 100.0 * held / np.maximum(visible, 1.0), np.nan)
-    return list(range(1, RESTART_FRAMES + 1)), known.tolist()
+    return list(range(1, RESTART_FRAMES + 1)), percentages(held, visible).tolist()
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
+from cable_tracker.evaluation.evaluation_sequences import frames_in_all
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.sample_statistics import mean
@@ -228,8 +229,8 @@ class TargetCampaign:
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through; None if a recording does not say."""
-        counts = [sequence.frame_count() for sequence in self.sequences]
-        return None if None in counts else sum(count or 0 for count in counts) * len(self.seeds)
+        counts = (sequence.frame_count() for sequence in self.sequences)
+        return frames_in_all(counts, len(self.seeds))
 
     def tasks(self) -> list[TargetTask]:
         """Return the runs, those of one seed after those of another."""
