@@ -18,6 +18,8 @@ from cable_tracker.sequences.bags.bag_storage import (
     StoredMessage,
     Topic,
     image_topics,
+    named_topics,
+    unreadable_note,
 )
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.storage_files import is_ros1
@@ -60,7 +62,7 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
         raise RecordingError(f"{path}: the bag holds no topics at all; record it again")
     images = image_topics(topics)
     if wanted is not None:
-        matching = [name for name in images if name.strip("/") == wanted.strip("/")]
+        matching = named_topics(images, wanted)
         if matching:
             return matching[0]
         raise RecordingError(
@@ -140,10 +142,7 @@ class _RecordedTruth:
         """Return what the user should be told about it."""
         notes = []
         if self.unreadable:
-            notes.append(
-                f"{self.topic}: {self.unreadable} of its messages cannot be read and are left out"
-                f" (the first: {self.reason}); check how the bag was recorded"
-            )
+            notes.append(unreadable_note(self.topic, self.unreadable, self.reason))
         if not self.is_whole:
             notes.append(f"the ground truth on {self.topic} is damaged: {len(self.states)} read")
         return notes

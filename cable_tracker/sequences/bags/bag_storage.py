@@ -5,7 +5,7 @@ Nodes know it too, which read no bags: what unpacks bags and videos takes long t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Mapping
+from collections.abc import Collection, Generator, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -53,6 +53,19 @@ class Topic:
 
     msgtype: str
     count: int
+
+
+def unreadable_note(topic: str, count: int, reason: str) -> str:
+    """Return a sentence about messages of a topic that cannot be read; `reason`: of the first."""
+    return (
+        f"{topic}: {count} of its messages cannot be read and are left out (the first: {reason});"
+        " check how the bag was recorded"
+    )
+
+
+def named_topics(topics: Iterable[str], wanted: str) -> list[str]:
+    """Return the topics of a name that a user gives, with a slash at the beginning or without."""
+    return [name for name in topics if name.strip("/") == wanted.strip("/")]
 
 
 def image_topics(topics: Mapping[str, Topic]) -> dict[str, Topic]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bags.bag_storage import BagStorage, StoredMessage
+from cable_tracker.sequences.bags.bag_storage import BagStorage, StoredMessage, unreadable_note
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice, find_instruments
 from cable_tracker.sequences.bags.storage_files import is_ros1
 from cable_tracker.sequences.bags.unpacking import deserialise
@@ -98,8 +98,7 @@ class InstrumentSource:
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about unreadable messages: a sentence for each topic, by name."""
         return tuple(
-            f"{topic}: {len(found.times)} of its messages cannot be read and are left out (the"
-            f" first: {found.reason}); check how the bag was recorded"
+            unreadable_note(topic, len(found.times), found.reason)
             for topic, found in sorted(self._unreadable.items())
         )
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_storage import Topic, image_topics
+from cable_tracker.sequences.bags.bag_storage import Topic, image_topics, named_topics
 from cable_tracker.sequences.node_topics import NodeTopic
 
 NO_TOPIC = "none"
@@ -180,7 +180,7 @@ def _beside(candidates: list[str], image_topic: str) -> list[str]:
 
 
 def _named(topics: Mapping[str, Topic], instrument: Instrument, wanted: str) -> str:
-    matching = [name for name in topics if name.strip("/") == wanted.strip("/")]
+    matching = named_topics(topics, wanted)
     if not matching:
         known = ", ".join(sorted(topics))
         raise RecordingError(
