@@ -6,8 +6,8 @@ recovery readers of this folder.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
@@ -31,16 +31,6 @@ def _walk(path: Path) -> Iterator[StoredMessage]:
         if isinstance(error, RecordingError):
             raise
         raise RecordingError(f"{type(error).__name__}: {one_line(error)}") from error
-
-
-@dataclass(slots=True)
-class _Scan:
-    counts: dict[str, int] = field(default_factory=dict)
-    types: dict[str, str] = field(default_factory=dict)
-
-    def add(self, message: StoredMessage) -> None:
-        self.counts[message.topic] = self.counts.get(message.topic, 0) + 1
-        self.types[message.topic] = message.msgtype
 
 
 class SalvagedStorage:
@@ -68,13 +58,15 @@ class SalvagedStorage:
             self._scan()
 
     def _scan(self) -> None:
-        scan = _Scan()
+        counts: Counter[str] = Counter()
+        types: dict[str, str] = {}
         try:
             for message in self._all():
-                scan.add(message)
+                counts[message.topic] += 1
+                types[message.topic] = message.msgtype
         except RecordingError as error:
             self._damage = self._damage or error
-        self.topics = {name: Topic(scan.types[name], count) for name, count in scan.counts.items()}
+        self.topics = {name: Topic(types[name], count) for name, count in counts.items()}
         if not self.topics and self._damage:
             raise self._damage
 
