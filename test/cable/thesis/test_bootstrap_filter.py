@@ -80,7 +80,3 @@ def test_another_number_of_particles_is_drawn_from_the_present_ones():
     assert converted.particles.count == 70
     assert set(map(tuple, converted.particles.states)) <= set(map(tuple, belief.particles.states))
     assert cable_filter.converted(converted).particles is converted.particles
-
-
-def test_the_search_starts_anew_after_its_time():
-    assert make_filter().search_time == preset("thesis").search_time
