@@ -13,7 +13,7 @@ from cable_tracker.compilation import compiled
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointMeasures:
-    """What is measured at P points of borders, all float32, of one shape.
+    """What is measured at P points of borders, all float32, shape (P,).
 
     Attributes
     ----------
@@ -36,15 +36,10 @@ class PointMeasures:
         return PointMeasures(-self.responses, self.slopes, -self.contrasts)
 
     def cells(self) -> tuple[IndexArray, IndexArray]:
-        """Return flat indices into the tables of edges and of contrasts, of the points' shape."""
-        shape = np.shape(self.responses)
-        edges, contrasts = _cells_of(
-            *(np.array(each, np.float32).ravel() for each in self._columns())
-        )
-        return edges.reshape(shape), contrasts.reshape(shape)
-
-    def _columns(self) -> tuple[Float32Array, Float32Array, Float32Array]:
-        return self.responses, self.slopes, self.contrasts
+        """Return flat indices into the tables of edges and of contrasts, shapes (P,)."""
+        columns = (self.responses, self.slopes, self.contrasts)
+        # Copies of one kind of array: for every kind, Numba compiles anew.
+        return _cells_of(*(np.array(each, np.float32) for each in columns))
 
 
 @compiled
