@@ -104,7 +104,6 @@ class AidedMethod(ParticleFilterMethod):
         rng = np.random.default_rng([parameters.seed, 21])
         arrivals, stamps, twists = faulty(vehicle.twist_stamps, vehicle.twists, fault, rng)
         self._coming = list(zip(arrivals, stamps, twists, strict=True))[::-1]
-        self.frames, self.aided = 0, 0
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account, with the odometry that has come until then."""
@@ -114,8 +113,6 @@ class AidedMethod(ParticleFilterMethod):
         motion = self._aiding.motion(stamp, image)
         estimate = self._tracker.process(image, stamp, motion)
         self._aiding.observe(estimate)
-        self.frames += 1
-        self.aided += motion is not None
         return estimate
 
 
