@@ -9,9 +9,6 @@ from hypothesis import strategies as st
 from measured_points import ratios_at
 
 from cable_tracker.cable.learning.recorded_points import measure_points
-from cable_tracker.cable.measure.borders.border_points import (
-    weaker_common_contrast,
-)
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
     EITHER,
     JOINT_STRENGTHS,
@@ -245,35 +242,6 @@ def test_no_cable_at_all_is_measured_as_none(strip):
     found = MODEL.measure(np.empty((0, 8)), working(strip))
     assert found.log_ratios.shape == found.border_means.min(axis=2).shape == (0, 2)
     assert found.visible_lengths.shape == (0,)
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.6, -0.7, np.pi / 2, 1.0, -1.2])
-def test_a_border_is_measured_once_on_every_line_that_it_crosses_steeply(strip, angle):
-    image = working(strip)
-    points = measure_points(np.array([[0.0, angle, 8.0, *[0.0] * 5]]), image)
-    steep = abs(np.cos(angle)) >= abs(np.sin(angle))
-    lines = image.scanned.rows if steep else image.scanned.columns
-    for border, offset in enumerate((-4.0, 4.0)):
-        along, across = (np.cos(angle), np.sin(angle))[:: 1 if steep else -1]
-        crossings = (offset - across * lines.places) / along
-        inside = np.abs(crossings) <= (lines.smooth.shape[1] - 1) / 2
-        assert (points.borders == border).sum() == inside.sum() > 0
-
-
-def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_inside_brighter(strip):
-    here, beside = (
-        measure_points(state[None], working(strip)).measures
-        for state in (changed(), changed(width=6.0))
-    )
-    assert np.median(here.responses) > 5.0
-    assert np.median(here.contrasts) > 2.0
-    assert np.median(np.abs(here.slopes)) < 0.15 < np.median(np.abs(beside.slopes))
-
-
-def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
-    behind = np.array([3.0, 3.0, -3.0, -3.0, 0.0], np.float32)
-    middle = np.array([2.0, -2.0, -5.0, 5.0, 1.0], np.float32)
-    assert list(map(weaker_common_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]
 
 
 def test_in_a_tall_picture_a_cable_across_is_as_clear_as_one_that_runs_down(draw_strip):
