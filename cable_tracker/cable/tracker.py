@@ -23,7 +23,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import HUGE, GivenState, draw_given_states
 from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
@@ -149,7 +149,7 @@ class CableTracker:
                 f"the initial state must be finite, its rates within {HUGE:g} per second, and its"
                 " sigmas not negative"
             )
-        if given.state.width <= 0.0 and not math.isinf(given.sigma[StateColumn.WIDTH]):
+        if given.state.width <= 0.0 and not math.isinf(given.sigma[WIDTH]):
             raise FrameError(
                 f"a width of {given.state.width:g} px is none; give one above 0, or an infinite"
                 " sigma if it is not known"
@@ -269,8 +269,8 @@ class CableTracker:
         return summary.supports_claim
 
     def _has_converged(self, covariance: FloatArray, scale: float) -> bool:
-        sigma_distance = math.sqrt(covariance[StateColumn.DISTANCE, StateColumn.DISTANCE])
-        sigma_angle = math.sqrt(covariance[StateColumn.ANGLE, StateColumn.ANGLE])
+        sigma_distance = math.sqrt(covariance[DISTANCE, DISTANCE])
+        sigma_angle = math.sqrt(covariance[ANGLE, ANGLE])
         return (
             sigma_distance <= self._parameters.converged_distance * scale
             and sigma_angle <= math.radians(self._parameters.converged_angle)

@@ -18,7 +18,7 @@ from cable_tracker.cable.measure.borders.response_bins import (
 from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import image_reaches
-from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH, CableState
 
 RANDOM_CABLES = 20
 """Cables drawn through each frame for what is not a border; a few meet one by chance."""
@@ -124,9 +124,9 @@ class ResponseCounts:
         share = self._rng.uniform(*SHIFTS, SHIFTED_CABLES)
         moved = np.arange(SHIFTED_CABLES) % 2  # 0: the left border is wrong, 1: the right one.
         states = np.tile(true, (SHIFTED_CABLES, 1))
-        states[:, StateColumn.WIDTH] += share * true[StateColumn.WIDTH]
+        states[:, WIDTH] += share * true[WIDTH]
         outward = np.where(moved == 0, -0.5, 0.5)
-        states[:, StateColumn.DISTANCE] += outward * share * true[StateColumn.WIDTH]
+        states[:, DISTANCE] += outward * share * true[WIDTH]
         crossed = measure_points(states, image)
         wrong = crossed.borders % 2 == moved[crossed.borders // 2]
         chosen = _chosen(crossed.measures, wrong)
@@ -137,10 +137,10 @@ class ResponseCounts:
         states = np.zeros((RANDOM_CABLES, STATE_SIZE))
         angles = self._rng.uniform(-np.pi / 2, np.pi / 2, RANDOM_CABLES)
         reach = image_reaches(angles, image.frame_size)
-        states[:, StateColumn.ANGLE] = angles
-        states[:, StateColumn.DISTANCE] = reach * self._rng.uniform(-1.0, 1.0, RANDOM_CABLES)
-        states[:, StateColumn.WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)
-        states[:, StateColumn.SKEW] = self._rng.uniform(-MOST_SKEW, MOST_SKEW, RANDOM_CABLES)
+        states[:, ANGLE] = angles
+        states[:, DISTANCE] = reach * self._rng.uniform(-1.0, 1.0, RANDOM_CABLES)
+        states[:, WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)
+        states[:, SKEW] = self._rng.uniform(-MOST_SKEW, MOST_SKEW, RANDOM_CABLES)
         return states
 
 

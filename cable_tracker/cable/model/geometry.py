@@ -25,7 +25,6 @@ from cable_tracker.cable.model.state import (
     STATE_SIZE,
     WIDTH,
     CableState,
-    StateColumn,
 )
 from cable_tracker.compilation import compiled, compiled_inside
 
@@ -207,7 +206,7 @@ def wrap_state(state: FloatArray, reference_angle: float = 0.0) -> FloatArray:
 
     One that has it there stays as it is, bit for bit.
     """
-    if -math.pi / 2 < state[StateColumn.ANGLE] - reference_angle <= math.pi / 2:
+    if -math.pi / 2 < state[ANGLE] - reference_angle <= math.pi / 2:
         return state.copy()
     wrapped: FloatArray = states_in_chart(state[None, :], reference_angle)[0]
     return wrapped
@@ -223,7 +222,7 @@ def wrapped_estimate(
 ) -> tuple[FloatArray, FloatArray]:
     """Write an estimate, shapes (8,) and (8, 8), with its normal angle within pi/2 of another."""
     wrapped = wrap_state(mean, reference_angle)
-    half_turns = round(float(mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / math.pi)
+    half_turns = round(float(mean[ANGLE] - wrapped[ANGLE]) / math.pi)
     return wrapped, _turned_covariance(covariance) if half_turns % 2 else covariance
 
 

@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import clip_to_limits, possible_limits, state_limits
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    STATE_SIZE,
+    CableState,
+    StateColumn,
+)
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
 from cable_tracker.errors import FrameError
@@ -238,15 +245,15 @@ def draw_given_states(
     mean = given.state.to_array()
     drawn = mean + noise * np.where(known, sigma, 0.0)
     limits = state_limits(parameters, image_width)
-    if known[StateColumn.DISTANCE]:
-        drawn[:, StateColumn.DISTANCE] = _possible_distances(
-            drawn[:, StateColumn.DISTANCE], states[:, StateColumn.DISTANCE],
-            mean[StateColumn.DISTANCE], limits.upper[StateColumn.DISTANCE],
+    if known[DISTANCE]:
+        drawn[:, DISTANCE] = _possible_distances(
+            drawn[:, DISTANCE], states[:, DISTANCE],
+            mean[DISTANCE], limits.upper[DISTANCE],
         )  # fmt: skip
     states[:, known] = drawn[:, known]
     if given.point is not None:
-        states[:, StateColumn.DISTANCE] = _distances_through(
-            given.point, states[:, StateColumn.ANGLE], noise[:, StateColumn.DISTANCE], usual
+        states[:, DISTANCE] = _distances_through(
+            given.point, states[:, ANGLE], noise[:, DISTANCE], usual
         )
     return clip_to_limits(wrap_states(states), limits)
 
@@ -269,5 +276,5 @@ def _distances_through(
     point: GivenPoint, angles: FloatArray, noise: FloatArray, usual: FloatArray
 ) -> FloatArray:
     """Return distances of lines with angles (N,) that pass a point, with standard noise (N,)."""
-    sigma = usual[StateColumn.DISTANCE] if math.isnan(point.sigma) else point.sigma
+    sigma = usual[DISTANCE] if math.isnan(point.sigma) else point.sigma
     return point.distances(angles) + sigma * noise

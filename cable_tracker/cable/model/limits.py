@@ -96,6 +96,6 @@ def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     mirrored = np.where(values < limits.lower, 2 * limits.lower - values, values)
     mirrored = np.where(values > limits.upper, 2 * limits.upper - values, mirrored)
     result[:, :POSE_SIZE] = mirrored
-    turned = np.abs(states[:, StateColumn.DISTANCE]) > limits.upper[StateColumn.DISTANCE]
+    turned = np.abs(states[:, DISTANCE]) > limits.upper[DISTANCE]
     result[turned, StateColumn.DISTANCE_RATE] *= -1.0
     return clip_to_limits(result, limits)

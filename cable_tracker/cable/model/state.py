@@ -84,7 +84,8 @@ STATE_SYMBOLS = tuple(each.symbol for each in COMPONENTS)
 POSE_SYMBOLS = STATE_SYMBOLS[:POSE_SIZE]
 
 DISTANCE, ANGLE, WIDTH, SKEW = range(POSE_SIZE)
-"""Their columns for kernels: Numba 0.59 takes no enumeration for an index beside a slice."""
+"""Columns of the pose as `cable` names them, in kernels and outside: in kernels Numba 0.59 takes no
+enumeration for an index beside a slice."""
 
 
 def pose_units(scale: float) -> FloatArray:

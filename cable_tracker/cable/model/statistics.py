@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart, wrap_angles, wrapped_estimate
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import ANGLE
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 
 
@@ -30,7 +30,7 @@ def cable_mean_and_covariance(
     The estimate's angle is in (-pi/2, pi/2], and the covariance is expressed for that way of
     writing the line. `weights` has shape (N,) and sums to one.
     """
-    chart = states_in_chart(states, mean_line_angle(states[:, StateColumn.ANGLE], weights))
+    chart = states_in_chart(states, mean_line_angle(states[:, ANGLE], weights))
     mean = weighted_mean(chart, weights)
     covariance = weighted_covariance(chart, weights, mean)
     return wrapped_estimate(mean, covariance)

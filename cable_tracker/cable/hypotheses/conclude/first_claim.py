@@ -18,7 +18,7 @@ from cable_tracker.cable.hypotheses.weigh.thin_strips import (
     trusted_share,
 )
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -67,7 +67,7 @@ def is_new_clear(
     if not _looks_clear(hypotheses, memory, parameters, pixel_scale(image_size[0])):
         return False
     leader = hypotheses.clusters.means[0]
-    is_narrow = leader[StateColumn.WIDTH] < WIDE * image_size[0]
+    is_narrow = leader[WIDTH] < WIDE * image_size[0]
     are_borders_clear = hypotheses.weaker_border_mean >= parameters.evidence_to_find
     return is_narrow or are_borders_clear or are_borders_in_view(leader, image_size)
 
@@ -93,7 +93,7 @@ def _looks_clear(
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
     if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
         return False
-    width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+    width = float(hypotheses.clusters.means[0, WIDTH])
     factor = 1.0
     if memory is not None:
         factor += memory.width_deviation(width, parameters) ** 2
@@ -148,7 +148,7 @@ def claim_score_by_width(
 
     In nats per point. With a map the looks are those that it tells, see `appearances_of`.
     """
-    width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+    width = float(hypotheses.clusters.means[0, WIDTH])
     thin_width = parameters.thin_width * scale
     # What is thin has no looks that speak for it, see `trusted_appearance`.
     ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)

@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import inset, wrap_state
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
+from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
 from cable_tracker.particle_filter.student_t import relative_log_density
@@ -137,7 +137,7 @@ def remember(
         Pixels of the frames per pixel of an image of the reference width.
     """
     state = wrap_state(leader)
-    log_width, tracked_time = math.log(max(float(state[StateColumn.WIDTH]), NARROWEST)), 0.0
+    log_width, tracked_time = math.log(max(float(state[WIDTH]), NARROWEST)), 0.0
     if before is not None:
         share = -math.expm1(-dt / parameters.width_time)
         log_width = before.log_width + share * (log_width - before.log_width)
@@ -146,7 +146,7 @@ def remember(
     is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * scale
     return RememberedCable(
         pose=state[:POSE_SIZE].copy(),
-        side=float(np.sign(state[StateColumn.DISTANCE])) if is_leaving else 0.0,
+        side=float(np.sign(state[DISTANCE])) if is_leaving else 0.0,
         inset=within,
         log_width=log_width,
         tracked_time=tracked_time,
