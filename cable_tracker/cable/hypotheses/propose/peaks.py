@@ -102,7 +102,6 @@ def cluster_peaks(
     while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:
         number += 1
     peaks = _room_for_peaks(number)
-    peaks.locations[:] = means[:number, :POSE_SIZE]
     total = masses[:number].sum()
     for index in range(number):
         peaks.counts[index] = int(count * (masses[index] / total))
@@ -111,6 +110,7 @@ def cluster_peaks(
         )
         covariance *= widening
         for row in range(POSE_SIZE):
+            peaks.locations[index, row] = means[index, row]
             covariance[row, row] += config.smallest_sigmas[row] ** 2
         cholesky_factor(covariance, peaks.factors[index])
     peaks.counts[0] += count - peaks.counts.sum()
@@ -135,11 +135,11 @@ def candidate_peaks(
         Kernel scales of detections, and the smallest ones.
     """
     peaks = _room_for_peaks(len(strips))
-    peaks.locations[:] = strips[:, :POSE_SIZE]
     for index in range(len(strips)):
         # The first ones get what the division leaves over.
         peaks.counts[index] = (count + len(strips) - 1 - index) // len(strips)
         for row in range(POSE_SIZE):
+            peaks.locations[index, row] = strips[index, row]
             sigma = narrowing * config.detection_sigmas[row]
             peaks.factors[index, row, row] = max(sigma, config.smallest_sigmas[row])
     return peaks
