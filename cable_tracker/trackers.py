@@ -7,6 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.tracker import CableTracker
@@ -24,9 +26,10 @@ PROPOSERS: Mapping[str, Callable[[TrackerParameters], CableProposer]] = MappingP
 """The detectors that the parameter `detector` can name."""
 
 WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
-WARM_UP_FRAMES = 4
+WARM_UP_FRAMES, WARM_UP_TOLD = 6, 5
 WARM_UP_STEP = 40_000_000
-"""Size of the frames for `warm_up` [px], how many, and the time between them [ns]."""
+"""Size of the frames for `warm_up` [px], how many, from which on the tracker has been told where
+the cable is, and the time between them [ns]."""
 
 WARM_UP_PARTICLES = 200
 """Number of particles of `warm_up`; compilation does not depend on it."""
@@ -58,6 +61,8 @@ def warm_up(parameters: TrackerParameters) -> None:
     frame = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH), 60, np.uint8)
     frame[:, WARM_UP_WIDTH // 2 - 20 : WARM_UP_WIDTH // 2 + 20] = 160
     for number in range(1, WARM_UP_FRAMES + 1):
+        if number == WARM_UP_TOLD:
+            tracker.initialise(GivenState.around(CableState(0.0, 0.0, 40.0)))
         tracker.process(frame, stamp=number * WARM_UP_STEP)
 
 

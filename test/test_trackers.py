@@ -7,6 +7,8 @@ import pytest
 from numba.core import event
 
 from cable_tracker.cable.measure.picture.working_image import make_working_image
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.cable.proposer_interface import NoProposer
@@ -76,7 +78,7 @@ def test_a_table_that_cannot_be_read_is_said():
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_after_a_warm_up_no_kind_of_frame_is_compiled_for(name):
-    """Levels of either type, and of messages, which cannot be written to."""
+    """Levels of either type, and of messages, which cannot be written to; in a search, and told."""
     warm_up(PRESETS[name])
     compiled: list[str] = []
 
@@ -93,7 +95,9 @@ def test_after_a_warm_up_no_kind_of_frame_is_compiled_for(name):
         for dtype, writable in product((np.uint8, np.float32), (True, False)):
             tracker, frame = make_tracker(PRESETS[name]), stripe().astype(dtype)
             frame.setflags(write=writable)
-            for number in range(1, 4):
+            for number in range(1, 7):
+                if number == 4:
+                    tracker.initialise(GivenState.around(CableState(30.0, 0.0, 20.0)))
                 tracker.process(frame, stamp=number * 40_000_000)
     finally:
         event.unregister("numba:compile", listener)

@@ -18,6 +18,7 @@ from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_ma
 from cable_tracker.cable.measure.map.map_borders import MapBorders
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
+from cable_tracker.compilation import compiled
 
 LONGEST_KEPT = 1.0
 """Age from which on a map says nothing any more [s]."""
@@ -66,13 +67,9 @@ class KeptMap:
         """
         if self.seconds >= LONGEST_KEPT:
             return NO_MAP
-        before = np.empty(POSE_SIZE)
-        pose_in_chart(self.pose, float(pose[ANGLE]), before)
-        rotation = float(pose[ANGLE] - before[ANGLE])
-        shift = float(pose[DISTANCE] - before[DISTANCE])
         probabilities = cv2.warpAffine(
             self.cable_map.probabilities,
-            _cells_before(self.cable_map, rotation, shift, float(pose[ANGLE])),
+            _cells_before(self.cable_map, self.pose, pose),
             self.cable_map.probabilities.shape[::-1],
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REPLICATE,
@@ -81,20 +78,22 @@ class KeptMap:
         return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
 
 
-def _cells_before(cable_map: CableMap, turned: float, moved: float, angle: float) -> FloatArray:
+@compiled
+def _cells_before(cable_map: CableMap, before: FloatArray, now: FloatArray) -> FloatArray:
     """Return the affine map, shape (2, 3), from (column, row) of a moved map to those before.
 
     Parameters
     ----------
     cable_map : CableMap
         The map before.
-    turned, moved : float
-        By how much the cable has turned about the image centre [rad], and then moved along the
-        normal of its centreline [px].
-    angle : float
-        Angle of this normal [rad].
+    before, now : FloatArray
+        Poses of the cable, shape (4,) or more, in any chart [px, rad]: it has turned about the
+        image centre, and then moved along the normal of its centreline.
     """
-    left, top, cell = cable_map.left, cable_map.top, cable_map.cell
+    left, top, cell, angle = cable_map.left, cable_map.top, cable_map.cell, now[ANGLE]
+    in_chart = np.empty(POSE_SIZE)
+    pose_in_chart(before, angle, in_chart)
+    turned, moved = angle - in_chart[ANGLE], now[DISTANCE] - in_chart[DISTANCE]
     cosine, sine = math.cos(turned), math.sin(turned)
     # From the image frame, y up: p = R(-turned) (p' - moved n').
     first_x = left - moved * math.cos(angle)
