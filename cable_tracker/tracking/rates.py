@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+from cable_tracker.compilation import compiled_inside
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 
 
+@compiled_inside
 def over_time(factor: float, dt: float) -> float:
     """Return the factor over `dt` seconds for a factor per frame at 25 frames per second."""
     return float(factor ** (dt * REFERENCE_RATE))

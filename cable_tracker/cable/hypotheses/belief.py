@@ -129,7 +129,7 @@ class Belief:
 
         What no frame has held for a cable is not, however soon that may be.
         """
-        return self.is_given or (self.is_followed and self.known_time >= known_after)
+        return self.is_given or (self.known_time > 0.0 and self.known_time >= known_after)
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:
@@ -186,7 +186,7 @@ def updated_belief(
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and before.is_known(parameters.known_after)
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size)
+    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale)
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
     is_learnt_from = is_known or is_clear

@@ -102,7 +102,7 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         follows_given=belief.is_given,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters, shown, parameters, scale),
+        hypotheses=_reported(hypotheses.clusters, mean, parameters, scale),
     )
 
 
@@ -179,14 +179,14 @@ def _estimated(
 
 
 def _reported(
-    clusters: Clusters, shown: MapBorders, parameters: TrackerParameters, scale: float
+    clusters: Clusters, leader: FloatArray, parameters: TrackerParameters, scale: float
 ) -> tuple[Hypothesis, ...]:
-    """Return the clusters that are worth mention, and in any case the first, which maps show."""
-    reported = []
-    for index, mass in enumerate(clusters.masses.tolist()):
-        if index == 0 or mass >= SMALLEST_HYPOTHESIS:
-            of_maps = shown if index == 0 else AS_THE_STRIP
-            state = _estimated(clusters.means[index], of_maps, parameters, scale)
+    """Return the clusters that are worth mention, and in any case the first, which is `leader`."""
+    masses = clusters.masses.tolist()
+    reported = [Hypothesis(masses[0], CableState.from_array(leader))]
+    for mass, mean in zip(masses[1:], clusters.means[1:], strict=True):
+        if mass >= SMALLEST_HYPOTHESIS:
+            state = _estimated(mean, AS_THE_STRIP, parameters, scale)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)
 

@@ -226,6 +226,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
         ancestor_count = len(prediction.density.rates)
+        is_likely = belief.presence >= LIKELY_PRESENCE
         noise = draw_frame_noise(
             self._rng,
             self._parameters.particle_count,
@@ -246,7 +247,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
                 np.full(ancestor_count, 1.0 / ancestor_count), counts.survivors, self._rng
             ),
             detected=detections,
-            anchors=NO_ANCHOR if self.is_searching(belief) else prediction.prior.expected[:1],
+            anchors=prediction.prior.expected[:1] if is_likely else NO_ANCHOR,
         )
 
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:

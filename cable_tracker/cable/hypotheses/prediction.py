@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.predict.births import birth_density_of
+from cable_tracker.cable.hypotheses.predict.births import births_anywhere, births_with_memory
 from cable_tracker.cable.hypotheses.predict.border_switch import BORDER_SWITCH_RATE, switch_from
 from cable_tracker.cable.hypotheses.predict.predicted_density import (
     LEAST_PROBABILITY,
@@ -122,12 +122,12 @@ class Predictor:
         width = image_size[0]
         self._parameters = parameters
         self._movement = movement
-        self._box = box
         self._image_size = image_size
         self._rng = rng
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._survival_rates = survival_rates(parameters, width)
         self._scale = pixel_scale(width)
+        self._births_anywhere = births_anywhere(box, image_size, self._scale)
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(self._scale)
         limits = possible_limits(parameters, width)
         self._widths = float(limits.lower[WIDTH]), float(limits.upper[WIDTH])
@@ -172,6 +172,9 @@ class Predictor:
         parameters = self._parameters
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         scales = self._movement.diffusion_scales(time, motion)
+        births = self._births_anywhere
+        if memory is not None:
+            births = births_with_memory(births, memory, parameters.memory_time, self._scale)
         switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(
@@ -186,9 +189,7 @@ class Predictor:
             mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
-            births=birth_density_of(
-                self._box, memory, parameters.memory_time, self._image_size, self._scale
-            ),
+            births=births,
             mass_switched=max(switched, LEAST_PROBABILITY),
             border_switch=switch_from(leader, *self._widths, self._scale),
         )
@@ -204,9 +205,8 @@ class Predictor:
             self._resample,
             self._rng,
         )
-        return surviving_ancestors(
-            drawn, reference_angle, self._image_size, self._survival_rates, dt
-        )
+        size = self._image_size
+        return surviving_ancestors(drawn, reference_angle, size, self._survival_rates, dt)
 
 
 def draw_ancestors(
@@ -241,6 +241,7 @@ def draw_ancestors(
     return Ancestors(particles.states[indices], weights / weights.sum())
 
 
+@compiled
 def surviving_ancestors(
     ancestors: Ancestors,
     reference_angle: float,
@@ -265,30 +266,15 @@ def surviving_ancestors(
     dt : float
         Time to the next frame [s].
     """
-    states, weights = ancestors.states.copy(), ancestors.weights.copy()
-    size = float(image_size[0]), float(image_size[1])
-    survival = _survive(states, weights, reference_angle, size, rates, dt)
-    return Ancestors(states, weights), survival
-
-
-@compiled
-def _survive(
-    states: FloatArray,
-    weights: FloatArray,
-    reference_angle: float,
-    image_size: tuple[float, float],
-    rates: SurvivalRates,
-    dt: float,
-) -> float:
-    """Write ancestors in a chart, and weigh them by their survival; return that of any of them."""
+    states, weights = np.empty_like(ancestors.states), np.empty_like(ancestors.weights)
     survival = 0.0
     for row in range(len(weights)):
         state = states[row]
-        state_in_chart(state, reference_angle, state)
+        state_in_chart(ancestors.states[row], reference_angle, state)
         inside = image_reach(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
-        surviving = weights[row] * survival_probability(inside, rates, dt)
+        surviving = ancestors.weights[row] * survival_probability(inside, rates, dt)
         weights[row] = max(surviving, LEAST_SURVIVING)
         survival += weights[row]
     for row in range(len(weights)):
         weights[row] /= survival
-    return survival
+    return Ancestors(states, weights), survival

@@ -12,7 +12,7 @@ from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, 
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.particle_filter.student_t import standard_student_t
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import over_time
@@ -24,13 +24,13 @@ DOUBT_STRIDE = 4
 """Every fourth state goes on by its own rates instead of odometry."""
 
 
-def effective_time(parameters: TrackerParameters, dt: float) -> float:
+@compiled_inside
+def effective_time(damping: float, dt: float) -> float:
     """Return the time for which an undamped rate would cover the same way [s].
 
     Per reference frame a rate moves the cable by its value and is damped then, so that k frames
     cover 1 + a + ... + a^(k-1) = (1 - a^k) / (1 - a) of it. Without damping this is dt.
     """
-    damping = parameters.rate_damping
     if damping == 1.0 or dt == 0.0:
         return dt
     # expm1, for a damping next to one would be rounded away in 1 - a^k.
@@ -40,14 +40,14 @@ def effective_time(parameters: TrackerParameters, dt: float) -> float:
 
 
 @compiled
-def _drifted(states: FloatArray, time: float, damping: float) -> FloatArray:
-    """Return states (N, 8) moved by their rates over a time [s], and the rates damped."""
-    moved = np.empty(states.shape)
+def _drifted(states: FloatArray, damping: float, dt: float) -> FloatArray:
+    """Return states (N, 8) after `dt` seconds at their rates, damped by a factor per frame."""
+    moved, time, left = np.empty(states.shape), effective_time(damping, dt), over_time(damping, dt)
     for row in range(len(states)):
         for column in range(POSE_SIZE):
             rate = states[row, POSE_SIZE + column]
             moved[row, column] = states[row, column] + rate * time
-            moved[row, POSE_SIZE + column] = rate * damping
+            moved[row, POSE_SIZE + column] = rate * left
     return moved
 
 
@@ -120,7 +120,7 @@ class CableMovement:
     ) -> FloatArray:
         """Return where odometry or else the rates take states in `dt` seconds, shape (N, 8)."""
         if motion is None:
-            return self.drift(states, dt)
+            return _drifted(np.ascontiguousarray(states), self._parameters.rate_damping, dt)
         moved = motion.moved(states)
         # Rates that the model never changes would stay for ever as odometry has left them.
         fixed = POSE_SIZE + np.flatnonzero(self._per_frame[1] == 0.0)
@@ -135,13 +135,7 @@ class CableMovement:
         taken_off = np.sqrt(np.maximum(usual - self.diffusion_scales(dt, motion) ** 2, 0.0))
         tail = self.degrees_of_freedom
         noise = [standard_student_t(rng, len(states), POSE_SIZE, tail) for _ in range(2)]
-        return self.drift(states, dt) + np.hstack(noise) * taken_off
-
-    def drift(self, states: FloatArray, dt: float) -> FloatArray:
-        """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
-        time = effective_time(self._parameters, dt)
-        damping = over_time(self._parameters.rate_damping, dt)
-        return _drifted(np.ascontiguousarray(states), time, damping)
+        return self.expected(states, dt) + np.hstack(noise) * taken_off
 
     def diffusion_scales(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
         """Return the scale of the diffusion over `dt` seconds, shape (8,).

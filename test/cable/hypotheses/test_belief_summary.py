@@ -45,7 +45,7 @@ def summary(
         appearance=ORDINARY_APPEARANCE,
         visible_length=length,
     )
-    is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, (320, 240))
+    is_clear = is_new_clear(hypotheses, belief.memory, PARAMETERS, (320, 240), 1.0)
     evidence = leading_evidence(hypotheses, PARAMETERS)
     belief = replace(belief, hypotheses=hypotheses, evidence=evidence, is_clear=is_clear)
     return belief_summary(belief, PARAMETERS, 1.0)

@@ -55,7 +55,7 @@ def test_odometry_moves_cables_in_place_of_their_rates(movement):
 
 def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
     many = np.tile(STATES[0], (40_000, 1))
-    usual = movement.drift(many, 0.04)[0, 0]
+    usual = movement.expected(many, 0.04)[0, 0]
     rng = np.random.default_rng(1)
     spread = movement.propagate(many, 0.04, rng)[:, 0]
     moved = movement.propagate(many, 0.04, rng, Shift(70.0))[:, 0]

@@ -20,7 +20,6 @@ from cable_tracker.cable.hypotheses.weigh.thin_strips import (
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.parameter_table import pixel_scale
 
 APPEARANCE_SHARE = 0.5
 """Claim score that one nat of appearance by the borders is worth [nats per point]."""
@@ -58,13 +57,15 @@ def is_new_clear(
     memory: RememberedCable | None,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
+    scale: float,
 ) -> bool:
     """Tell whether the leader is clear enough to claim it where nothing was known of it.
 
     What is much narrower or wider than the cable that was tracked has to be clearer. `image_size`:
-    width and height of the frames [px].
+    width and height of the frames [px]; `scale`: their pixels per pixel of an image of the
+    reference width.
     """
-    if not _looks_clear(hypotheses, memory, parameters, pixel_scale(image_size[0])):
+    if not _looks_clear(hypotheses, memory, parameters, scale):
         return False
     leader = hypotheses.clusters.means[0]
     is_narrow = leader[WIDTH] < WIDE * image_size[0]

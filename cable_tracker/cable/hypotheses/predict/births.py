@@ -103,43 +103,44 @@ class BirthDensity(NamedTuple):
         return round(self.share * count)
 
 
-def birth_density_of(
-    box: SearchBox,
-    memory: RememberedCable | None,
-    memory_time: float,
-    image_size: tuple[int, int],
-    scale: float,
-) -> BirthDensity:
-    """Return the density of births, without a map.
+def births_anywhere(box: SearchBox, image_size: tuple[int, int], scale: float) -> BirthDensity:
+    """Return the density of births in a box, without a remembered cable and without a map.
 
-    Parameters
-    ----------
-    box : SearchBox
-        Box of the births that are not about the remembered cable.
-    memory : RememberedCable or None
-        Cable that was tracked before.
-    memory_time : float
-        Time constant of the share of births about the remembered cable [s].
-    image_size : (int, int)
-        Width and height of the frames [px].
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    `image_size`: width and height of the frames [px]; `scale`: pixels of the frames per pixel of an
+    image of the reference width.
     """
-    scales = memory.scales(scale) if memory is not None else np.ones(POSE_SIZE)
     return BirthDensity(
         lower=box.lower,
         upper=box.upper,
         box_density=1.0 / math.prod((box.upper - box.lower)[:POSE_SIZE].tolist()),
-        pose=memory.pose if memory is not None else np.zeros(POSE_SIZE),
-        scales=scales,
-        share=share_about_last_place(memory.seconds, memory_time) if memory is not None else 0.0,
-        side=memory.side if memory is not None else 0.0,
-        inset=memory.inset if memory is not None else 0.0,
-        peak=BIRTH_PEAK / math.prod(scales.tolist()),
+        pose=np.zeros(POSE_SIZE),
+        scales=np.ones(POSE_SIZE),
+        share=0.0,
+        side=0.0,
+        inset=0.0,
+        peak=BIRTH_PEAK,
         width=float(image_size[0]),
         height=float(image_size[1]),
         map_strips=np.empty((0, STATE_SIZE)),
         map_scales=MAP_SCALES * pose_units(scale),
+    )
+
+
+def births_with_memory(
+    anywhere: BirthDensity, memory: RememberedCable, memory_time: float, scale: float
+) -> BirthDensity:
+    """Return a density of births a share of which is about the cable that was tracked before.
+
+    `memory_time` is the time constant of that share [s], `scale` that of `births_anywhere`.
+    """
+    scales = memory.scales(scale)
+    return anywhere._replace(
+        pose=memory.pose,
+        scales=scales,
+        share=share_about_last_place(memory.seconds, memory_time),
+        side=memory.side,
+        inset=memory.inset,
+        peak=BIRTH_PEAK / math.prod(scales.tolist()),
     )
 
 

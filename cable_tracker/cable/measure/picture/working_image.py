@@ -253,7 +253,9 @@ def make_working_image(
     sample_spacing: float = DEFAULTS.sample_spacing,
     light_correction: float = 0.0,
     gradients_alone: bool = False,
-    gain_before: float = 1.0,
+    history: PictureHistory = NO_HISTORY,
+    dt: float = 0.0,
+    burned_in_time: float = 0.0,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
@@ -267,10 +269,10 @@ def make_working_image(
         Wanted width [px].
     filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
         See `WorkingImage`; `sample_spacing` is the line spacing in px at the reference width.
-    gain_before : float
-        The gain of the frame before.
+    history, dt, burned_in_time : PictureHistory, float
+        See `WorkingImage`.
     """
-    gain = level_gain(gain_before, image)
+    gain = level_gain(history.gain, image)
     image = without_dead_margins(amplified(image, gain))
     height, width = image.shape
     size, frame_scale, reduction, scale = _working_size((width, height), working_width)
@@ -286,6 +288,9 @@ def make_working_image(
         light_correction,
         gradients_alone,
         gain,
+        history,
+        dt,
+        burned_in_time,
     )
 
 
@@ -310,16 +315,17 @@ def working_image_for(
 
     `history` is that of the frames before, the last of them `dt` seconds ago.
     """
-    working_image = make_working_image(
+    if not parameters.uses_map:
+        # Without maps, nothing would tell that a bend has ended.
+        history = replace(history, bend=STRAIGHT)
+    return make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
         parameters.sample_spacing,
         parameters.light_correction,
         gradients_alone=parameters.observation == "responses",
-        gain_before=history.gain,
+        history=history,
+        dt=dt,
+        burned_in_time=parameters.burned_in_time,
     )
-    if not parameters.uses_map:
-        # Without maps, nothing would tell that a bend has ended.
-        history = replace(history, bend=STRAIGHT)
-    return replace(working_image, history=history, dt=dt, burned_in_time=parameters.burned_in_time)

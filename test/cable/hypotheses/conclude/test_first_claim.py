@@ -45,7 +45,7 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
         clear = hypotheses._replace(
             scaled_clearness=factor * needed, appearance=ORDINARY_APPEARANCE
         )
-        return is_new_clear(clear, memory, PARAMETERS, SIZE)
+        return is_new_clear(clear, memory, PARAMETERS, SIZE, 1.0)
 
     memory = MEMORY.aged(seconds)
     factor = 1.0 + memory.width_deviation(width, PARAMETERS) ** 2
@@ -60,7 +60,7 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(
     ripples = hypotheses._replace(
         scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
     )
-    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, SIZE)
+    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, SIZE, 1.0)
 
 
 @given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-5.0, 20.0), st.booleans())
@@ -75,7 +75,7 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     needed = min(by_borders, by_map) if is_mapped else by_borders
     for clearness in (needed - 1e-6, needed + 1e-6):
         looked_at = hypotheses._replace(scaled_clearness=clearness)
-        assert is_new_clear(looked_at, None, PARAMETERS, SIZE) == (clearness > needed)
+        assert is_new_clear(looked_at, None, PARAMETERS, SIZE, 1.0) == (clearness > needed)
 
 
 @given(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.floats(4.0, 200.0))
@@ -112,8 +112,8 @@ def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
     looks = initial_belief(leader[None], 0.9).hypotheses._replace(
         appearance=UNLIKE_A_CABLE, scaled_clearness=PARAMETERS.evidence_to_find
     )
-    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, SIZE)
-    assert not is_new_clear(looks, None, PARAMETERS, SIZE)
+    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, SIZE, 1.0)
+    assert not is_new_clear(looks, None, PARAMETERS, SIZE, 1.0)
 
 
 def test_a_cable_of_the_usual_width_needs_what_the_parameter_says():
@@ -163,9 +163,9 @@ def test_a_single_edge_is_no_cable(pose, is_in_view, scale):
     hypotheses = initial_belief(state[None], 0.9).hypotheses._replace(
         scaled_clearness=100.0, appearance=ORDINARY_APPEARANCE, weaker_border_mean=0.0
     )
-    assert is_new_clear(hypotheses, None, PARAMETERS, size) == is_in_view
+    assert is_new_clear(hypotheses, None, PARAMETERS, size, size[0] / 320) == is_in_view
     both_clear = hypotheses._replace(weaker_border_mean=PARAMETERS.evidence_to_find)
-    assert is_new_clear(both_clear, None, PARAMETERS, size)
+    assert is_new_clear(both_clear, None, PARAMETERS, size, size[0] / 320)
 
 
 @given(st.floats(-150.0, 150.0), st.floats(-3.1, 3.1), st.floats(4.0, 200.0))

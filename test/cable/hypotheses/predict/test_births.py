@@ -9,7 +9,8 @@ from cable_tracker.cable.hypotheses.predict.births import (
     MAP_SHARE,
     BirthDensity,
     birth_density,
-    birth_density_of,
+    births_anywhere,
+    births_with_memory,
     draw_births,
     drawn_birth_density,
 )
@@ -43,7 +44,11 @@ def remembered(state, side=0.0, seconds=0.0) -> RememberedCable:
 
 def births(memory=None, parameters=PARAMETERS, size=SIZE) -> BirthDensity:
     box = search_box(parameters, size[0])
-    return birth_density_of(box, memory, parameters.memory_time, size, size[0] / 320)
+    scale = size[0] / 320
+    anywhere = births_anywhere(box, size, scale)
+    if memory is None:
+        return anywhere
+    return births_with_memory(anywhere, memory, parameters.memory_time, scale)
 
 
 def density_at(state, density) -> float:

@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.hypotheses.predict.births import (
     birth_density,
-    birth_density_of,
+    births_anywhere,
     drawn_birth_density,
 )
 from cable_tracker.cable.hypotheses.predict.border_switch import switch_density, switch_from
@@ -41,7 +41,7 @@ def make_predicted(
         mass_born=mass_born,
         log_width=log_width,
         width_spread=width_spread,
-        births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240), 1.0),
+        births=births_anywhere(search_box(PARAMETERS, 320), (320, 240), 1.0),
         mass_switched=mass_switched,
         border_switch=SWITCH,
     )

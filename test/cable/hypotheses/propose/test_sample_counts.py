@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.predict.births import birth_density_of
+from cable_tracker.cable.hypotheses.predict.births import births_anywhere
 from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample_counts import LOST_DETECTOR_SHARE, sample_counts
 from cable_tracker.cable.model.initial_state import search_box
@@ -17,7 +17,7 @@ NO_ROUNDS = np.zeros(0, np.int64)
 
 def counts_of(count, survived, born, detections, refined=NO_ROUNDS):
     parameters = TrackerParameters(particle_count=count)
-    births = birth_density_of(search_box(parameters, 320), None, 1.0, (320, 240), 1.0)
+    births = births_anywhere(search_box(parameters, 320), (320, 240), 1.0)
     existence = PredictedExistence(survived, born)
     return sample_counts(parameters, existence, births, detections, refined)
 
@@ -45,7 +45,7 @@ def test_whatever_shares_are_accepted_leave_particles_to_follow_a_cable_or_searc
 ):
     names = ("detector_share", "search_share", "refinement_share")
     parameters = TrackerParameters(particle_count=500, **dict(zip(names, shares, strict=True)))
-    births = birth_density_of(search_box(parameters, 320), None, 1.0, (320, 240), 1.0)
+    births = births_anywhere(search_box(parameters, 320), (320, 240), 1.0)
     existence = PredictedExistence(existing, 0.0)
     counts = sample_counts(parameters, existence, births, 3, refined_counts(parameters))
     assert counts.survivors + counts.births >= 20
