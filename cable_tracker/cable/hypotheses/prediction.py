@@ -201,7 +201,7 @@ class Predictor:
         drawn = draw_ancestors(
             belief.particles,
             belief.hypotheses.clusters,
-            min(self._parameters.ancestor_count, belief.particles.count),
+            min(self._parameters.ancestor_count, len(belief.particles.states)),
             self._resample,
             self._rng,
         )

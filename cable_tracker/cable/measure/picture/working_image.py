@@ -315,7 +315,7 @@ def working_image_for(
 
     `history` is that of the frames before, the last of them `dt` seconds ago.
     """
-    if not parameters.uses_map:
+    if history.bend != STRAIGHT and not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.
         history = replace(history, bend=STRAIGHT)
     return make_working_image(
