@@ -25,6 +25,10 @@ LARGEST_SHARE = 0.25
 BESIDE = 2
 """Lines beside a margin that compression and scaling have blurred into it."""
 
+ABRUPT = 0.3
+"""By how much the share of the margin's grey level falls at least where a bar ends. Towards the
+dark about the cone of a lamp it changes line by line, and that is the scene."""
+
 
 def without_dead_margins(frame: Image) -> Image:
     """Return a frame (H, W) with dead margins filled by the nearest live line.
@@ -51,12 +55,11 @@ def dead_lines(lines: Image) -> int:
     if np.count_nonzero(outermost <= BRIGHTEST) < PLAIN_SHARE * len(outermost):
         return 0
     most, level = int(LARGEST_SHARE * len(lines)), float(np.median(outermost))
-    count, plain = 0, 0
-    while count <= most:
-        apart = np.abs(lines[count].astype(np.float32) - level)
-        of_one_level = np.count_nonzero(apart <= FLAT)
-        if of_one_level < CAPTIONED_SHARE * lines.shape[1]:
-            break
-        count += 1
-        plain += of_one_level >= PLAIN_SHARE * lines.shape[1]
-    return count + BESIDE if plain >= FEWEST_PLAIN_LINES and count <= most else 0
+    near = np.abs(lines[: most + 1 + BESIDE].astype(np.float32) - level) <= FLAT
+    shares = np.count_nonzero(near, axis=1) / lines.shape[1]
+    count = int(np.argmax(np.append(shares, 0.0) < CAPTIONED_SHARE))
+    plain = np.count_nonzero(shares[:count] >= PLAIN_SHARE)
+    if plain < FEWEST_PLAIN_LINES or count > most:
+        return 0
+    is_abrupt = shares[count - 1] - shares[count + BESIDE - 1] >= ABRUPT
+    return count + BESIDE if is_abrupt else 0

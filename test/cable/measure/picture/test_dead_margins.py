@@ -58,6 +58,22 @@ def test_a_dark_bottom_that_is_nowhere_plain_is_no_margin(rng):
     assert without_dead_margins(dark) is dark
 
 
+@pytest.mark.parametrize("reach", [30.0, 35.0, 40.0])
+def test_the_dark_about_the_cone_of_a_lamp_is_no_margin(rng, reach):
+    y, x = np.mgrid[:120, :160]
+    light = np.exp(-((np.hypot(x - 75.0, y - 58.0) / reach) ** 2))
+    night = np.round(rng.normal(120.0, 15.0, (120, 160)) * light).astype(np.uint8)
+    assert without_dead_margins(night) is night
+
+
+def test_a_bar_beside_the_cone_of_a_lamp_is_filled(rng):
+    y, x = np.mgrid[:120, :160]
+    light = np.exp(-((np.hypot(x - 75.0, y - 58.0) / 90.0) ** 2))
+    barred = np.round(rng.normal(120.0, 15.0, (120, 160)) * light).astype(np.uint8)
+    barred[:15] = 0
+    assert dead_lines(barred) == 15 + BESIDE
+
+
 def test_a_flat_bottom_beside_a_strip_is_no_margin():
     picture = np.full((120, 160), 70, np.uint8)
     picture[:, 30:60] = 180
