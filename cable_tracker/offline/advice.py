@@ -90,9 +90,15 @@ def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParamet
             f"usable frames span {_below(usable, needed)} s, a claim takes confirmation_time"
             f" ({needed:g} s); look into why frames were refused, or record for longer"
         )
-    return (
+    together = (
         "presence and evidence were high enough, but not together for confirmation_time"
         f" ({needed:g} s); try a shorter one"
+    )
+    if not parameters.uses_map:
+        return together
+    return (
+        f"{together}, or a lower overlap_to_find ({parameters.overlap_to_find:g}): the network may"
+        " take more for a cable than this one"
     )
 
 

@@ -410,6 +410,16 @@ class TrackerParameters(ParameterSet):
         " `borders` alone this is for a cable twice `thin_width` wide: narrower ones need up to"
         " three times as much, wider ones two thirds (multi_hypothesis filter).",
     )
+    overlap_to_find: float = number(
+        0.65,
+        "",
+        0.0,
+        1.0,
+        "How far a cable that nothing was known of and what the network takes for cable have to"
+        " overlap for a claim, unless its borders are crisp: twice what both have in common over"
+        " the sum of both. Less claims more, also of what is none; with two cables in view neither"
+        " can have more than about two thirds (multi_hypothesis filter, `looks: network`).",
+    )
     evidence_to_lose: float = number(
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )

@@ -63,8 +63,8 @@ CABLE_GROUPS: Groups = (
         "Claiming a cable",
         (
             "presence_to_track", "presence_to_lose", "evidence_to_track", "evidence_to_find",
-            "evidence_to_lose", "confirmation_time", "loss_time", "converged_distance",
-            "converged_angle", "search_time", "maximum_gap",
+            "overlap_to_find", "evidence_to_lose", "confirmation_time", "loss_time",
+            "converged_distance", "converged_angle", "search_time", "maximum_gap",
         ),
     ),
 )  # fmt: skip

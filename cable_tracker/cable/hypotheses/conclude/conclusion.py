@@ -57,7 +57,7 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import (
     measured_cables,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK, bright_share
-from cable_tracker.cable.measure.map.cable_map import is_worked_out
+from cable_tracker.cable.measure.map.cable_map import is_worked_out, map_match
 from cable_tracker.cable.model.geometry import state_in_chart
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
@@ -96,6 +96,8 @@ class Hypotheses(NamedTuple):
         How much the leading group looks like a cable, see `appearances_of` [nats].
     is_mapped : bool
         Whether a map, of the frame or kept, has a say in that.
+    overlap_share : float
+        Overlap of the leading mean with that map, see `MapMatch`; 0 without one.
     """
 
     clusters: Clusters
@@ -107,6 +109,7 @@ class Hypotheses(NamedTuple):
     scaled_clearness: float
     appearance: float
     is_mapped: bool
+    overlap_share: float
 
 
 @compiled_part
@@ -124,6 +127,7 @@ def unmeasured_hypotheses(
         scaled_clearness=0.0,
         appearance=0.0,
         is_mapped=False,
+        overlap_share=0.0,
     )
 
 
@@ -294,6 +298,7 @@ def _hypotheses(
         clear.clearness[leader] * shown_share(clear.shown[leader]),
         corrected.appearances[leader],
         is_worked_out(inputs.cable_map),
+        _overlap_of_leading_mean(clusters.means, inputs),
     )
 
 
@@ -368,6 +373,15 @@ def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> Float
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own
+
+
+@compiled_part
+def _overlap_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> float:
+    """Return the overlap of the first mean with the map, 0 to 1; 0 without a map."""
+    if not is_worked_out(inputs.cable_map):
+        return 0.0
+    share: float = map_match(means[0], inputs.cable_map).overlap_share
+    return share
 
 
 @compiled_part

@@ -34,6 +34,11 @@ UNLIKE_A_CABLE = 1.5
 from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
 crisp troughs, pairs of lines, soft bands."""
 
+CRISP = 2.0
+"""Clearness of the borders from which on the overlap with the map is not asked for [nats per
+point]: what is crisp looks like a cable to a person, too. Chosen with `overlap_to_find` on the
+worlds to tune on and two simulators written apart from this project."""
+
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 """The same with a map: claim score that one nat is worth, and the upper limit. In a logistic model
 of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
@@ -92,7 +97,9 @@ def _looks_clear(
     scale: float,
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
-    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
+    if hypotheses.is_mapped and (
+        hypotheses.appearance < UNLIKE_A_CABLE or _is_lost_in_map(hypotheses, parameters)
+    ):
         return False
     width = float(hypotheses.clusters.means[0, WIDTH])
     factor = 1.0
@@ -109,6 +116,15 @@ def _looks_clear(
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
     by_map = claim_score_by_map(hypotheses)
     return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
+
+
+def _is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
+    """Tell whether too much of what a map shows lies elsewhere, and the borders are not crisp.
+
+    A network that takes half of the picture for a cable knows of none.
+    """
+    is_crisp = hypotheses.scaled_clearness >= CRISP
+    return not is_crisp and hypotheses.overlap_share < parameters.overlap_to_find
 
 
 def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> float:

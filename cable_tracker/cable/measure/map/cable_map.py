@@ -100,10 +100,13 @@ class MapMatch(NamedTuple):
         in common over the sum of both [nats].
     inside : float
         Log-odds of the mean probability inside the strip [nats].
+    overlap_share : float
+        The overlap itself, 0 to 1.
     """
 
     overlap: float
     inside: float
+    overlap_share: float
 
 
 @compiled_fast_loop
@@ -121,10 +124,8 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
         if sharp_mass * (cable_map.mass + area) > mass * (cable_map.mass + sharp_area):
             area, mass = sharp_area, sharp_mass
     area = max(area, SMALLEST_AREA)
-    return MapMatch(
-        _log_odds(2.0 * mass / (cable_map.mass + area)),
-        _log_odds(min(mass / area, 1.0)),
-    )
+    share = 2.0 * mass / (cable_map.mass + area)
+    return MapMatch(_log_odds(share), _log_odds(min(mass / area, 1.0)), share)
 
 
 @compiled

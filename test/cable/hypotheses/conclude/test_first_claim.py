@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import assume, given
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.conclude.first_claim import (
     APPEARANCE_SHARE,
+    CRISP,
     LEAST_APPEARANCE,
     LEAST_FACTOR,
     MAPPED_SHARE,
@@ -60,7 +62,20 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(
     ripples = hypotheses._replace(
         scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
     )
-    assert not is_new_clear(ripples._replace(is_mapped=True), None, PARAMETERS, SIZE, 1.0)
+    mapped = ripples._replace(is_mapped=True, overlap_share=1.0)
+    assert not is_new_clear(mapped, None, PARAMETERS, SIZE, 1.0)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(1.0, 3.0))
+def test_what_has_little_in_common_with_the_map_is_claimed_only_if_it_is_crisp(
+    share, least, clearness
+):
+    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
+    clear = hypotheses._replace(scaled_clearness=clearness, appearance=10.0, overlap_share=share)
+    parameters = replace(PARAMETERS, overlap_to_find=least)
+    is_claimed = is_new_clear(clear._replace(is_mapped=True), None, parameters, SIZE, 1.0)
+    assert is_claimed == (share >= least or clearness >= CRISP)
+    assert is_new_clear(clear, None, parameters, SIZE, 1.0)
 
 
 @given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-5.0, 20.0), st.booleans())
@@ -68,7 +83,7 @@ def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, lo
     assume(looks >= UNLIKE_A_CABLE or not is_mapped)
     leader = CableState(10.0, 0.2, width).to_array()
     hypotheses = initial_belief(leader[None], 0.9).hypotheses
-    hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped)
+    hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped, overlap_share=1.0)
     by_borders = needed_clearness(width, PARAMETERS, 1.0)
     by_borders -= claim_score_by_width(hypotheses, PARAMETERS, 1.0)
     by_map = PARAMETERS.evidence_to_find - claim_score_by_map(hypotheses)
@@ -110,7 +125,9 @@ def test_a_hidden_border_counts_as_just_clear_enough_if_the_map_shows_the_cable(
 def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
     leader = CableState(10.0, 0.2, 8.0).to_array()
     looks = initial_belief(leader[None], 0.9).hypotheses._replace(
-        appearance=UNLIKE_A_CABLE, scaled_clearness=PARAMETERS.evidence_to_find
+        appearance=UNLIKE_A_CABLE,
+        scaled_clearness=PARAMETERS.evidence_to_find,
+        overlap_share=1.0,
     )
     assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, SIZE, 1.0)
     assert not is_new_clear(looks, None, PARAMETERS, SIZE, 1.0)
