@@ -33,7 +33,11 @@ from cable_tracker.cable.hypotheses.conclude.conclusion import (
     Hypotheses,
     unmeasured_hypotheses,
 )
-from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, leading_evidence
+from cable_tracker.cable.hypotheses.conclude.first_claim import (
+    is_lost_in_map,
+    is_new_clear,
+    leading_evidence,
+)
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
@@ -187,6 +191,8 @@ def updated_belief(
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and before.is_known(parameters.known_after)
     is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale)
+    if not (conclusion.goes_on and before.is_followed):
+        is_clear = is_clear and not is_lost_in_map(hypotheses, parameters)
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
     is_learnt_from = is_known or is_clear

@@ -97,9 +97,7 @@ def _looks_clear(
     scale: float,
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
-    if hypotheses.is_mapped and (
-        hypotheses.appearance < UNLIKE_A_CABLE or _is_lost_in_map(hypotheses, parameters)
-    ):
+    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
         return False
     width = float(hypotheses.clusters.means[0, WIDTH])
     factor = 1.0
@@ -118,13 +116,14 @@ def _looks_clear(
     return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
 
 
-def _is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
+def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
     """Tell whether too much of what a map shows lies elsewhere, and the borders are not crisp.
 
     A network that takes half of the picture for a cable knows of none.
     """
-    is_crisp = hypotheses.scaled_clearness >= CRISP
-    return not is_crisp and hypotheses.overlap_share < parameters.overlap_to_find
+    if not hypotheses.is_mapped or hypotheses.scaled_clearness >= CRISP:
+        return False
+    return hypotheses.overlap_share < parameters.overlap_to_find
 
 
 def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> float:

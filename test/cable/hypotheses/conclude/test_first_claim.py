@@ -22,6 +22,7 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
     are_borders_in_view,
     claim_score_by_map,
     claim_score_by_width,
+    is_lost_in_map,
     is_new_clear,
     leading_evidence,
     needed_clearness,
@@ -73,9 +74,9 @@ def test_what_has_little_in_common_with_the_map_is_claimed_only_if_it_is_crisp(
     hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
     clear = hypotheses._replace(scaled_clearness=clearness, appearance=10.0, overlap_share=share)
     parameters = replace(PARAMETERS, overlap_to_find=least)
-    is_claimed = is_new_clear(clear._replace(is_mapped=True), None, parameters, SIZE, 1.0)
-    assert is_claimed == (share >= least or clearness >= CRISP)
-    assert is_new_clear(clear, None, parameters, SIZE, 1.0)
+    is_lost = is_lost_in_map(clear._replace(is_mapped=True), parameters)
+    assert is_lost == (share < least and clearness < CRISP)
+    assert not is_lost_in_map(clear, parameters)
 
 
 @given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-5.0, 20.0), st.booleans())
