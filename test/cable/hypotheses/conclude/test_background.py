@@ -106,7 +106,8 @@ def test_neighbours_have_a_border_in_common(write):
 
 @given(gap=st.floats(0.0, 20.0), turn=st.floats(0.0, 0.3))
 def test_borders_near_each_other_are_one(gap, turn):
-    assume(abs(gap - SHARED_OFFSET) > 1e-6)
+    # The gap is along the border's normal, the limit along that of the centreline.
+    assume(abs(gap - SHARED_OFFSET) > 0.1)
     assume(abs(turn - SHARED_ANGLE) > 1e-6)
     is_near = gap < SHARED_OFFSET and turn < SHARED_ANGLE
     assert is_within_shared_border_limits(beside(gap, turn), STRIP, 1.0) == is_near
