@@ -34,7 +34,7 @@ UNLIKE_A_CABLE = 1.5
 from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
 crisp troughs, pairs of lines, soft bands."""
 
-CRISP = 2.0
+CRISP = 1.2
 """Clearness of the borders from which on the overlap with the map is not asked for [nats per
 point]: what is crisp looks like a cable to a person, too. Chosen with `overlap_to_find` on the
 worlds to tune on and two simulators written apart from this project."""
