@@ -190,9 +190,10 @@ def updated_belief(
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and before.is_known(parameters.known_after)
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale)
-    if not (conclusion.goes_on and before.is_followed):
-        is_clear = is_clear and not is_lost_in_map(hypotheses, parameters)
+    is_followed = conclusion.goes_on and before.is_followed
+    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale) and (
+        is_followed or not is_lost_in_map(hypotheses, parameters)
+    )
     evidence = leading_evidence(hypotheses, parameters)
     # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
     is_learnt_from = is_known or is_clear

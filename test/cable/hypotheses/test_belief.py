@@ -17,6 +17,7 @@ from cable_tracker.cable.hypotheses.belief import (
     updated_p_bright,
 )
 from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion
+from cable_tracker.cable.hypotheses.conclude.first_claim import CRISP
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.measure.map.cable_map import NO_MAP
@@ -158,6 +159,17 @@ def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_
     assert faint.memory is None
     assert faint.faint_time == pytest.approx(0.4)
     assert clear.memory is not None
+
+
+def test_what_is_lost_in_the_map_is_clear_only_if_a_frame_before_held_it_for_a_cable():
+    found = concluded(clearness=0.9 * CRISP)
+    smeared = found.hypotheses._replace(is_mapped=True, appearance=5.0, overlap_share=0.1)
+    found, other = (found._replace(hypotheses=smeared, goes_on=each) for each in (True, False))
+    assert updated(found).is_clear
+    assert not updated(other).is_clear
+    assert not updated(found, replace(BEFORE, known_time=0.0)).is_clear
+    alone = smeared._replace(overlap_share=0.9)
+    assert updated(other._replace(hypotheses=alone)).is_clear
 
 
 def test_a_leader_that_is_clear_as_a_new_one_stays_so_although_its_width_is_learnt_from():

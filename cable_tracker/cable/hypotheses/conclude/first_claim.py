@@ -4,7 +4,8 @@ Its score for a claim is the clearness of its weaker border, and what its appear
 thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_strips`,
 unless a map of the frame says that it looks like a cable. If one border of a wide one is not clear
 by itself, both have to be in view: a single edge may be its own, but also where other ground
-begins.
+begins. And of all that a map shows, enough has to be the hypothesis, unless its borders are crisp:
+of what no frame before has held for a cable, see `is_lost_in_map`.
 """
 
 from __future__ import annotations
