@@ -41,9 +41,7 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap
-from cable_tracker.cable.measure.map.kept_map import KeptMap
-from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
+from cable_tracker.cable.measure.map.kept_map import NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -89,8 +87,9 @@ class Belief:
     is_given : bool
         Whether an operator or planner gave the leading hypothesis, and every frame since has held
         it for a cable: it is known from the beginning.
-    kept_map : KeptMap or None
-        The last map of a picture, while the hypothesis that led in that frame goes on.
+    kept_map : KeptMap
+        The last map of a picture, while the hypothesis that led in that frame goes on; else
+        `NO_KEPT_MAP`.
     """
 
     particles: Particles
@@ -104,24 +103,15 @@ class Belief:
     is_clear: bool = False
     known_time: float = 0.0
     is_given: bool = False
-    kept_map: KeptMap | None = None
+    kept_map: KeptMap = NO_KEPT_MAP
 
     def aged(self, dt: float) -> Belief:
         """Return the same belief `dt` seconds later, before the next frame is looked at."""
-        return replace(
-            self,
-            memory=self.memory.aged(dt) if self.memory is not None else None,
-            kept_map=self.kept_map.aged(dt) if self.kept_map is not None else None,
-        )
-
-    def map_moved_to(self, leader: FloatArray) -> CableMap:
-        """Return the kept map as it lies when the leading hypothesis is at (8,); else `NO_MAP`."""
-        return self.kept_map.moved_to(leader) if self.kept_map is not None else NO_MAP
-
-    @property
-    def map_borders(self) -> MapBorders:
-        """Where maps show the borders of the leading hypothesis, smoothed [px]."""
-        return self.kept_map.borders if self.kept_map is not None else AS_THE_STRIP
+        memory, kept_map = self.memory, self.kept_map
+        if memory is not None:
+            memory = replace(memory, seconds=memory.seconds + dt)
+        kept_map = replace(kept_map, seconds=kept_map.seconds + dt)
+        return replace(self, memory=memory, kept_map=kept_map)
 
     @property
     def is_followed(self) -> bool:
@@ -221,7 +211,7 @@ def updated_belief(
         is_clear=is_clear,
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if stays_likely else 0.0,
         is_given=before.is_given and stays_likely,
-        kept_map=before.kept_map if conclusion.goes_on else None,
+        kept_map=before.kept_map if conclusion.goes_on else NO_KEPT_MAP,
     )
 
 

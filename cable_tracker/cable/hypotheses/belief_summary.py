@@ -78,7 +78,7 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
     `scale`: pixels of the frame per pixel of an image of the reference width.
     """
     hypotheses = belief.hypotheses
-    shown = belief.map_borders
+    shown = belief.kept_map.borders
     mean, covariance = leading_estimate(hypotheses, shown, parameters, scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, scale)

@@ -179,7 +179,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         is_known = prediction.prior.is_known
         looks = self._looks_at_map(belief, is_known=is_known)
         expected = prediction.prior.expected[0]
-        cable_map = image.cable_map if looks else belief.map_moved_to(expected)
+        cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
         births = prediction.density.births
@@ -209,9 +209,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         borders_are_clear = (
             belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
         )
-        map_is_recent = belief.kept_map is not None and (
-            belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
-        )
+        map_is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
         return self._uses_map and not (is_known and borders_are_clear and map_is_recent)
 
     def _inputs(
@@ -258,9 +256,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
     """Return a belief that keeps the map of its frame and where that shows its leader's borders."""
     leader = belief.hypotheses.clusters.means[0]
-    borders = map_borders(leader, image.cable_map, image.pixels, image.reduction)
-    if belief.kept_map is not None:
-        borders = belief.kept_map.smoothed(borders)
+    shown = map_borders(leader, image.cable_map, image.pixels, image.reduction)
+    borders = belief.kept_map.smoothed(shown)
     return replace(belief, kept_map=KeptMap(image.cable_map, leader[:POSE_SIZE], borders))
 
 

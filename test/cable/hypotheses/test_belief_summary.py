@@ -86,7 +86,7 @@ def test_what_is_not_clear_is_claimed_where_the_cable_was_and_as_wide(leader, se
     found = summary(
         clearness=FAINT,
         leader=leader.to_array(),
-        memory=MEMORY.aged(seconds),
+        memory=replace(MEMORY, seconds=seconds),
     )
     assert found.supports_claim == found.supports_keeping == claim
     assert found.contradicts_claim != claim

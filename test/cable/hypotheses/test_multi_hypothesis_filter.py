@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_overlap, strip_shares
-from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, KeptMap
+from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.measure.map.map_borders import MapBorders, map_borders
 from cable_tracker.cable.measure.picture import working_image
 from cable_tracker.cable.measure.picture.working_image import make_working_image
@@ -507,7 +507,7 @@ def belief_before(*, is_given=True, evidence=2.0, kept_map=KEPT):
     [
         belief_before(is_given=False),
         belief_before(evidence=0.1),
-        belief_before(kept_map=None),
+        belief_before(kept_map=NO_KEPT_MAP),
         belief_before(kept_map=replace(KEPT, seconds=parameters().map_interval - FRAME)),
     ],
     ids=["no cable known", "known but faint", "no map yet", "the last map is old"],
@@ -527,16 +527,16 @@ def borders_by_the_map(belief, strip):
 
 
 def test_the_first_map_says_where_the_borders_are_later_ones_and_those_before_it_together(strip):
-    first = make_filter().step(belief_before(kept_map=None), strip, FRAME, NO_DETECTIONS)
-    assert first.map_borders == borders_by_the_map(first, strip)
+    first = make_filter().step(belief_before(kept_map=NO_KEPT_MAP), strip, FRAME, NO_DETECTIONS)
+    assert first.kept_map.borders == borders_by_the_map(first, strip)
     later = make_filter().step(belief_before(evidence=0.1), strip, FRAME, NO_DETECTIONS)
-    kept = KEPT.aged(FRAME)
-    assert later.map_borders == kept.smoothed(borders_by_the_map(later, strip))
+    kept = replace(KEPT, seconds=KEPT.seconds + FRAME)
+    assert later.kept_map.borders == kept.smoothed(borders_by_the_map(later, strip))
 
 
 def test_without_a_map_of_the_frame_the_borders_stay_where_those_before_showed_them(strip):
     after = make_filter().step(belief_before(), strip, FRAME, NO_DETECTIONS)
-    assert after.map_borders == KEPT.borders
+    assert after.kept_map.borders == KEPT.borders
 
 
 def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatch):
@@ -569,7 +569,7 @@ def test_strips_are_held_against_the_expected_one_where_a_cable_is_known(
         return conclude(sample, inputs, counts, config, prior)
 
     monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", draw_and_conclude)
-    before = belief_before(is_given=is_given, kept_map=None)
+    before = belief_before(is_given=is_given, kept_map=NO_KEPT_MAP)
     make_filter().step(before, strip, FRAME, NO_DETECTIONS)
     ((against, expected),) = frames
     overlap = map_overlap(expected, strip.cable_map) if is_given else -np.inf
@@ -578,7 +578,7 @@ def test_strips_are_held_against_the_expected_one_where_a_cable_is_known(
 
 def test_a_map_is_kept_no_longer_than_the_interval(strip):
     cable_filter = make_filter(map_interval=0.2)
-    belief, ages = belief_before(kept_map=None), []
+    belief, ages = belief_before(kept_map=NO_KEPT_MAP), []
     for _ in range(11):
         belief = cable_filter.step(belief, strip, FRAME, NO_DETECTIONS)
         ages.append(round(belief.kept_map.seconds / FRAME))
@@ -593,10 +593,10 @@ def test_without_an_interval_the_network_looks_at_each_frame(strip):
 
 def test_by_borders_alone_no_map_is_looked_at(strip, monkeypatch):
     monkeypatch.setattr(working_image, "make_cable_map", None)
-    before = belief_before(is_given=False, kept_map=None)
+    before = belief_before(is_given=False, kept_map=NO_KEPT_MAP)
     after = make_filter(looks="borders").step(before, strip, FRAME, NO_DETECTIONS)
     assert not after.hypotheses.is_mapped
-    assert after.kept_map is None
+    assert after.kept_map.seconds == np.inf
 
 
 @pytest.mark.parametrize("changes", [{"map_interval": 3600.0}, {"looks": "borders"}])

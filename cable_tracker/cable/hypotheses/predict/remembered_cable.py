@@ -8,7 +8,7 @@ taken for it, however clear its borders are.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -68,10 +68,6 @@ class RememberedCable:
     log_width: float
     tracked_time: float = 0.0
     seconds: float = 0.0
-
-    def aged(self, dt: float) -> RememberedCable:
-        """Return the same memory `dt` seconds later."""
-        return replace(self, seconds=self.seconds + dt)
 
     def scales(self, scale: float) -> FloatArray:
         """Return how far from there the cable is looked for, shape (4,) [px, rad].

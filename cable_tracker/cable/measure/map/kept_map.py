@@ -8,14 +8,14 @@ stays true for a moment, but for how the cable has moved since.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of
-from cable_tracker.cable.measure.map.map_borders import MapBorders
+from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.geometry import pose_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 from cable_tracker.compilation import compiled
@@ -48,10 +48,6 @@ class KeptMap:
     borders: MapBorders
     seconds: float = 0.0
 
-    def aged(self, dt: float) -> KeptMap:
-        """Return the same map `dt` seconds later."""
-        return replace(self, seconds=self.seconds + dt)
-
     def smoothed(self, borders: MapBorders) -> MapBorders:
         """Return where this map and a new one, which shows `borders`, show those of the cable."""
         kept = math.exp(-self.seconds / BORDERS_TIME)
@@ -76,6 +72,10 @@ class KeptMap:
         )
         cells = np.asarray(probabilities, np.float32)
         return cable_map_of(cells, self.cable_map.left, self.cable_map.top, self.cable_map.cell)
+
+
+NO_KEPT_MAP = KeptMap(NO_MAP, np.zeros(POSE_SIZE), AS_THE_STRIP, math.inf)
+"""Before any map: too old to say anything."""
 
 
 @compiled

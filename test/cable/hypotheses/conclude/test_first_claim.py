@@ -50,11 +50,11 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
         )
         return is_new_clear(clear, memory, PARAMETERS, SIZE, 1.0)
 
-    memory = MEMORY.aged(seconds)
+    memory = replace(MEMORY, seconds=seconds)
     factor = 1.0 + memory.width_deviation(width, PARAMETERS) ** 2
     assert is_clear(1.001, None) and not is_clear(0.999, None)
     assert is_clear(1.001 * factor, memory) and not is_clear(0.999 * factor, memory)
-    assert is_clear(1.001 * factor, memory.aged(10.0))
+    assert is_clear(1.001 * factor, replace(memory, seconds=seconds + 10.0))
 
 
 @given(st.floats(0.0, 20.0), st.floats(-20.0, -0.01))

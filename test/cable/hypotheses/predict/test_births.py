@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -40,6 +42,10 @@ def cable(distance, angle=0.0, width=30.0, skew=0.0) -> np.ndarray:
 
 def remembered(state, side=0.0, seconds=0.0) -> RememberedCable:
     return RememberedCable(state[:4], side, inset(state, SIZE), np.log(state[2]), seconds=seconds)
+
+
+def last_seen(state) -> RememberedCable:
+    return remember(None, state, SIZE, 0.0, PARAMETERS, 1.0)
 
 
 def births(memory=None, parameters=PARAMETERS, size=SIZE) -> BirthDensity:
@@ -155,7 +161,7 @@ def test_the_density_of_births_does_not_depend_on_how_a_line_is_written(d, alpha
 
 @pytest.mark.parametrize("angle", [-0.5, 0.0, 0.7])
 def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle, rng):
-    memory = remember(None, cable(155.0, 0.05), SIZE, 0.0, PARAMETERS, 1.0).aged(0.3)
+    memory = replace(last_seen(cable(155.0, 0.05)), seconds=0.3)
     density = births(memory)
     at_the_edge = image_reaches(np.array([angle]), SIZE)[0] - 5.0
     here, there, across = (
@@ -171,16 +177,18 @@ def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle
 
 
 def test_a_cable_that_vanished_in_the_middle_is_looked_for_there(rng):
-    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS, 1.0).aged(0.1)
+    memory = replace(last_seen(cable(20.0, 0.3)), seconds=0.1)
     draws = draw_births(births(memory), 3000, rng)
     near = (np.abs(draws[:, 0] - 20.0) < 40.0) & (np.abs(draws[:, 1] - 0.3) < 0.3)
     assert 0.5 < near.mean() < 0.75
 
 
 def test_the_longer_it_is_gone_the_farther_it_is_looked_for(rng):
-    memory = remember(None, cable(20.0, 0.3), SIZE, 0.0, PARAMETERS, 1.0)
+    memory = last_seen(cable(20.0, 0.3))
     spreads = [
-        np.median(np.abs(draw_births(births(memory.aged(seconds)), 4000, rng)[:, 0] - 20.0))
+        np.median(
+            np.abs(draw_births(births(replace(memory, seconds=seconds)), 4000, rng)[:, 0] - 20.0)
+        )
         for seconds in (0.0, 0.5, 2.0, 60.0)
     ]
     assert spreads == sorted(spreads)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
-from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, KeptMap
+from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
 
@@ -71,17 +72,11 @@ def test_what_comes_into_view_is_as_the_outermost_cells_are():
     assert moved.probabilities[:, -1].min() == 1.0
 
 
-def test_a_kept_map_grows_older():
-    kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0))
-    assert kept.seconds == 0.0
-    assert kept.aged(0.04).aged(0.2).seconds == pytest.approx(0.24)
-
-
 def test_an_old_map_says_nothing():
     """Else one would go on for as long as the network is not to look, an hour for instance."""
     state = CableState(0.0, 0.0, 24.0, 0.0)
     kept = kept_map_of(state)
-    young, old = kept.aged(LONGEST_KEPT - 0.01), kept.aged(LONGEST_KEPT)
+    young, old = (replace(kept, seconds=LONGEST_KEPT - less) for less in (0.01, 0.0))
     assert overlap(state, young.moved_to(state.to_array())) > 2.0
     assert old.moved_to(state.to_array()) is NO_MAP
 
@@ -90,7 +85,12 @@ def test_an_old_map_says_nothing():
 def test_what_a_new_map_says_of_the_borders_counts_the_more_the_older_the_kept_one_is(
     seconds, least, most
 ):
-    kept = kept_map_of(CableState(0.0, 0.0, 24.0, 0.0)).aged(seconds)
+    kept = replace(kept_map_of(CableState(0.0, 0.0, 24.0, 0.0)), seconds=seconds)
     found = kept.smoothed(MapBorders(10.0, 0.0, 6.0))
     assert least < found.widening < most
     assert found.right_rim == pytest.approx(0.6 * found.widening)
+
+
+def test_without_a_kept_map_a_new_one_alone_says_where_the_borders_are():
+    assert NO_KEPT_MAP.moved_to(CableState(0.0, 0.0, 24.0, 0.0).to_array()) is NO_MAP
+    assert NO_KEPT_MAP.smoothed(MapBorders(10.0, 0.0, 6.0)) == (10.0, 0.0, 6.0)
