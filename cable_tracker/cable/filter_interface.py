@@ -77,7 +77,8 @@ class CableFilter(ABC, Generic[BeliefType]):
     """A filter over the cable, for frames of one size. It holds no belief itself."""
 
     search_time: float = float("inf")
-    """Without a claim for this long, the tracker starts the search anew [s]."""
+    """Without a claim for this long, the tracker starts the search anew [s]; infinite for a filter
+    that does so by itself."""
 
     @abstractmethod
     def first_belief(self) -> BeliefType:

@@ -157,11 +157,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether there is more likely no cable than one, or the search begins anew."""
-        return belief.presence < LIKELY_PRESENCE or self._begins_anew(belief)
-
-    def _begins_anew(self, belief: Belief) -> bool:
-        """Tell whether a cable was present but too faint to claim for `search_time`."""
-        return belief.faint_time >= self._parameters.search_time
+        is_too_faint = belief.faint_time >= self._parameters.search_time
+        return belief.presence < LIKELY_PRESENCE or is_too_faint
 
     def step(
         self,
@@ -172,7 +169,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion: MotionAid | None = None,
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
-        if self._begins_anew(belief):
+        if belief.faint_time >= self._parameters.search_time:
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)
