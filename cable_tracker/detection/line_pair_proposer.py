@@ -130,11 +130,11 @@ def accumulated_votes(image: WorkingImage) -> tuple[Image, float]:
     offset_bin : float
         Width of a bin of offsets [px].
     """
-    scanned = image.scanned
+    scan = image.scan
     offset_bin = max(OFFSET_BIN * image.scale, 1.0)
     middle = int(math.hypot(*image.size) / 2 / offset_bin) + 2
     votes = np.zeros((ANGLE_BINS, 2 * middle + 1), np.float32)
-    _vote_of_both(scanned.rows, scanned.columns, _Accumulator(votes, 1.0 / offset_bin, middle))
+    _vote_of_both(scan.rows, scan.columns, _Accumulator(votes, 1.0 / offset_bin, middle))
     return votes, offset_bin
 
 

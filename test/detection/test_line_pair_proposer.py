@@ -130,7 +130,7 @@ def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind, is
 def reference_votes(image, shape, offset_bin) -> np.ndarray:
     """Every local maximum of a strong gradient along a scan line, voting one by one."""
     votes, middle = np.zeros(shape), shape[1] // 2
-    for lines, is_column in ((image.scanned.rows, False), (image.scanned.columns, True)):
+    for lines, is_column in ((image.scan.rows, False), (image.scan.columns, True)):
         for gradients, place in zip(lines.gradients.astype(float), lines.places, strict=True):
             squared = gradients[:, 0] ** 2 + gradients[:, 1] ** 2
             for index in range(1, len(squared) - 1):
@@ -168,7 +168,7 @@ def test_every_scan_line_votes_once_for_each_border_it_crosses(draw_strip, angle
     votes, offset_bin = accumulated_votes(image)
     middle = votes.shape[1] // 2
     steep = abs(np.cos(angle)) >= abs(np.sin(angle))
-    lines = image.scanned.rows if steep else image.scanned.columns
+    lines = image.scan.rows if steep else image.scan.columns
     for normal, offset in ((angle, 5.0 - 20.0), (angle + np.pi, -5.0 - 20.0)):
         row = round(normal / (2 * np.pi) * ANGLE_BINS) % ANGLE_BINS
         column = middle + round(offset / offset_bin)

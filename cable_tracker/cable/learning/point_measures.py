@@ -18,13 +18,13 @@ class PointMeasures:
     Attributes
     ----------
     responses : Float32Array
-        Response across the border [`ScannedFrame.gradient_scale`], positive where the inside is
+        Response across the border [`ScanInputs.gradient_scale`], positive where the inside is
         brighter.
     slopes : Float32Array
         Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
         ridge of an edge. Only its size counts.
     contrasts : Float32Array
-        Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
+        Inside minus outside, smoothed [`ScanInputs.contrast_scale`].
     """
 
     responses: Float32Array

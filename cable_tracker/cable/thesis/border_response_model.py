@@ -60,7 +60,7 @@ class BorderResponseModel:
         sums, lengths = border_sums(state[None, :], image)
         if not opposed(*sums[0]) or lengths.min() < MINIMUM_LENGTH:
             return 0.0
-        scale = max(image.scanned.gradient_scale, LEAST_SCALE) * image.scale
+        scale = max(image.scan.gradient_scale, LEAST_SCALE) * image.scale
         return float((np.abs(sums) / lengths).min()) / scale
 
 
@@ -94,7 +94,7 @@ def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, Fl
     rows = np.array(states, np.float64, order="C")
     _sum_responses(rows, image.scan, sums, lengths)
     # Gradients are in robust scales per working pixel, sums in grey levels per reference pixel.
-    return sums * (image.scanned.gradient_scale * image.scale), lengths
+    return sums * (image.scan.gradient_scale * image.scale), lengths
 
 
 @compiled

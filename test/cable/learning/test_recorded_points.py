@@ -22,7 +22,7 @@ OUTSIDE, BEHIND, DEEP = 6.0, WIDTH / 4, WIDTH / 2
 def image(noise_picture) -> WorkingImage:
     """Texture that is scanned along every line: more lines than are measured together."""
     image = make_working_image(noise_picture(3, SIZE, 25.0), 320, sample_spacing=1.0)
-    assert len(image.scanned.rows.places) > 2 * BLOCK
+    assert len(image.scan.rows.places) > 2 * BLOCK
     return image
 
 
@@ -31,11 +31,11 @@ def literal_points(state: np.ndarray, side: float, image: WorkingImage) -> np.nd
     distance, angle, width, skew = state[:4]
     normal, offset = angle + side * skew, (distance + side * width / 2) * np.cos(skew)
     steep = abs(np.cos(normal)) >= abs(np.sin(normal))
-    lines = image.scanned.rows if steep else image.scanned.columns
+    lines = image.scan.rows if steep else image.scan.columns
     along, across = (np.cos(normal), np.sin(normal))[:: 1 if steep else -1]
     last = lines.smooth.shape[1] - 1
     outward = side / along
-    shape, across_it = image.scanned.shape, np.array([np.cos(normal), np.sin(normal)])
+    shape, across_it = image.scan.shape, np.array([np.cos(normal), np.sin(normal)])
     covariance = np.array([[shape.xx, shape.xy], [shape.xy, shape.yy]])
     gain = 1.0 / np.sqrt(across_it @ covariance @ across_it)
     points = []

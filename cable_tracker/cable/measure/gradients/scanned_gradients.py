@@ -12,7 +12,6 @@ across that line. The second tells how far away the edge is: it is zero on the e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -53,9 +52,8 @@ SCALE_STEP = 8
 """Robust scales are taken over every eighth point of the scan lines: they say the same as all."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ScannedFrame:
-    """Rows and columns of a frame.
+class ScanInputs(NamedTuple):
+    """What is measured of a frame along its rows and columns.
 
     Attributes
     ----------
@@ -67,24 +65,6 @@ class ScannedFrame:
     contrast_scale : float
         Robust standard deviation of the smoothed picture over a few pixels [grey levels]: what slow
         changes of the light alone make of the inside and the outside of a border.
-    shape : GradientShape
-        Covariance of the gradients; the identity where only gradients are asked for.
-    """
-
-    rows: ScanLines
-    columns: ScanLines
-    gradient_scale: float
-    contrast_scale: float
-    shape: GradientShape
-
-
-class ScanInputs(NamedTuple):
-    """What kernels need to know of a frame.
-
-    Attributes
-    ----------
-    rows, columns : ScanLines
-        Scan lines along which steep and flat borders are measured.
     reduction : float
         Working pixels per frame pixel.
     scale : float
@@ -92,11 +72,14 @@ class ScanInputs(NamedTuple):
     points_across : float
         Number of points of a border that runs through the picture along its shorter side.
     shape : GradientShape
-        Covariance of the gradients, by which responses are divided.
+        Covariance of the gradients, by which responses are divided; the identity where only
+        gradients are asked for.
     """
 
     rows: ScanLines
     columns: ScanLines
+    gradient_scale: float
+    contrast_scale: float
     reduction: float
     scale: float
     points_across: float
@@ -124,7 +107,9 @@ def scan_places(
     return rows, columns, (y, x)
 
 
-def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFrame:
+def scan_frame(
+    picture: Image, spacing: int, kernels: ScanKernels, reduction: float, scale: float
+) -> ScanInputs:
     """Work out the gradients along the scan lines of a picture.
 
     Parameters
@@ -135,6 +120,8 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         Distance between the lines [px].
     kernels : ScanKernels
         The filters. Their `contrast_lag` must be shorter than the longer side of the picture.
+    reduction, scale : float
+        See `ScanInputs`.
     """
     height, width = picture.shape
     rows, columns, places = scan_places((width, height), spacing)
@@ -143,7 +130,19 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     pixels = np.require(picture, np.float32, ("C", "W", "A"))
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
     turned = np.asarray(cv2.rotate(pixels, cv2.ROTATE_90_CLOCKWISE))
-    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
+    along_rows, along_columns, gradient_scale, contrast_scale, shape = _scan_both(
+        pixels, turned, rows, columns, places, kernels
+    )
+    return ScanInputs(
+        rows=along_rows,
+        columns=along_columns,
+        gradient_scale=gradient_scale,
+        contrast_scale=contrast_scale,
+        reduction=reduction,
+        scale=scale,
+        points_across=min(height, width) / spacing,
+        shape=shape,
+    )
 
 
 @compiled
@@ -155,7 +154,10 @@ def _scan_both(
     places: tuple[FloatArray, FloatArray],
     kernels: ScanKernels,
 ) -> tuple[ScanLines, ScanLines, float, float, GradientShape]:
-    """Return what `ScannedFrame` holds; `places` of the rows and of the columns."""
+    """Return rows, columns, both scales and shape of `ScanInputs`.
+
+    `places` are those of the rows and of the columns.
+    """
     # Rows run down where v runs up.
     gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
     turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)

@@ -10,11 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
-from cable_tracker.cable.measure.gradients.scanned_gradients import (
-    ScanInputs,
-    ScannedFrame,
-    scan_frame,
-)
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs, scan_frame
 from cable_tracker.cable.measure.map.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.measure.map.map_network import make_cable_map
 from cable_tracker.cable.measure.picture.bend import (
@@ -198,8 +194,8 @@ class WorkingImage:
         return PictureHistory(bend, lines, self.gain)
 
     @cached_property
-    def scanned(self) -> ScannedFrame:
-        """The gradients along its scan lines, worked out when they are first asked for."""
+    def scan(self) -> ScanInputs:
+        """What is measured along its scan lines, worked out when it is first asked for."""
         kernels = scan_kernels(
             max(self.filter_sigma * self.scale, SMALLEST_SIGMA),
             REGION_SIGMA * self.scale,
@@ -208,21 +204,7 @@ class WorkingImage:
         if self.gradients_alone:
             kernels = kernels._replace(region=kernels.region[:0])
         picture = evenly_lit(self._straight, self.light_correction)
-        return scan_frame(picture, self.line_spacing, kernels)
-
-    @cached_property
-    def scan(self) -> ScanInputs:
-        """What kernels that measure borders need to know of the frame."""
-        scanned = self.scanned
-        points_across = min(self.size) / self.line_spacing
-        return ScanInputs(
-            scanned.rows,
-            scanned.columns,
-            self.reduction,
-            self.scale,
-            points_across,
-            scanned.shape,
-        )
+        return scan_frame(picture, self.line_spacing, kernels, self.reduction, self.scale)
 
 
 def check_frame(image: object) -> None:

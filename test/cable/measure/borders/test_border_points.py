@@ -19,7 +19,7 @@ def test_a_border_is_measured_once_on_every_line_that_it_crosses_steeply(angle):
     image = make_working_image(np.zeros(SIZE[::-1], np.uint8), 320)
     points = measure_points(np.array([[0.0, angle, 8.0, *[0.0] * 5]]), image)
     steep = abs(np.cos(angle)) >= abs(np.sin(angle))
-    lines = image.scanned.rows if steep else image.scanned.columns
+    lines = image.scan.rows if steep else image.scan.columns
     for border, offset in enumerate((-4.0, 4.0)):
         along, across = (np.cos(angle), np.sin(angle))[:: 1 if steep else -1]
         crossings = (offset - across * lines.places) / along

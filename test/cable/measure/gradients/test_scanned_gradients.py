@@ -20,7 +20,7 @@ NO_FILTER = np.empty(0, np.float32)
 
 
 def scan(picture, spacing=SPACING, kernels=KERNELS):
-    return scan_frame(picture, spacing, kernels)
+    return scan_frame(picture, spacing, kernels, reduction=1.0, scale=1.0)
 
 
 def ramp(x_slope, y_slope, size=(90, 70)) -> np.ndarray:
