@@ -179,10 +179,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
-        births = prediction.density.births
-        counts = sample_counts(
-            self._parameters, prediction.existence, births, len(detections), self._refined
-        )
+        counts = sample_counts(self._parameters, prediction.density, len(detections), self._refined)
         against = NOTHING_EXPECTED
         if is_known:
             against = expected_overlap(cable_map, expected, is_kept=not looks)
@@ -191,7 +188,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
-            states = draw_births(births, self._parameters.particle_count, self._rng)
+            states = draw_births(
+                prediction.density.births, self._parameters.particle_count, self._rng
+            )
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         updated = updated_belief(
             belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale

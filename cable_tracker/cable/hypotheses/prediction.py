@@ -71,8 +71,6 @@ class Prediction(NamedTuple):
 
     Attributes
     ----------
-    existence : PredictedExistence
-        Probabilities that a cable has survived and that one has been born.
     density : PredictedDensity
         The density f of cables in view; its `births` are those that come into view.
     prior : PriorPresence
@@ -81,7 +79,6 @@ class Prediction(NamedTuple):
         Angle of the leading hypothesis [rad], in whose chart the particles of the frame are drawn.
     """
 
-    existence: PredictedExistence
     density: PredictedDensity
     prior: PriorPresence
     reference_angle: float
@@ -153,7 +150,7 @@ class Predictor:
             is_known=belief.is_known(parameters.known_after),
         )
         density = self._density(ancestors, existence, expected[0], belief.memory, dt, time, motion)
-        return Prediction(existence, density, prior, reference_angle)
+        return Prediction(density, prior, reference_angle)
 
     def _density(
         self,

@@ -98,10 +98,6 @@ class BirthDensity(NamedTuple):
     map_strips: FloatArray
     map_scales: FloatArray
 
-    def remembered_of(self, count: int) -> int:
-        """Return how many of `count` births are about the remembered cable."""
-        return round(self.share * count)
-
 
 def births_anywhere(box: SearchBox, image_size: tuple[int, int], scale: float) -> BirthDensity:
     """Return the density of births in a box, without a remembered cable and without a map.
@@ -149,7 +145,8 @@ def draw_births(births: BirthDensity, count: int, rng: np.random.Generator) -> F
     uniform = rng.random((count, STATE_SIZE))
     about_memory = rng.standard_t(BIRTH_TAIL, (count, POSE_SIZE))
     states = np.empty((count, STATE_SIZE))
-    place_births(states, 0, count, births.remembered_of(count), births, uniform, about_memory)
+    remembered = round(births.share * count)
+    place_births(states, 0, count, remembered, births, uniform, about_memory)
     return wrap_states(states)
 
 

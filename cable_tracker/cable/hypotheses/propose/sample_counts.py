@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from cable_tracker.arrays import IndexArray
-from cable_tracker.cable.hypotheses.predict.births import BirthDensity
-from cable_tracker.cable.hypotheses.predict.predicted_density import LEAST_PROBABILITY
+from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
 from cable_tracker.cable.parameters.parameters import (
     BORDER_SWITCH_SHARE,
     LEAST_SURVIVOR_SHARE,
     TrackerParameters,
 )
-from cable_tracker.particle_filter.existence import PredictedExistence
 
 LOST_DETECTOR_SHARE = 0.3
 """Share of the particles about detections while it is more likely than not that there is none."""
@@ -46,8 +44,7 @@ class SampleCounts(NamedTuple):
 
 def sample_counts(
     parameters: TrackerParameters,
-    existence: PredictedExistence,
-    birth_density: BirthDensity,
+    density: PredictedDensity,
     detections: int,
     refined: IndexArray,
 ) -> SampleCounts:
@@ -56,19 +53,19 @@ def sample_counts(
     switches = int(count * BORDER_SWITCH_SHARE)
     first = count - int(refined.sum()) - switches
     share = parameters.detector_share if detections else 0.0
-    existing = existence.total
+    existing = density.mass_survived + density.mass_born
     if share > 0.0 and existing < LIKELY_PRESENCE:
         share = max(share, LOST_DETECTOR_SHARE)
     # The raised share, too, leaves something for survivors and births.
     least = max(int(count * LEAST_SURVIVOR_SHARE), 1)
     detected = min(int(count * share), max(first - least, 0))
     rest = first - detected
-    born = existence.born / max(existing, LEAST_PROBABILITY)
-    births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
+    born = max(density.mass_born / existing, parameters.search_share)
+    births = int(rest * min(born, LARGEST_BIRTH_SHARE))
     return SampleCounts(
         survivors=rest - births,
         births=births,
-        births_near_memory=birth_density.remembered_of(births),
+        births_near_memory=round(density.births.share * births),
         switches=switches,
         detections=detected,
         refined=refined,

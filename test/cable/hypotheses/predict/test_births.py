@@ -142,7 +142,7 @@ def test_about_the_remembered_cable_births_are_drawn_from_the_density_that_is_sa
     memory = MEMORIES[kind]
     density = births(memory)
     draws = states_in_chart(draw_births(density, 20_000, rng), memory.pose[1])
-    near = draws[: density.remembered_of(len(draws)), :4]
+    near = draws[: round(density.share * len(draws)), :4]
     lower, upper = np.quantile(near, (0.2, 0.8), axis=0)
     within = ((draws[:, :4] >= lower) & (draws[:, :4] <= upper)).all(axis=1)
     volumes = np.zeros(len(draws))

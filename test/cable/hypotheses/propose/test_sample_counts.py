@@ -1,29 +1,34 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.predict.births import births_anywhere
+from cable_tracker.cable.hypotheses.predict.predicted_density import LEAST_PROBABILITY
 from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample_counts import LOST_DETECTOR_SHARE, sample_counts
-from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.particle_filter.existence import PredictedExistence
 
 NO_ROUNDS = np.zeros(0, np.int64)
+MASSES = st.floats(LEAST_PROBABILITY, 0.5)
 
 
 def counts_of(count, survived, born, detections, refined=NO_ROUNDS):
     parameters = TrackerParameters(particle_count=count)
-    births = births_anywhere(search_box(parameters, 320), (320, 240), 1.0)
-    existence = PredictedExistence(survived, born)
-    return sample_counts(parameters, existence, births, detections, refined)
+    return sample_counts(parameters, density_of(survived, born), detections, refined)
+
+
+def density_of(survived, born):
+    """Return what is read of a predicted density, half of its births about a remembered cable."""
+    births = SimpleNamespace(share=0.5)
+    return SimpleNamespace(mass_survived=survived, mass_born=born, births=births)
 
 
 @given(
-    st.integers(10, 5000), st.floats(0.0, 0.5), st.floats(0.0, 0.5), st.integers(0, 8),
+    st.integers(10, 5000), MASSES, MASSES, st.integers(0, 8),
     st.floats(0.0, 0.6),
 )  # fmt: skip
 def test_every_particle_is_drawn_from_something(count, survived, born, detections, refined):
@@ -45,9 +50,9 @@ def test_whatever_shares_are_accepted_leave_particles_to_follow_a_cable_or_searc
 ):
     names = ("detector_share", "search_share", "refinement_share")
     parameters = TrackerParameters(particle_count=500, **dict(zip(names, shares, strict=True)))
-    births = births_anywhere(search_box(parameters, 320), (320, 240), 1.0)
-    existence = PredictedExistence(existing, 0.0)
-    counts = sample_counts(parameters, existence, births, 3, refined_counts(parameters))
+    counts = sample_counts(
+        parameters, density_of(existing, LEAST_PROBABILITY), 3, refined_counts(parameters)
+    )
     assert counts.survivors + counts.births >= 20
     if existing > 0.5:
         assert counts.survivors >= 20
