@@ -133,7 +133,16 @@ class Predictor:
         """Predict a belief, aged to the frame, over the `dt` seconds since the frame before."""
         parameters, means = self._parameters, belief.hypotheses.clusters.means
         reference_angle = float(means[0, ANGLE])
-        ancestors, survival = self._draw_ancestors(belief, reference_angle, dt)
+        drawn = draw_ancestors(
+            belief.particles,
+            belief.hypotheses.clusters,
+            min(parameters.ancestor_count, len(belief.particles.states)),
+            self._resample,
+            self._rng,
+        )
+        ancestors, survival = surviving_ancestors(
+            drawn, reference_angle, self._image_size, self._survival_rates, dt
+        )
         birth = event_probability(parameters.appearance_rate, dt)
         existence = predict_existence(belief.presence, survival, birth)
         # Without movement a kernel would be a point: the first frame after a given prior.
@@ -190,20 +199,6 @@ class Predictor:
             mass_switched=max(switched, LEAST_PROBABILITY),
             border_switch=switch_from(leader, *self._widths, self._scale),
         )
-
-    def _draw_ancestors(
-        self, belief: Belief, reference_angle: float, dt: float
-    ) -> tuple[Ancestors, float]:
-        """Draw the particles that go on, weighed by their survival; return that of the cable."""
-        drawn = draw_ancestors(
-            belief.particles,
-            belief.hypotheses.clusters,
-            min(self._parameters.ancestor_count, len(belief.particles.states)),
-            self._resample,
-            self._rng,
-        )
-        size = self._image_size
-        return surviving_ancestors(drawn, reference_angle, size, self._survival_rates, dt)
 
 
 def draw_ancestors(
