@@ -35,10 +35,8 @@ class BeliefSummary:
 
     Attributes
     ----------
-    mean : FloatArray
-        The estimate, shape (8,), columns of `StateColumn`; its angle in (-pi/2, pi/2].
     covariance : FloatArray
-        Covariance of its error, shape (8, 8).
+        Covariance of the error of the estimate, shape (8, 8), columns of `StateColumn`.
     effective_sample_size : float
         N_eff, before resampling.
     evidence : float
@@ -48,6 +46,9 @@ class BeliefSummary:
         Whether the frame speaks for claiming a cable, and for going on to claim one.
     supports_new_claim : bool
         Whether it speaks for claiming one that nothing was known of.
+    hypotheses : tuple of Hypothesis
+        By their share times the probability that they are cables, see `Hypothesis`. The first is
+        the estimate, its angle in (-pi/2, pi/2].
     contradicts_claim : bool
         Whether the frame speaks against the cable that was tracked last: the estimate is of
         something else, or no cable is in view.
@@ -56,21 +57,18 @@ class BeliefSummary:
         the filter cannot tell.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
-    hypotheses : tuple of Hypothesis
-        By their share times the probability that they are cables, see `Hypothesis`.
     """
 
-    mean: FloatArray
     covariance: FloatArray
     effective_sample_size: float
     evidence: float
     supports_claim: bool
     supports_keeping: bool
     supports_new_claim: bool
+    hypotheses: tuple[Hypothesis, ...]
     contradicts_claim: bool = False
     follows_given: bool = True
     presence: float | None = None
-    hypotheses: tuple[Hypothesis, ...] = ()
 
 
 class CableFilter(ABC, Generic[BeliefType]):

@@ -23,7 +23,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import HUGE, GivenState, draw_given_states
 from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, CableState
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
@@ -246,7 +246,7 @@ class CableTracker:
         return CableEstimate(
             stamp=self._frame.stamp,
             status=self._status.status,
-            state=CableState.from_array(summary.mean),
+            state=summary.hypotheses[0].state,
             covariance=summary.covariance,
             effective_sample_size=summary.effective_sample_size,
             evidence=summary.evidence,

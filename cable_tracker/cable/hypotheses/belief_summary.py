@@ -90,7 +90,6 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
         and belief.evidence >= parameters.evidence_to_track
     )
     return BeliefSummary(
-        mean=mean,
         covariance=covariance,
         effective_sample_size=hypotheses.effective_size,
         evidence=belief.evidence,

@@ -123,7 +123,6 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         evidence = self._observation.evidence(mean, image)
         is_clear = evidence >= self._parameters.evidence_to_track
         return BeliefSummary(
-            mean=mean,
             covariance=covariance,
             effective_sample_size=effective_sample_size(particles.log_weights),
             evidence=evidence,

@@ -379,8 +379,8 @@ def test_a_cable_that_was_told_and_is_there_is_claimed_with_the_first_frame(stri
     assert summary.supports_claim
     assert summary.supports_keeping
     assert summary.presence > 0.9
-    assert summary.hypotheses[0].state == CableState.from_array(summary.mean)
-    np.testing.assert_allclose(summary.mean[[0, 2]], [12.0, 24.0], atol=1.5)
+    state = summary.hypotheses[0].state
+    np.testing.assert_allclose([state.distance, state.width], [12.0, 24.0], atol=1.5)
 
 
 def test_a_flat_picture_neither_rises_nor_holds():
@@ -414,8 +414,9 @@ def test_the_covariance_goes_with_the_estimate_across_the_wrap(draw_strip):
     cable_filter = make_filter(border_displacement=0.0)
     for belief in run(cable_filter, cable_filter.given_belief(cloud(horizontal)), [image] * 15):
         summary = cable_filter.summary(belief, image)
-        assert -np.pi / 2 < summary.mean[1] <= np.pi / 2
-        assert summary.mean[0] * np.sign(summary.mean[1]) == pytest.approx(10.0, abs=1.5)
+        state = summary.hypotheses[0].state
+        assert -np.pi / 2 < state.angle <= np.pi / 2
+        assert state.distance * np.sign(state.angle) == pytest.approx(10.0, abs=1.5)
         np.testing.assert_array_equal(summary.covariance, summary.covariance.T)
         assert np.linalg.eigvalsh(summary.covariance).min() > -1e-9
 
@@ -433,11 +434,11 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
     # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8, and 4 of
     # w if the cable is round.
     border_means = belief.hypotheses.leading_mean_borders
-    left, right = displacement_factors(border_means, 2.0 * plain.mean[2]) ** 2
+    left, right = displacement_factors(border_means, 2.0 * plain.hypotheses[0].state.width) ** 2
     both = (left + right) / 2
     np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * both, 8.0 * both + 4.0])
     np.testing.assert_allclose(added[0, 2], 2.0 * (right - left), atol=1e-12)
-    np.testing.assert_array_equal(wide.mean, plain.mean)
+    assert wide.hypotheses == plain.hypotheses
 
 
 def fading(state, grey, ground=100.0) -> np.ndarray:
@@ -460,7 +461,7 @@ def test_the_border_that_is_hidden_is_the_uncertain_one(grey, angle):
     cable_filter = make_filter()
     belief = run(cable_filter, cable_filter.given_belief(cloud(state)), [right_is_hidden] * 2)[-1]
     summary = cable_filter.summary(belief, right_is_hidden)
-    sign = np.sign(np.cos(summary.mean[1] - state.angle))
+    sign = np.sign(np.cos(summary.hypotheses[0].state.angle - state.angle))
     covariance = summary.covariance
     correlation = covariance[0, 2] / np.sqrt(covariance[0, 0] * covariance[2, 2])
     assert sign * correlation > 0.5

@@ -38,7 +38,7 @@ def test_a_cable_that_was_told_is_followed_and_speaks_for_itself(strip, observat
     for _ in range(5):
         belief = cable_filter.step(belief, strip, FRAME, NO_DETECTIONS)
         summary = cable_filter.summary(belief, strip)
-        assert abs(summary.mean[0] - 12.0) < 8.0
+        assert abs(summary.hypotheses[0].state.distance - 12.0) < 8.0
     assert summary.presence is None
     assert summary.hypotheses[0].probability == 1.0
     assert 1.0 <= summary.effective_sample_size <= 500.0
