@@ -19,6 +19,9 @@ FROZEN_INPUT = "FROZEN INPUT"
 WINDOW = 2.0
 """Time over which the frame rate is averaged [s]."""
 
+MOST_ARRIVALS = 2000
+"""Arrivals that are kept at most: more than any camera sends in that time."""
+
 
 class Level(IntEnum):
     """Levels of diagnostic_msgs/DiagnosticStatus."""
@@ -57,6 +60,8 @@ class FrameStatistics:
         Reason why the last refused frame was refused.
     last_event : str
         Reason of the tracker's last restart.
+    arrivals : deque of float
+        Monotonic times at which the last frames came in [s].
     """
 
     tracked: int = 0
@@ -68,22 +73,14 @@ class FrameStatistics:
     refused_in_a_row: int = 0
     last_bad_frame: str = ""
     last_event: str = ""
-    arrivals: deque[float] = field(default_factory=deque)
+    arrivals: deque[float] = field(default_factory=lambda: deque(maxlen=MOST_ARRIVALS))
     latency: LatencyStatistics = field(default_factory=LatencyStatistics)
 
-    def arrived(self, now: float) -> None:
-        """Note that a frame came in at a monotonic time [s]."""
-        self.arrivals.append(now)
-        self._forget(now)
-
     def frame_rate(self, now: float) -> float:
-        """Return the rate over the last seconds [1/s]."""
-        self._forget(now)
-        return len(self.arrivals) / WINDOW
-
-    def _forget(self, now: float) -> None:
+        """Return the rate over the last seconds [1/s]; `now` on the monotonic clock."""
         while self.arrivals and self.arrivals[0] < now - WINDOW:
             self.arrivals.popleft()
+        return len(self.arrivals) / WINDOW
 
 
 def frame_values(statistics: FrameStatistics, now: float) -> dict[str, str]:

@@ -333,7 +333,7 @@ class CameraNode(ProcessNode, ABC):
             # Without a header there is nothing that an answer could refer to.
             self._note_refusal(str(error))
             return
-        self._statistics.arrived(time.monotonic())
+        self._statistics.arrivals.append(time.monotonic())
         wait = self._instruments.wait if self._enabled and frame.stamp else 0.0
         # One that waits for nothing must not overtake those that do.
         if wait or self._hold.held:

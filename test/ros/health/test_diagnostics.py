@@ -48,7 +48,7 @@ def test_the_level_follows_from_the_status(status: str, level: Level) -> None:
 def test_the_frame_rate_counts_the_last_seconds_only() -> None:
     statistics = FrameStatistics()
     for number in range(100):
-        statistics.arrived(number * 0.1)
+        statistics.arrivals.append(number * 0.1)
     assert statistics.frame_rate(9.9) == pytest.approx(10.0, abs=0.51)
     assert statistics.frame_rate(9.9 + 2 * WINDOW) == 0.0
     assert not statistics.arrivals
