@@ -146,12 +146,6 @@ def _checked_format(image: RawImage) -> _PixelFormat:
     return pixel_format
 
 
-def _need_image(image: RawImage | CompressedImage) -> None:
-    """Refuse an image of which the recording gives nothing, with the recording's reason."""
-    if image.missing:
-        raise FrameError(image.missing)
-
-
 def check_layout(image: RawImage) -> None:
     """Check that encoding, size, step and amount of data of an image fit together.
 
@@ -340,7 +334,9 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
 
 
 def _decoded(image: RawImage | CompressedImage, *, in_grey: bool) -> Image:
-    _need_image(image)
+    if image.missing:
+        # The recording gives nothing of it, and says why.
+        raise FrameError(image.missing)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:

@@ -26,7 +26,7 @@ from cable_tracker.ros.health.watched_endpoints import (
     create_watched_subscription,
 )
 from cable_tracker.ros.inputs.frame_hold import FrameHold
-from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
+from cable_tracker.ros.inputs.image_input import CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
@@ -97,6 +97,9 @@ class CameraNode(ProcessNode, ABC):
 
     EVENT_WORDS: ClassVar[str] = "tracking starts anew: "
     """What the log says before the tracker's reason."""
+
+    _decode = staticmethod(decode_grey)
+    """Makes the picture that is tracked on; of grey levels, shape (H, W), unless overridden."""
 
     _instruments: InstrumentInputs[Any, Any]
     _outputs: TrackerOutputs | TargetOutputs
@@ -171,10 +174,6 @@ class CameraNode(ProcessNode, ABC):
     @abstractmethod
     def _figures(self) -> dict[str, str]:
         """Return what diagnostics say beside the camera's figures, with units in the keys."""
-
-    def _decode(self, image: AnyImage) -> Image:
-        """Return the picture that is tracked on; grey levels, shape (H, W), unless overridden."""
-        return decode_grey(image)
 
     def _subscribe_more(self) -> None:
         """Subscribe to what belongs to the camera's frames; called when the node is warm."""

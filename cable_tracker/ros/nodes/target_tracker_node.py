@@ -20,7 +20,6 @@ from cable_tracker.node_parameter_tables import (
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import target_values
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetOutputs
@@ -55,6 +54,8 @@ class TargetTrackerNode(CameraNode):
     """
 
     EVENT_WORDS = ""
+
+    _decode = staticmethod(decode_bgr_levels)
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("target_tracker", **node_arguments)
@@ -128,10 +129,6 @@ class TargetTrackerNode(CameraNode):
             topic = node_topics.INITIAL_TARGET
             take = partial(self.on_initial_target, number=number)
             self._take_starts(topic, take, f"{prefix}{topic.name}")
-
-    def _decode(self, image: AnyImage) -> Image:
-        """Return the picture in colour with the steps that its levels have, shape (H, W, 3)."""
-        return decode_bgr_levels(image)
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
