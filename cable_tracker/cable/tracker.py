@@ -16,7 +16,6 @@ from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.picture.working_image import (
     NO_HISTORY,
     WorkingImage,
-    check_frame,
     working_image_for,
 )
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -29,6 +28,7 @@ from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.status import StatusMachine
 from cable_tracker.tracking.succession import FrameMark, joined_events, succession
 

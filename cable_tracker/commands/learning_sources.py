@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.cable.learning.response_counts import ResponseCounts
-from cable_tracker.cable.measure.picture.working_image import check_frame, working_image_for
+from cable_tracker.cable.measure.picture.working_image import working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
@@ -27,6 +27,7 @@ from cable_tracker.simulation.fading import made_harder
 from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.tracking.frame_check import check_frame
 
 MOST_SEEDS = 1000
 

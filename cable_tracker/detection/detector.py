@@ -6,10 +6,11 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.picture.working_image import check_frame, make_working_image
+from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 

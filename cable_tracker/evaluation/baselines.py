@@ -12,7 +12,6 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.picture.working_image import check_frame
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.detection.detector import CableDetector, Detection
@@ -20,6 +19,7 @@ from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, succession

@@ -28,8 +28,6 @@ from cable_tracker.cable.measure.picture.burned_in_lines import (
 from cable_tracker.cable.measure.picture.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.picture.illumination import evenly_lit
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.errors import FrameError
-from cable_tracker.tracking.frame_check import check_levels
 from cable_tracker.tracking.level_gain import amplified, level_gain
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -47,13 +45,6 @@ CONTRAST_LAG = 12
 THINNED_FROM, ROWS_PER_THINNED = 6, 3
 """Reduction from which on only every third row is averaged, and that three: to read all of a large
 frame takes longer than the rest, and the mean is still over a dozen pixels."""
-
-LARGEST_LEVEL = 1e9
-"""Largest grey level, of either sign: squares of sums of larger ones leave the range of float32, if
-they are amplified."""
-
-MAXIMUM_SIDE = 32_766
-"""Largest height and width of a frame that OpenCV looks up pixels in [px]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -205,27 +196,6 @@ class WorkingImage:
             kernels = kernels._replace(region=kernels.region[:0])
         picture = evenly_lit(self._straight, self.light_correction)
         return scan_frame(picture, self.line_spacing, kernels, self.reduction, self.scale)
-
-
-def check_frame(image: object) -> None:
-    """Refuse what is no grey picture.
-
-    Raises
-    ------
-    FrameError
-        It is no array, has not two dimensions, cannot be measured (`check_levels`), is too large,
-        or has levels beyond `LARGEST_LEVEL`.
-    """
-    if not isinstance(image, np.ndarray):
-        raise FrameError(f"a picture is a NumPy array, not a {type(image).__name__}")
-    if image.ndim != 2:
-        raise FrameError(f"a grey picture has shape (height, width), not {image.shape}")
-    check_levels(image)
-    if max(image.shape) > MAXIMUM_SIDE:
-        height, width = image.shape
-        raise FrameError(f"{width}x{height} px is too large; at most {MAXIMUM_SIDE} px each way")
-    if image.dtype == np.float32 and float(np.abs(image).max()) > LARGEST_LEVEL:
-        raise FrameError(f"grey levels must lie between -{LARGEST_LEVEL:g} and {LARGEST_LEVEL:g}")
 
 
 def make_working_image(

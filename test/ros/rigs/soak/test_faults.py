@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cable_tracker.cable.measure.picture.working_image import check_frame
 from cable_tracker.errors import FrameError
 from cable_tracker.ros.rigs.soak.faults import (
     CHANGES,
@@ -18,6 +17,7 @@ from cable_tracker.ros.rigs.soak.faults import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
+from cable_tracker.tracking.frame_check import check_frame
 
 
 @pytest.fixture
