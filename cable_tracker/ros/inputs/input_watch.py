@@ -15,47 +15,6 @@ LOOK_AT_EVERY = 16
 """Pixels apart that are compared first, each way; noise alone makes some of them differ."""
 
 
-class FrozenInput:
-    """Measures for how long the picture has been the same, by the stamps of the frames."""
-
-    def __init__(self) -> None:
-        self._picture: Image | None = None
-        self._since = self._last = 0
-        self._seconds = 0.0
-
-    @property
-    def seconds(self) -> float:
-        """How long the last picture has been the same [s]."""
-        return self._seconds
-
-    @property
-    def picture(self) -> Image | None:
-        """The last picture, shape (H, W) or (H, W, 3)."""
-        return self._picture
-
-    def take(self, picture: Image, stamp: int, maximum_gap: float = math.inf) -> float:
-        """Compare a frame with the one before; return for how long they have been the same [s].
-
-        A pause or a jump of the clock adds nothing: of that time no frame has told.
-
-        Parameters
-        ----------
-        picture : Image
-            Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
-        stamp : int
-            Time of the frame [ns].
-        maximum_gap : float
-            More time from one frame to the next is such a pause [s].
-        """
-        if self._picture is None or stamp < self._since or not same(self._picture, picture):
-            self._since = stamp
-        elif stamp - self._last > maximum_gap * NANOSECONDS:
-            self._since += stamp - self._last
-        self._picture, self._last = picture, stamp
-        self._seconds = (stamp - self._since) / NANOSECONDS
-        return self._seconds
-
-
 def same(picture: Image, other: Image) -> bool:
     """Tell whether two pictures, (H, W) or (H, W, 3), are the same in every pixel."""
     if picture.shape != other.shape or picture.dtype != other.dtype:
@@ -81,7 +40,9 @@ class InputWatch:
         self._last_usable = now
         self._is_stale = False
         self._is_frozen = False
-        self._frozen = FrozenInput()
+        self._picture: Image | None = None
+        self._since = self._last = 0
+        self._same_for = 0.0
 
     def configure(self, parameters: CameraRuntimeParameters, maximum_gap: float) -> None:
         """Take other time-outs, and the longest pause between frames that the filter bears [s]."""
@@ -104,12 +65,12 @@ class InputWatch:
     @property
     def picture(self) -> Image | None:
         """The last picture, shape (H, W) or (H, W, 3)."""
-        return self._frozen.picture
+        return self._picture
 
     @property
     def same_for(self) -> float:
         """How long the picture has been the same, by the stamps of the frames [s]."""
-        return self._frozen.seconds
+        return self._same_for
 
     def restart(self, now: float) -> None:
         """Let the time of silence begin now, on the monotonic clock [s]."""
@@ -128,9 +89,24 @@ class InputWatch:
         return True
 
     def is_frozen(self, picture: Image, stamp: int) -> bool:
-        """Tell whether the picture has been the same for too long; see `FrozenInput.take`."""
-        seconds = self._frozen.take(picture, stamp, self._maximum_gap)
-        return 0.0 < self._frozen_timeout <= seconds
+        """Tell whether the picture has been the same for too long.
+
+        A pause or a jump of the clock adds nothing: of that time no frame has told.
+
+        Parameters
+        ----------
+        picture : Image
+            Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
+        stamp : int
+            Time of the frame [ns].
+        """
+        if self._picture is None or stamp < self._since or not same(self._picture, picture):
+            self._since = stamp
+        elif stamp - self._last > self._maximum_gap * NANOSECONDS:
+            self._since += stamp - self._last
+        self._picture, self._last = picture, stamp
+        self._same_for = (stamp - self._since) / NANOSECONDS
+        return 0.0 < self._frozen_timeout <= self._same_for
 
     def note_frozen(self, *, is_frozen: bool) -> bool:
         """Note whether the last frame was frozen; return whether the picture has just frozen."""

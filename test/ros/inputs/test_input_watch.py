@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.node_parameter_tables import CameraRuntimeParameters
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, STALE_INPUT
-from cable_tracker.ros.inputs.input_watch import FrozenInput, InputWatch, same
+from cable_tracker.ros.inputs.input_watch import InputWatch, same
 
 SECOND = 1_000_000_000
 
@@ -67,12 +67,17 @@ def picture(value: int = 90, dtype: type = np.uint8) -> np.ndarray:
     return np.full((40, 60), value, dtype)
 
 
+def same_for(watched: InputWatch, shown: np.ndarray, seconds: int) -> float:
+    watched.is_frozen(shown, seconds * SECOND)
+    return watched.same_for
+
+
 def test_the_time_since_the_picture_changed_is_measured_by_stamps() -> None:
-    frozen = FrozenInput()
-    seconds = [frozen.take(picture(), stamp * SECOND) for stamp in (5, 6, 9)]
+    watched = watch()
+    seconds = [same_for(watched, picture(), stamp) for stamp in (5, 6, 9)]
     assert seconds == [0.0, 1.0, 4.0]
-    assert frozen.take(picture(91), 10 * SECOND) == 0.0
-    assert frozen.take(picture(91), 11 * SECOND) == frozen.seconds == 1.0
+    assert same_for(watched, picture(91), 10) == 0.0
+    assert same_for(watched, picture(91), 11) == 1.0
 
 
 def test_one_pixel_is_enough_to_differ() -> None:
@@ -88,16 +93,15 @@ def test_another_size_or_type_is_another_picture(other: np.ndarray) -> None:
 
 
 def test_where_time_goes_back_the_count_begins_anew() -> None:
-    frozen = FrozenInput()
-    frozen.take(picture(), 100 * SECOND)
-    assert frozen.take(picture(), 50 * SECOND) == 0.0
-    assert frozen.take(picture(), 51 * SECOND) == 1.0
+    watched = watch()
+    seconds = [same_for(watched, picture(), stamp) for stamp in (100, 50, 51)]
+    assert seconds == [0.0, 0.0, 1.0]
 
 
 def test_a_jump_of_the_clock_is_no_time_in_which_the_picture_was_the_same() -> None:
-    frozen = FrozenInput()
+    watched = watch(maximum_gap=3.0)
     stamps = [1, 2, 5, 1_000_000_000, 1_000_000_001, 1_000_000_005, 1_000_000_004]
-    seconds = [frozen.take(picture(), stamp * SECOND, maximum_gap=3.0) for stamp in stamps]
+    seconds = [same_for(watched, picture(), stamp) for stamp in stamps]
     assert seconds == [0.0, 1.0, 4.0, 4.0, 5.0, 5.0, 4.0]
 
 
