@@ -89,13 +89,8 @@ class RememberedCable:
 
     def width_deviation(self, width: float, parameters: TrackerParameters) -> float:
         """Return how far the logarithm of a width [px] is from the prior's, in its spreads."""
-        return float(width_deviation(width, self.log_width, self.width_spread(parameters)))
-
-
-@compiled_inside
-def width_deviation(width: float, log_width: float, spread: float) -> float:
-    """Return how far the logarithm of a width [px] is from `log_width`, in units of `spread`."""
-    return (math.log(max(width, NARROWEST)) - log_width) / spread
+        difference = math.log(max(width, NARROWEST)) - self.log_width
+        return difference / self.width_spread(parameters)
 
 
 @compiled_inside
@@ -103,7 +98,7 @@ def width_penalty(width: float, log_width: float, spread: float) -> float:
     """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
     if math.isinf(spread):
         return 0.0
-    deviation = width_deviation(width, log_width, spread)
+    deviation = (math.log(max(width, NARROWEST)) - log_width) / spread
     return relative_log_density(deviation * deviation, TAIL, 1)
 
 
