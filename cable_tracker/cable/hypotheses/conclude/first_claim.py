@@ -14,10 +14,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
-from cable_tracker.cable.hypotheses.weigh.thin_strips import (
-    trusted_appearance,
-    trusted_share,
-)
+from cable_tracker.cable.hypotheses.weigh.thin_strips import trusted_share
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -104,17 +101,15 @@ def _looks_clear(
     factor = 1.0
     if memory is not None:
         factor += memory.width_deviation(width, parameters) ** 2
-
-    def is_enough(score: float, needed: float) -> bool:
-        # A threshold below 0 must not be lowered.
-        return score >= max(needed, needed * factor)
-
-    by_borders = claim_score_by_width(hypotheses, parameters, scale)
-    if is_enough(by_borders, needed_clearness(width, parameters, scale)):
+    # The larger of both: a threshold below 0 must not be lowered.
+    needed = needed_clearness(width, parameters, scale)
+    if claim_score_by_width(hypotheses, parameters, scale) >= max(needed, needed * factor):
         return True
+    if not hypotheses.is_mapped:
+        return False
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
-    by_map = claim_score_by_map(hypotheses)
-    return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
+    needed = parameters.evidence_to_find
+    return claim_score_by_map(hypotheses) >= max(needed, needed * factor)
 
 
 def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
@@ -166,10 +161,10 @@ def claim_score_by_width(
     In nats per point. With a map the looks are those that it tells, see `appearances_of`.
     """
     width = float(hypotheses.clusters.means[0, WIDTH])
-    thin_width = parameters.thin_width * scale
+    appearance = hypotheses.appearance
     # What is thin has no looks that speak for it, see `trusted_appearance`.
-    ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
-    above = trusted_appearance(hypotheses.appearance, width, thin_width) - ordinary
+    trusted = trusted_share(width, parameters.thin_width * scale)
+    above = trusted * (appearance - ORDINARY_APPEARANCE) + (1.0 - trusted) * min(appearance, 0.0)
     worth = APPEARANCE_SHARE * min(max(above, LEAST_APPEARANCE), MOST_APPEARANCE)
     return hypotheses.scaled_clearness + worth
 
