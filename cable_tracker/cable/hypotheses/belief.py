@@ -159,6 +159,8 @@ def updated_belief(
     parameters: TrackerParameters,
     image_size: tuple[int, int],
     scale: float,
+    *,
+    was_known: bool,
 ) -> Belief:
     """Return the belief after a frame.
 
@@ -176,10 +178,12 @@ def updated_belief(
         Width and height of the frames [px].
     scale : float
         Pixels of the frames per pixel of an image of the reference width.
+    was_known : bool
+        Whether the hypothesis that led before the frame was known.
     """
     hypotheses = conclusion.hypotheses
     presence = probability_of(float(conclusion.log_odds[0]))
-    is_known = conclusion.goes_on and before.is_known(parameters.known_after)
+    is_known = conclusion.goes_on and was_known
     is_followed = conclusion.goes_on and before.is_followed
     is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale) and (
         is_followed or not is_lost_in_map(hypotheses, parameters)

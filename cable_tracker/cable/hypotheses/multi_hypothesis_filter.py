@@ -173,7 +173,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)
-        is_known = prediction.prior.is_known
+        is_known = belief.is_known(self._parameters.known_after)
         looks = self._looks_at_map(belief, is_known=is_known)
         expected = prediction.prior.expected[0]
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
@@ -193,8 +193,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             )
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         updated = updated_belief(
-            belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale
-        )
+            belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale,
+            was_known=is_known,
+        )  # fmt: skip
         return _with_map_of_frame(updated, image) if looks else updated
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:

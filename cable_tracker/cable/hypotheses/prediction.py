@@ -156,7 +156,6 @@ class Predictor:
             birth=birth,
             # Consecutive frames look alike, the less the longer the time between them.
             gain=1.0 - over_time(1.0 - parameters.presence_gain, time),
-            is_known=belief.is_known(parameters.known_after),
         )
         density = self._density(ancestors, existence, expected[0], belief.memory, dt, time, motion)
         return Prediction(density, prior, reference_angle)

@@ -94,7 +94,8 @@ def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) ->
 
 
 def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
-    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0)
+    was_known = before.is_known(PARAMETERS.known_after)
+    return updated_belief(before, found, 0.1, PARAMETERS, (320, 240), 1.0, was_known=was_known)
 
 
 KEPT = KeptMap(NO_MAP, LEADER[:4], MapBorders(10.0, 0.0, 6.0), 0.2)

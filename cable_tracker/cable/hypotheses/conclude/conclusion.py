@@ -21,7 +21,6 @@ from cable_tracker.cable.hypotheses.propose.sample import (
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.weigh.association import (
-    continues_known,
     inherited_log_odds,
     is_same_hypothesis,
 )
@@ -435,8 +434,9 @@ def _log_odds(
             clear.shown[index],
             appearance,
         )
-        inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
-        is_known = continues_known(prior, means[index], config.same_hypothesis_radii)
+        radii = config.same_hypothesis_radii
+        inherited = inherited_log_odds(prior, means[index], radii)
+        is_known = config.is_known and is_same_hypothesis(means[index], prior.expected[0], radii)
         model = KNOWN_MODEL if is_known else MODEL
         log_odds[index] = updated_log_odds(inherited, frame_scores, prior, model)
     return log_odds

@@ -59,7 +59,8 @@ class ProposalConfig(NamedTuple):
     frame_scale : float
         Pixels of the frame per pixel at the reference width.
     is_known : bool
-        Whether a cable is known: then borders count whole, and appearance does not.
+        Whether a cable is known, see `Belief.is_known`: then borders count whole, and appearance
+        does not.
     map_weights : MapWeights
         How much the map of the frame counts in the likelihood.
     """

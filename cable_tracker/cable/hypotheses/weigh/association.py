@@ -39,15 +39,6 @@ def inherited_log_odds(prior: PriorPresence, mean: FloatArray, radii: FloatArray
 
 
 @compiled_inside
-def continues_known(prior: PriorPresence, mean: FloatArray, radii: FloatArray) -> bool:
-    """Tell whether a hypothesis continues the cable that was known before the frame.
-
-    The parameters are those of `inherited_log_odds`.
-    """
-    return prior.is_known and is_same_hypothesis(mean, prior.expected[0], radii)
-
-
-@compiled_inside
 def is_same_hypothesis(mean: FloatArray, expected: FloatArray, radii: FloatArray) -> bool:
     """Tell whether a hypothesis continues an expected one, shapes (8,), `radii` (4,) [px, rad]."""
     return bool(scaled_pose_distance(mean, expected, radii) < 1.0)

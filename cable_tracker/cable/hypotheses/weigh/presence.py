@@ -42,8 +42,6 @@ class PriorPresence(NamedTuple):
         Probability that a cable in view stays there, and that one appears, before the next frame.
     gain : float
         Share of the frame's log-likelihood ratio that counts for a hypothesis that goes on.
-    is_known : bool
-        Whether the leading one is known: given, or followed for `known_after`.
     """
 
     expected: FloatArray
@@ -51,7 +49,6 @@ class PriorPresence(NamedTuple):
     survival: float
     birth: float
     gain: float
-    is_known: bool
 
 
 @compiled_loop

@@ -6,16 +6,15 @@ import numpy as np
 
 from cable_tracker.cable.hypotheses.weigh.association import (
     SAME_HYPOTHESIS_RADII,
-    continues_known,
     inherited_log_odds,
     is_same_hypothesis,
 )
 from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
 
 
-def prior(expected: np.ndarray, *, is_known: bool = False) -> PriorPresence:
+def prior(expected: np.ndarray) -> PriorPresence:
     log_odds = np.arange(1.0, len(expected) + 1)
-    return PriorPresence(expected, log_odds, 1.0, 0.0, 0.3, is_known)
+    return PriorPresence(expected, log_odds, 1.0, 0.0, 0.3)
 
 
 def test_a_hypothesis_inherits_from_the_nearest_that_is_near_enough():
@@ -39,13 +38,3 @@ def test_a_leader_goes_on_near_where_it_is_expected():
     )
     assert is_same_hypothesis(beside, expected, SAME_HYPOTHESIS_RADII)
     assert not is_same_hypothesis(elsewhere, expected, SAME_HYPOTHESIS_RADII)
-
-
-def test_the_known_cable_is_continued_by_what_lies_where_the_leader_is_expected():
-    expected, beside, elsewhere = np.zeros((2, 8)), np.zeros(8), np.zeros(8)
-    expected[:, :4] = [[0.0, 0.0, 30.0, 0.0], [60.0, 0.0, 30.0, 0.0]]
-    beside[:4], elsewhere[:4] = expected[0, :4] + 1e-3, expected[1, :4]
-    known, unknown = prior(expected, is_known=True), prior(expected)
-    assert continues_known(known, beside, SAME_HYPOTHESIS_RADII)
-    assert not continues_known(known, elsewhere, SAME_HYPOTHESIS_RADII)
-    assert not continues_known(unknown, beside, SAME_HYPOTHESIS_RADII)

@@ -25,7 +25,7 @@ NEW = math.nan
 
 
 def prior(survival: float, appearance: float = 0.0) -> PriorPresence:
-    return PriorPresence(np.empty((0, 8)), np.empty(0), survival, appearance, 0.3, False)
+    return PriorPresence(np.empty((0, 8)), np.empty(0), survival, appearance, 0.3)
 
 
 FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0, appearance=0.0)
