@@ -66,7 +66,6 @@ from cable_tracker.cable.hypotheses.propose.proposal_config import (
     proposal_config,
 )
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
-from cable_tracker.cable.hypotheses.propose.rounds import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
@@ -125,7 +124,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._movement = CableMovement(parameters, image_size[0])
         self._box = search_box(parameters, image_size[0])
         self._uses_map = parameters.uses_map
-        self._refined = refined_counts(parameters)
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
@@ -179,12 +177,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
-        counts = sample_counts(self._parameters, prediction.density, len(detections), self._refined)
+        config = self._known_config if is_known else self._config
+        counts = sample_counts(
+            self._parameters, prediction.density, len(detections), config.refined
+        )
         against = NOTHING_EXPECTED
         if is_known:
             against = expected_overlap(cable_map, expected, is_kept=not looks)
         inputs = self._inputs(belief, prediction, counts, image, detections, cable_map, against)
-        config = self._known_config if is_known else self._config
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.

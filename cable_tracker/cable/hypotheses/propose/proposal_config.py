@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.propose.map_evidence import MapWeights
-from cable_tracker.cable.hypotheses.propose.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
@@ -23,6 +22,13 @@ rad]."""
 
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 """Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
+
+FIRST_POWER = 0.3
+"""Power of the likelihood in the first round, also where it is the only one; in the last of several
+it is 1. This annealing keeps a narrow peak from being missed."""
+
+WIDENINGS = (1.5, 1.2)
+"""Factor on the covariance of the particles that a round draws about: first round, later ones."""
 
 SEARCH_MAP = MapWeights(overlap=11.0, lacking=0.0)
 """Weights of the map in a search. Of strips that share a border the map tells the right one, where
@@ -50,6 +56,8 @@ class ProposalConfig(NamedTuple):
     cluster_radii, detection_sigmas, smallest_sigmas : FloatArray
         `RADII`, `DETECTION_SIGMAS`, `SMALLEST_SIGMAS` for frames of this size, shape (4,) [px,
         rad].
+    refined : IndexArray
+        Number of particles that each round draws about the best ones, shape (R,).
     powers, widenings : FloatArray
         Power of the likelihood, and factor on the covariance, in each round, shape (R,).
     evidence_limits : EvidenceLimits
@@ -71,6 +79,7 @@ class ProposalConfig(NamedTuple):
     cluster_radii: FloatArray
     detection_sigmas: FloatArray
     smallest_sigmas: FloatArray
+    refined: IndexArray
     powers: FloatArray
     widenings: FloatArray
     evidence_limits: EvidenceLimits
@@ -94,6 +103,7 @@ def proposal_config(
         cluster_radii=RADII * units,
         detection_sigmas=DETECTION_SIGMAS * units,
         smallest_sigmas=SMALLEST_SIGMAS * units,
+        refined=refined_counts(parameters),
         powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
         widenings=np.array([widening_in(number) for number in rounds]),
         evidence_limits=EvidenceLimits(
@@ -115,3 +125,30 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
     """
     limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
     return config._replace(evidence_limits=limits, is_known=True, map_weights=KNOWN_MAP)
+
+
+def annealing_power(number: int, rounds: int) -> float:
+    """Return the power of the likelihood in a round: `FIRST_POWER` in the first, rising to 1."""
+    if rounds == 1:
+        return FIRST_POWER
+    return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
+
+
+def widening_in(number: int) -> float:
+    """Return the factor on the covariance of the particles that a round draws about."""
+    return WIDENINGS[min(number, len(WIDENINGS) - 1)]
+
+
+def round_weights(rounds: int) -> list[float]:
+    """Return the share of each round; the last, which counts most, has more than the others."""
+    if rounds == 0:
+        return []
+    parts = [1.0] * (rounds - 1) + [1.5]
+    return [part / sum(parts) for part in parts]
+
+
+def refined_counts(parameters: TrackerParameters) -> IndexArray:
+    """Return how many particles each round draws, shape (R,)."""
+    refined = parameters.refinement_share * parameters.particle_count
+    shares = round_weights(parameters.refinement_rounds)
+    return np.array([int(refined * share) for share in shares], np.int64)

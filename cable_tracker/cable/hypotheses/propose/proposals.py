@@ -79,11 +79,11 @@ def draw_sample(
 ) -> Drawn:
     """Draw the particles of all rounds."""
     drawn = _draw_first(sample, inputs, counts, config)
-    for number in range(len(counts.refined)):
+    for number in range(len(config.refined)):
         weights = normalise_log_weights(
             importance_log_weights(sample, drawn.filled, config.powers[number])
         )
-        if counts.refined[number] and not weights.degenerate:
+        if config.refined[number] and not weights.degenerate:
             drawn = _draw_round(sample, drawn, weights.log_weights, number, inputs, counts, config)
     return drawn
 
@@ -128,7 +128,7 @@ def _draw_round(
     inputs, counts, config : ProposalInputs, SampleCounts, ProposalConfig
         What it is drawn with.
     """
-    start, count = before.filled, counts.refined[number]
+    start, count = before.filled, config.refined[number]
     states, candidates = sample.states[:start], before.candidates
     if not config.is_known:
         log_likelihoods = sample.log_likelihoods[:start]

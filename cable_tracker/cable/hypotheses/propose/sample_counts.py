@@ -21,7 +21,7 @@ LARGEST_BIRTH_SHARE = 0.8
 
 
 class SampleCounts(NamedTuple):
-    """Numbers of particles of a frame, by the proposal that they are drawn from.
+    """Numbers of particles of a frame, by the proposal that they are drawn from, before its rounds.
 
     Attributes
     ----------
@@ -30,8 +30,6 @@ class SampleCounts(NamedTuple):
         what the detector sees.
     births_near_memory : int
         Those of the births that are drawn about the remembered cable.
-    refined : IndexArray
-        Drawn about the best particles in each round, shape (R,).
     """
 
     survivors: int
@@ -39,7 +37,6 @@ class SampleCounts(NamedTuple):
     births_near_memory: int
     switches: int
     detections: int
-    refined: IndexArray
 
 
 def sample_counts(
@@ -48,7 +45,10 @@ def sample_counts(
     detections: int,
     refined: IndexArray,
 ) -> SampleCounts:
-    """Share out the particles of a frame with some detections; `refined` of each round."""
+    """Share out the particles of a frame with some detections that its rounds leave.
+
+    `refined`: those that each round draws, shape (R,).
+    """
     count = parameters.particle_count
     switches = int(count * BORDER_SWITCH_SHARE)
     first = count - int(refined.sum()) - switches
@@ -68,5 +68,4 @@ def sample_counts(
         births_near_memory=round(density.births.share * births),
         switches=switches,
         detections=detected,
-        refined=refined,
     )

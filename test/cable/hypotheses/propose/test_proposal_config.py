@@ -1,8 +1,15 @@
 from __future__ import annotations
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from cable_tracker.cable.hypotheses.propose.proposal_config import (
+    FIRST_POWER,
+    annealing_power,
     beside_a_known_cable,
     proposal_config,
+    round_weights,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -22,3 +29,21 @@ def test_beside_a_known_cable_other_strips_count_less_and_the_map_where_it_shows
     changed = {"evidence_limits": None, "is_known": None, "map_weights": None}
     for before, after in zip(search._replace(**changed), known._replace(**changed), strict=True):
         assert before is after
+
+
+@given(st.integers(1, 6))
+def test_the_power_of_the_likelihood_rises_round_by_round_to_one(rounds):
+    powers = [annealing_power(number, rounds) for number in range(rounds)]
+    assert powers[0] == pytest.approx(FIRST_POWER)
+    assert powers == sorted(powers)
+    if rounds > 1:
+        assert powers[-1] == 1.0
+
+
+@given(st.integers(1, 6))
+def test_the_rounds_share_all_and_the_last_has_most(rounds):
+    weights = round_weights(rounds)
+    assert len(weights) == rounds
+    assert sum(weights) == pytest.approx(1.0)
+    assert max(weights) == weights[-1]
+    assert round_weights(0) == []
