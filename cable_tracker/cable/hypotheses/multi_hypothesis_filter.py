@@ -68,7 +68,7 @@ from cable_tracker.cable.hypotheses.propose.proposal_config import (
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
-from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
+from cable_tracker.cable.hypotheses.weigh.presence import LEAST_PRESENCE, LIKELY_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import CableMap
@@ -84,9 +84,6 @@ from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
 """Probability of a cable at a place that was given or guessed."""
-
-LEAST_PRESENCE = 1e-3
-"""Probability that there is a cable before any frame has been seen."""
 
 SAME_TIME = 1e-6
 """Rounding of the times between frames: a map is not kept for one frame more because of it [s]."""

@@ -11,11 +11,10 @@ from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.belief_summary import SMALLEST_HYPOTHESIS, displacement_factors
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     GIVEN_PRESENCE,
-    LEAST_PRESENCE,
     MultiHypothesisFilter,
 )
 from cable_tracker.cable.hypotheses.propose import sample_counts
-from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST
+from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST, LEAST_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
 from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_overlap, strip_shares

@@ -19,13 +19,16 @@ from cable_tracker.cable.parameters.parameters import HIGHEST_PRESENCE_LOG_ODDS
 from cable_tracker.compilation import compiled_loop
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
-NEW_LOG_ODDS = math.log(0.02 / 0.98)
+NEW_LOG_ODDS = log_odds_of(0.02)
 """Log-odds of a new hypothesis, before its first frame."""
 
 LIKELY_PRESENCE = 0.5
 """From this probability on it is more likely than not that there is a cable."""
 
-LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), HIGHEST_PRESENCE_LOG_ODDS
+LEAST_PRESENCE = 1e-3
+"""Probability of a cable before any frame has been seen, and the least after one."""
+
+LOWEST, HIGHEST = math.log(LEAST_PRESENCE / (1.0 - LEAST_PRESENCE)), HIGHEST_PRESENCE_LOG_ODDS
 """Limits of the log-odds of a hypothesis [nats], so that later frames can turn them."""
 
 
