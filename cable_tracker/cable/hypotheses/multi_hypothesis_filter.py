@@ -120,7 +120,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._movement = CableMovement(parameters, image_size[0])
         self._box = search_box(parameters, image_size[0])
-        self._uses_map = parameters.uses_map
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
@@ -204,7 +203,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
         )
         map_is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
-        return self._uses_map and not (is_known and borders_are_clear and map_is_recent)
+        is_worth_it = not (is_known and borders_are_clear and map_is_recent)
+        return is_worth_it and self._parameters.uses_map
 
     def _inputs(
         self,
