@@ -56,7 +56,7 @@ from cable_tracker.cable.hypotheses.prediction import (
     Predictor,
     with_map_in_birth_density,
 )
-from cable_tracker.cable.hypotheses.propose.map_evidence import (
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
     NOTHING_EXPECTED,
     ExpectedOverlap,
     expected_overlap,

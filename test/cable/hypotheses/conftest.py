@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.propose.map_evidence import NOTHING_EXPECTED
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import NOTHING_EXPECTED
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.propose.map_evidence import MapWeights
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import MapWeights
 from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
-from cable_tracker.cable.hypotheses.propose.map_evidence import ExpectedOverlap
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import ExpectedOverlap
 from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
 from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs

@@ -25,7 +25,7 @@ from cable_tracker.cable.hypotheses.propose.candidates import (
     CANDIDATE_SHARE,
     likeliest_strips,
 )
-from cable_tracker.cable.hypotheses.propose.map_evidence import map_log_ratio
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import map_log_ratio
 from cable_tracker.cable.hypotheses.propose.peaks import (
     Peaks,
     add_detection_density,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.propose.map_evidence import (
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
     NOTHING_EXPECTED,
     SLACK,
     ExpectedOverlap,
