@@ -182,8 +182,9 @@ class CableTracker:
             self._start_anew()
         self._frame = frame
         working_image = working_image_for(image, self._parameters, self._pictures, step.dt)
-        known = motion if has_previous_frame and not step.event else None
-        summary = self._step_filter(working_image, step.dt, known)
+        if step.event or not has_previous_frame:
+            motion = None  # It goes on from a frame that has been forgotten, or from none.
+        summary = self._step_filter(working_image, step.dt, motion)
         self._pictures = working_image.next_history
         event = joined_events(step.event, self._notice)
         self._notice = ""

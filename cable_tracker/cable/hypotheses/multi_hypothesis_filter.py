@@ -59,7 +59,7 @@ from cable_tracker.cable.hypotheses.prediction import (
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
     NOTHING_EXPECTED,
     ExpectedOverlap,
-    expected_overlap,
+    overlap_of_expected,
 )
 from cable_tracker.cable.hypotheses.propose.proposal_config import (
     beside_a_known_cable,
@@ -169,18 +169,20 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = belief.is_known(self._parameters.known_after)
         looks = self._looks_at_map(belief, is_known=is_known)
-        expected = prediction.prior.expected[0]
-        cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
+        expected_state = prediction.prior.expected[0]
+        cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected_state)
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
         config = self._known_config if is_known else self._config
         counts = sample_counts(
             self._parameters, prediction.density, len(detections), config.refined
         )
-        against = NOTHING_EXPECTED
+        expected_overlap = NOTHING_EXPECTED
         if is_known:
-            against = expected_overlap(cable_map, expected, is_kept=not looks)
-        inputs = self._inputs(belief, prediction, counts, image, detections, cable_map, against)
+            expected_overlap = overlap_of_expected(cable_map, expected_state, is_kept=not looks)
+        inputs = self._inputs(
+            belief, prediction, counts, image, detections, cable_map, expected_overlap
+        )
         conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
@@ -214,7 +216,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         image: WorkingImage,
         detections: FloatArray,
         cable_map: CableMap,
-        against: ExpectedOverlap,
+        expected_overlap: ExpectedOverlap,
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
         ancestor_count = len(prediction.density.rates)
@@ -231,7 +233,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             scan=image.scan,
             model=self._observation.model_for(image),
             cable_map=cable_map,
-            expected_overlap=against,
+            expected_overlap=expected_overlap,
             polarity=polarity_prior(belief.p_bright),
             reference_angle=prediction.reference_angle,
             # Each is as likely as the others: their weights are in the density.

@@ -161,7 +161,7 @@ def place_births(
     """
     for row in range(start, stop):
         if row - start < remembered:
-            _place_near(states[row], about_memory[row - start], births)
+            _place_about_memory(states[row], about_memory[row - start], births)
         else:
             for column in range(STATE_SIZE):
                 states[row, column] = between(
@@ -170,7 +170,7 @@ def place_births(
 
 
 @compiled_loop
-def _place_near(state: FloatArray, noise: FloatArray, births: BirthDensity) -> None:
+def _place_about_memory(state: FloatArray, noise: FloatArray, births: BirthDensity) -> None:
     angle = births.pose[ANGLE] + noise[ANGLE] * births.scales[ANGLE]
     state[DISTANCE] = _middle_at(angle, births) + noise[DISTANCE] * births.scales[DISTANCE]
     state[ANGLE] = angle
@@ -214,11 +214,11 @@ def drawn_birth_density(state: FloatArray, births: BirthDensity) -> float:
     anywhere = births.box_density if inside else 0.0
     if births.share == 0.0:
         return anywhere
-    return (1.0 - births.share) * anywhere + births.share * _density_near(state, births)
+    return (1.0 - births.share) * anywhere + births.share * _density_about_memory(state, births)
 
 
 @compiled_inside
-def _density_near(state: FloatArray, births: BirthDensity) -> float:
+def _density_about_memory(state: FloatArray, births: BirthDensity) -> float:
     """Return the density about the memory, over all half turns that the angle may have made."""
     wrapped, turned = relative_direction(state[ANGLE], births.pose[ANGLE])
     # A half turn changes the signs of d and beta, and nothing else.

@@ -54,7 +54,9 @@ NOTHING_EXPECTED = ExpectedOverlap(math.inf, -math.inf)
 """Of a search, and where there is no map."""
 
 
-def expected_overlap(cable_map: CableMap, state: FloatArray, *, is_kept: bool) -> ExpectedOverlap:
+def overlap_of_expected(
+    cable_map: CableMap, state: FloatArray, *, is_kept: bool
+) -> ExpectedOverlap:
     """Return what strips are held against beside a known cable whose expected state is (8,).
 
     `is_kept`: the map is of a frame before.

@@ -175,7 +175,7 @@ def _place_first(
         add_rates(states[row], row, ancestor, predicted, noise)
     first = counts.survivors + counts.births
     place_births(
-        states, counts.survivors, first, counts.births_near_memory, predicted.births,
+        states, counts.survivors, first, counts.births_about_memory, predicted.births,
         noise.uniform, noise.about_memory,
     )  # fmt: skip
     for row in range(first):

@@ -28,13 +28,13 @@ class SampleCounts(NamedTuple):
     survivors, births, switches, detections : int
         Drawn about ancestors, from the birth density, from the border-switch density, and about
         what the detector sees.
-    births_near_memory : int
+    births_about_memory : int
         Those of the births that are drawn about the remembered cable.
     """
 
     survivors: int
     births: int
-    births_near_memory: int
+    births_about_memory: int
     switches: int
     detections: int
 
@@ -65,7 +65,7 @@ def sample_counts(
     return SampleCounts(
         survivors=rest - births,
         births=births,
-        births_near_memory=round(density.births.share * births),
+        births_about_memory=round(density.births.share * births),
         switches=switches,
         detections=detected,
     )

@@ -10,8 +10,8 @@ from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
     SLACK,
     ExpectedOverlap,
     MapWeights,
-    expected_overlap,
     map_log_ratio,
+    overlap_of_expected,
 )
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_overlap
 from cable_tracker.cable.model.state import CableState
@@ -46,7 +46,7 @@ def test_without_a_map_no_particle_weighs_more(shown):
 
 
 def test_what_a_particle_lacks_to_the_expected_strip_counts_besides(shown):
-    against = expected_overlap(shown, ON_IT, is_kept=False)
+    against = overlap_of_expected(shown, ON_IT, is_kept=False)
     assert against == (math.inf, map_overlap(ON_IT, shown))
     on_it, beside = map_overlap(ON_IT, shown), map_overlap(BESIDE, shown)
     assert map_log_ratio(ON_IT, shown, against, WEIGHTS) == pytest.approx(3.0 * on_it)
@@ -58,7 +58,7 @@ def test_what_a_particle_lacks_to_the_expected_strip_counts_besides(shown):
 
 def test_in_a_kept_map_a_strip_that_matches_nearly_as_well_as_the_expected_one_is_as_good(shown):
     """How exactly the cable has moved since is not known: between such strips borders decide."""
-    against = expected_overlap(shown, ON_IT, is_kept=True)
+    against = overlap_of_expected(shown, ON_IT, is_kept=True)
     assert against.enough == against.expected == map_overlap(ON_IT, shown) - SLACK
     aside, half = ON_IT.copy(), ON_IT.copy()
     aside[0] += 1.0
@@ -69,5 +69,5 @@ def test_in_a_kept_map_a_strip_that_matches_nearly_as_well_as_the_expected_one_i
 
 
 def test_nothing_is_held_against_a_strip_where_there_is_no_map():
-    assert expected_overlap(NO_MAP, ON_IT, is_kept=False) == NOTHING_EXPECTED
-    assert expected_overlap(NO_MAP, ON_IT, is_kept=True) == NOTHING_EXPECTED
+    assert overlap_of_expected(NO_MAP, ON_IT, is_kept=False) == NOTHING_EXPECTED
+    assert overlap_of_expected(NO_MAP, ON_IT, is_kept=True) == NOTHING_EXPECTED

@@ -37,7 +37,7 @@ def test_every_particle_is_drawn_from_something(count, survived, born, detection
     parts = (counts.survivors, counts.births, counts.switches, counts.detections)
     assert sum(parts) + rounds.sum() == count
     assert min(parts) >= 0
-    assert counts.births_near_memory <= counts.births
+    assert counts.births_about_memory <= counts.births
 
 
 @pytest.mark.parametrize("existing", [0.01, 0.99], ids=["searching", "tracked"])
