@@ -20,12 +20,12 @@ from cable_tracker.cable.hypotheses.weigh.clusters import SMALLEST_MASS, Cluster
 from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
 from cable_tracker.cable.measure.map.cable_map import CableMap
 from cable_tracker.cable.measure.map.map_strips import strips_of_map
-from cable_tracker.cable.model.geometry import image_reach, state_in_chart, states_in_chart
+from cable_tracker.cable.model.geometry import inset, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, pose_units
+from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence, predict_existence
@@ -262,8 +262,8 @@ def surviving_ancestors(
     for row in range(len(weights)):
         state = states[row]
         state_in_chart(ancestors.states[row], reference_angle, state)
-        inside = image_reach(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
-        surviving = ancestors.weights[row] * survival_probability(inside, rates, dt)
+        within = inset(state, image_size[0], image_size[1])
+        surviving = ancestors.weights[row] * survival_probability(within, rates, dt)
         weights[row] = max(surviving, LEAST_SURVIVING)
         survival += weights[row]
     for row in range(len(weights)):

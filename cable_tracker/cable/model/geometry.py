@@ -368,8 +368,7 @@ def image_reach(angle: float, width: float, height: float) -> float:
     return (abs(math.cos(angle)) * width + abs(math.sin(angle)) * height) / 2
 
 
-def inset(state: FloatArray, image_size: tuple[int, int]) -> float:
+@compiled_inside
+def inset(state: FloatArray, width: float, height: float) -> float:
     """Return how far one centreline, shape (4,) or more, is from leaving the image [px]."""
-    width, height = image_size
-    reach = image_reach(float(state[ANGLE]), float(width), float(height))
-    return reach - abs(float(state[DISTANCE]))
+    return float(image_reach(state[ANGLE], width, height) - abs(state[DISTANCE]))

@@ -133,7 +133,7 @@ def remember(
         share = -math.expm1(-dt / parameters.width_time)
         log_width = before.log_width + share * (log_width - before.log_width)
         tracked_time = before.tracked_time + dt
-    within = inset(state, image_size)
+    within = inset(state, *image_size)
     is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * scale
     return RememberedCable(
         pose=state[:POSE_SIZE].copy(),

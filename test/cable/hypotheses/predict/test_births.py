@@ -41,7 +41,7 @@ def cable(distance, angle=0.0, width=30.0, skew=0.0) -> np.ndarray:
 
 
 def remembered(state, side=0.0, seconds=0.0) -> RememberedCable:
-    return RememberedCable(state[:4], side, inset(state, SIZE), np.log(state[2]), seconds=seconds)
+    return RememberedCable(state[:4], side, inset(state, *SIZE), np.log(state[2]), seconds=seconds)
 
 
 def last_seen(state) -> RememberedCable:
@@ -67,7 +67,7 @@ def densities(density, states) -> np.ndarray:
 
 def survival_probabilities(states, size, parameters, dt) -> np.ndarray:
     rates = survival_rates(parameters, size[0])
-    return np.array([survival_probability(inset(state, size), rates, dt) for state in states])
+    return np.array([survival_probability(inset(state, *size), rates, dt) for state in states])
 
 
 @given(ANGLES)
@@ -80,7 +80,7 @@ def test_a_line_meets_the_image_up_to_the_support_and_not_beyond(angle):
 @given(st.floats(-300, 300), ANGLES)
 def test_how_far_a_line_is_inside_does_not_depend_on_how_it_is_written(distance, angle):
     states = np.array([cable(distance, angle), cable(-distance, angle + np.pi)])
-    here, there = (inset(state, SIZE) for state in states)
+    here, there = (inset(state, *SIZE) for state in states)
     assert here == pytest.approx(there, abs=1e-9)
 
 
@@ -171,7 +171,7 @@ def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle
     assert here > there + 0.5
     assert here > across + 0.5
     draws = draw_births(density, 3000, rng)
-    assert (np.abs([inset(draw, SIZE) for draw in draws]) < 30.0).mean() > 0.4
+    assert (np.abs([inset(draw, *SIZE) for draw in draws]) < 30.0).mean() > 0.4
     right = project_borders(draws).offsets.mean(axis=1) * np.cos(draws[:, 1])
     assert (right > 0.0).mean() > 0.7
 
