@@ -20,6 +20,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.model.state import pose_units
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
 from cable_tracker.detection.coherent_lines import (
     FEWEST_CELLS,
@@ -87,8 +88,7 @@ class LinePairProposer:
                 for picture in self._coarse_pictures(image)
                 if min(picture.shape) >= FEWEST_CELLS
             ]
-        scale = 1.0 / image.reduction
-        return np.asarray(np.concatenate(found) * np.array([scale, 1.0, scale, 1.0]))
+        return np.asarray(np.concatenate(found) * pose_units(1.0 / image.reduction))
 
     def _coarse_pictures(self, image: WorkingImage) -> Iterator[Image]:
         """Yield the pictures in which faint lines are looked for."""
