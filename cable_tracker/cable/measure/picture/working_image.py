@@ -132,8 +132,7 @@ class WorkingImage:
     def _straight(self) -> Image:
         """The cleared frame without its bend, of the frame's dtype."""
         cleared, _ = self._cleared
-        bend = self.history.bend
-        return cleared if bend.amplitude == 0.0 else straightened(cleared, bend)
+        return straightened(cleared, self.history.bend)
 
     @cached_property
     def _cleared(self) -> tuple[Image, StandingLines | None]:
@@ -160,7 +159,7 @@ class WorkingImage:
     def cable_map(self) -> CableMap:
         """Where a cable may be, worked out when it is first asked for."""
         bent = self._bent_map
-        if self.history.bend.amplitude == 0.0:
+        if self.history.bend == STRAIGHT:
             return bent
         probabilities = straightened(bent.probabilities, self.history.bend)
         return cable_map_of(probabilities, bent.left, bent.top, bent.cell)
