@@ -13,6 +13,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     MINIMUM_LENGTH,
+    NO_DEPTHS,
     border_on_scan,
     find_crossings,
     measure_responses,
@@ -30,9 +31,6 @@ SMALLEST_SUM = 1e-3
 LEAST_SCALE = 0.3
 """Smallest robust scale of a frame [grey levels per working px]: below it lies the rounding of
 pixels."""
-
-NO_DEPTHS = (0.0, 0.0, 0.0)
-"""Beside the borders nothing is looked at."""
 
 
 class BorderResponseModel:

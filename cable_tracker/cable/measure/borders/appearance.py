@@ -29,10 +29,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
+    NO_DEPTHS,
     BorderLine,
     Crossings,
     border_on_scan,
-    contrast_depths,
     find_crossings,
     pixel_at,
     room_for_crossings,
@@ -166,9 +166,7 @@ def border_appearance(
         Room for crossings, for sums and numbers of responses, shape (2, `PROFILE`), and for the
         responses of the border on each line.
     """
-    width = width_across(state, scan.reduction)
-    depths = contrast_depths(width, scan.scale)
-    steep, component, line = border_on_scan(state, side, scan, -side, depths)
+    steep, component, line = border_on_scan(state, side, scan, -side, NO_DEPTHS)
     lines = scan.rows if steep else scan.columns
     stretch = -side / component
     scale = stretch_scale(stretch_axis(state, scan), line, steep)
@@ -184,7 +182,8 @@ def border_appearance(
             lines, first, found, line, stretch * scan.scale, signs, crossings, along
         )
         _add_responses(lines, first, found, line, stretch * scan.scale, signs, crossings, profile)
-    dominances = _dominances(profile, SMALLEST_SHARE * crossed, 0.5 * width / scan.scale)
+    half_width = 0.5 * width_across(state, scan.reduction) / scan.scale
+    dominances = _dominances(profile, SMALLEST_SHARE * crossed, half_width)
     looks = DOMINANCE_OUTSIDE * dominances[0] + DOMINANCE_INSIDE * dominances[1]
     return looks, _continuity(along[begin : begin + crossed])
 

@@ -32,6 +32,9 @@ NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
 OUTSIDE = 6.0
 """Distance before the border at which the outside level is read [px at the reference width]."""
 
+NO_DEPTHS = (0.0, 0.0, 0.0)
+"""Of borders beside which nothing is looked at."""
+
 MINIMUM_LENGTH = 3.0
 """Minimum length of a border inside the image for a claim [distances of the scan lines]."""
 
