@@ -37,7 +37,6 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     reordered,
 )
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
-    MeasuredGroups,
     WeighedParticles,
     corrected_log_weights,
 )
@@ -242,9 +241,15 @@ def corrected_clusters(
     background, appearances = _background_and_appearances(
         states, particles.log_posterior, groups, inputs, config
     )
-    measured = MeasuredGroups(groups, background.alike, appearances)
     log_weights = normalise_log_weights(
-        corrected_log_weights(particles, measured, config.evidence_limits, config.is_known)
+        corrected_log_weights(
+            particles,
+            groups,
+            background.alike,
+            appearances,
+            config.evidence_limits,
+            config.is_known,
+        )
     ).log_weights
     weights = exponentials(log_weights)
     clusters = clusters_of(states, weights, groups)

@@ -91,24 +91,6 @@ class WeighedParticles(NamedTuple):
     map_log_ratios: FloatArray
 
 
-class MeasuredGroups(NamedTuple):
-    """K groups of particles, and what the frame shows at each of them.
-
-    Attributes
-    ----------
-    groups : Groups
-        Which particles they are of.
-    backgrounds : FloatArray
-        Log-likelihood ratio of the bottom at each group, shape (K,) [nats].
-    appearances : FloatArray
-        Appearance of each group, shape (K,) [nats].
-    """
-
-    groups: Groups
-    backgrounds: FloatArray
-    appearances: FloatArray
-
-
 class GroupEvidence(NamedTuple):
     """What the frame says of K groups of particles, each of shape (K + 1,).
 
@@ -138,14 +120,15 @@ class GroupEvidence(NamedTuple):
 
 @compiled_part
 def corrected_log_weights(
-    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits, is_known: bool
-) -> FloatArray:
-    """Return log-weights (N,) with the log-likelihood ratio of each group corrected.
+    particles: WeighedParticles, groups: Groups, backgrounds: FloatArray, appearances: FloatArray,
+    limits: EvidenceLimits, is_known: bool,
+) -> FloatArray:  # fmt: skip
+    """Return log-weights (N,) with the log-likelihood ratio of each of K groups corrected.
 
-    Beside a known cable borders count whole, and appearance does not.
+    `backgrounds`: log-likelihood ratio of the bottom at each of them, shape (K,), as
+    `appearances` [nats]. Beside a known cable borders count whole, and appearance does not.
     """
-    groups = measured.groups
-    evidence = group_evidence(particles, measured, limits, is_known)
+    evidence = group_evidence(particles, groups, backgrounds, appearances, limits, is_known)
     surviving = reference_group(evidence)
     reference = evidence.counted[surviving] if surviving != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
@@ -175,10 +158,11 @@ def background_share(map_log_ratios: FloatArray, is_known: bool) -> float:
 
 @compiled_part
 def group_evidence(
-    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits, is_known: bool
-) -> GroupEvidence:
-    """Sum up what the frame says of each group."""
-    labels, count = measured.groups.labels, measured.groups.number + 1
+    particles: WeighedParticles, groups: Groups, backgrounds: FloatArray, appearances: FloatArray,
+    limits: EvidenceLimits, is_known: bool,
+) -> GroupEvidence:  # fmt: skip
+    """Sum up what the frame says of each group; see `corrected_log_weights`."""
+    labels, count = groups.labels, groups.number + 1
     share = background_share(particles.map_log_ratios, is_known)
     evidence = GroupEvidence(
         np.full(count, -np.inf),
@@ -187,7 +171,7 @@ def group_evidence(
         np.zeros(count),
         np.full(count, -np.inf),
     )
-    for label in range(NO_CLUSTER, measured.groups.number):
+    for label in range(NO_CLUSTER, groups.number):
         log_posterior_mass = masked_log_sum_exp(particles.log_posterior, labels, label)
         if log_posterior_mass == -math.inf:
             continue
@@ -197,8 +181,8 @@ def group_evidence(
         ratio = log_posterior_mass - log_prior_mass - means.map_log_ratio
         background, appearance = 0.0, 0.0
         if label != NO_CLUSTER:
-            background = measured.backgrounds[label]
-            appearance = measured.appearances[label] - ORDINARY_APPEARANCE
+            background = backgrounds[label]
+            appearance = appearances[label] - ORDINARY_APPEARANCE
         counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
         if not is_known:
             counted += appearance

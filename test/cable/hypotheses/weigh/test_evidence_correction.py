@@ -14,7 +14,6 @@ from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
     ORDINARY_APPEARANCE,
     EvidenceLimits,
     GroupEvidence,
-    MeasuredGroups,
     WeighedParticles,
     corrected_log_weights,
     reference_group,
@@ -53,10 +52,9 @@ def corrected(
         states, log_prior, log_posterior, densities, np.full(count, mapped)
     )
     groups = Groups(np.array(labels), max(labels) + 1)
-    measured = MeasuredGroups(
-        groups, np.full(groups.number, background), np.full(groups.number, appearance)
-    )
-    return corrected_log_weights(particles, measured, limits, is_known)
+    backgrounds = np.full(groups.number, background)
+    appearances = np.full(groups.number, appearance)
+    return corrected_log_weights(particles, groups, backgrounds, appearances, limits, is_known)
 
 
 def evidence_after(evidence, survived=0.0, **others) -> float:
