@@ -14,7 +14,7 @@ from cable_tracker.cable.hypotheses.conclude.background import (
 )
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
-from cable_tracker.cable.hypotheses.propose.proposals import Drawn, draw_sample
+from cable_tracker.cable.hypotheses.propose.proposals import draw_sample
 from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     importance_log_weights,
@@ -162,9 +162,30 @@ def draw_and_conclude(
     config: ProposalConfig,
     prior: PriorPresence,
 ) -> Conclusion:
-    """Draw the particles of all rounds, weigh them, and conclude."""
+    """Draw the particles of all rounds, weigh them, and conclude.
+
+    About each of the candidates particles are one group, however little they weigh.
+    """
     drawn = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, drawn, inputs, config, prior)
+    states = _wrapped_states(sample, drawn.filled)
+    log_prior = importance_log_weights(sample, drawn.filled, 0.0)
+    log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
+    anchors = np.concatenate((inputs.anchors, drawn.candidates))
+    groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
+    if groups.number == 0:
+        return impossible_posterior(states, log_posterior)
+    map_log_ratios = sample.map_log_ratios[: len(states)]
+    particles = WeighedParticles(states, log_prior, log_posterior, sample.densities, map_log_ratios)
+    corrected = corrected_clusters(particles, groups, inputs, config)
+    clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
+    log_odds = _log_odds(corrected, clear, sample, inputs, config, prior)
+    order = most_probable_first(corrected.clusters.masses, log_odds)
+    hypotheses = _hypotheses(states, corrected, clear, order, sample, inputs)
+    goes_on = is_same_hypothesis(
+        hypotheses.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
+    )
+    p_bright = _p_bright(corrected.weights, sample, inputs)
+    return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
 
 
 class CorrectedClusters(NamedTuple):
@@ -187,39 +208,6 @@ class CorrectedClusters(NamedTuple):
     clusters: Clusters
     background: Background
     appearances: FloatArray
-
-
-@compiled_part
-def conclude(
-    sample: Sample,
-    drawn: Drawn,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
-    prior: PriorPresence,
-) -> Conclusion:
-    """Conclude from the drawn particles of a sample.
-
-    About each of the candidates particles are one group, however little they weigh.
-    """
-    states = _wrapped_states(sample, drawn.filled)
-    log_prior = importance_log_weights(sample, drawn.filled, 0.0)
-    log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
-    anchors = np.concatenate((inputs.anchors, drawn.candidates))
-    groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
-    if groups.number == 0:
-        return impossible_posterior(states, log_posterior)
-    map_log_ratios = sample.map_log_ratios[: len(states)]
-    particles = WeighedParticles(states, log_prior, log_posterior, sample.densities, map_log_ratios)
-    corrected = corrected_clusters(particles, groups, inputs, config)
-    clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
-    log_odds = _log_odds(corrected, clear, sample, inputs, config, prior)
-    order = most_probable_first(corrected.clusters.masses, log_odds)
-    hypotheses = _hypotheses(states, corrected, clear, order, sample, inputs)
-    goes_on = is_same_hypothesis(
-        hypotheses.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
-    )
-    p_bright = _p_bright(corrected.weights, sample, inputs)
-    return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
 
 
 @compiled_part
