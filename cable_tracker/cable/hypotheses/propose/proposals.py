@@ -231,12 +231,11 @@ def _fill_proposal_density(
 
     It is the sum over the proposals k of n_k q_k(x).
     """
-    survivors = float(counts.survivors) if counts.survivors else LEAST_PROBABILITY
     births = float(counts.births) if counts.births else LEAST_PROBABILITY
     states, stop, density = sample.states, drawn.filled, sample.proposal_density
     for row in range(start, stop):
         density[row] = (
-            survivors * sample.densities.survivor_proposal[row]
+            counts.survivors * sample.densities.survivor_proposal[row]
             + births * sample.densities.birth_proposal[row]
             + counts.switches * sample.densities.border_switch[row]
         )
