@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
-
 import numpy as np
 
 from cable_tracker.cable.model.initial_state import GivenState
@@ -14,16 +11,6 @@ from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.detection.pair_limits import pair_limits
-
-PROPOSERS: Mapping[str, Callable[[TrackerParameters], CableProposer]] = MappingProxyType(
-    {
-        "none": lambda _parameters: NoProposer(),
-        "line_pairs": lambda parameters: LinePairProposer(
-            pair_limits(parameters), looks_at_map=parameters.uses_map
-        ),
-    }
-)
-"""The detectors that the parameter `detector` can name."""
 
 WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
 WARM_UP_FRAMES, WARM_UP_TOLD = 6, 5
@@ -68,6 +55,6 @@ def warm_up(parameters: TrackerParameters) -> None:
 
 def make_proposer(parameters: TrackerParameters) -> CableProposer:
     """Return the detector that parameters name; the bootstrap filter asks none."""
-    if parameters.filter == "bootstrap":
+    if parameters.filter == "bootstrap" or parameters.detector == "none":
         return NoProposer()
-    return PROPOSERS[parameters.detector](parameters)
+    return LinePairProposer(pair_limits(parameters), looks_at_map=parameters.uses_map)

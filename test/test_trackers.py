@@ -14,11 +14,11 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.cable.proposer_interface import NoProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
-from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker, warm_up
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 
 
 def test_every_detector_that_can_be_named_can_be_made():
-    assert set(PARAMETERS_BY_NAME["detector"].choices) == set(PROPOSERS)
+    assert set(PARAMETERS_BY_NAME["detector"].choices) == {"none", "line_pairs"}
     assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
     parameters = TrackerParameters(detector="line_pairs")
     assert isinstance(make_proposer(parameters), LinePairProposer)

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from cable_tracker.atomic_output import output_folder
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
 from cable_tracker.campaigns.folder_tasks import MARKER
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
@@ -55,9 +56,10 @@ from cable_tracker.evaluation.closed_loop.loop_campaign import (
 from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.motion.live_world import LiveSettings
-from cable_tracker.trackers import PROPOSERS
 from cable_tracker.tracking.parameter_files import read_parameter_file
 from cable_tracker.tracking.parameter_table import check_name
+
+DETECTORS = PARAMETERS_BY_NAME["detector"].choices
 
 
 def loop(  # noqa: PLR0917
@@ -90,7 +92,7 @@ def loop(  # noqa: PLR0917
     ] = 15.0,
     detector: Annotated[
         str | None,
-        typer.Option(help=f"Detector that the filter asks: {', '.join(PROPOSERS)}."),
+        typer.Option(help=f"Detector that the filter asks: {', '.join(DETECTORS)}."),
     ] = None,
     params: Annotated[
         Path | None, typer.Option(help="YAML file with parameters of the tracker.")
