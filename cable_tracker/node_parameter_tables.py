@@ -15,7 +15,7 @@ from cable_tracker.tracking.parameter_table import (
     word,
 )
 
-RELIABILITIES = ("best_effort", "reliable")
+BEST_EFFORT, RELIABLE = RELIABILITIES = ("best_effort", "reliable")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

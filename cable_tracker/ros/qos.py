@@ -6,9 +6,11 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from cable_tracker.node_parameter_tables import BEST_EFFORT, RELIABLE
+
 RELIABILITIES = {
-    "best_effort": ReliabilityPolicy.BEST_EFFORT,
-    "reliable": ReliabilityPolicy.RELIABLE,
+    BEST_EFFORT: ReliabilityPolicy.BEST_EFFORT,
+    RELIABLE: ReliabilityPolicy.RELIABLE,
 }
 
 
@@ -32,7 +34,7 @@ def image_input(reliability: str) -> QoSProfile:
     Best effort takes the newest frame only: a tracker that is late must not work through a queue.
     Reliable keeps a few, for a lockstep replay that must not lose any.
     """
-    return _newest(1 if reliability == "best_effort" else 10, RELIABILITIES[reliability])
+    return _newest(1 if reliability == BEST_EFFORT else 10, RELIABILITIES[reliability])
 
 
 def instrument_input(reliability: str) -> QoSProfile:
@@ -41,7 +43,7 @@ def instrument_input(reliability: str) -> QoSProfile:
     A few are kept: several come between two frames, and each counts. Reliable keeps more, for a
     replay that sends at once what was said before its first frame.
     """
-    depth = 20 if reliability == "best_effort" else INSTRUMENTS_KEPT
+    depth = 20 if reliability == BEST_EFFORT else INSTRUMENTS_KEPT
     return _newest(depth, RELIABILITIES[reliability])
 
 

@@ -12,6 +12,7 @@ from typing import Final
 from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.errors import EXIT_USER_ERROR, RecordingError, RosError
+from cable_tracker.node_parameter_tables import RELIABLE
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
@@ -38,11 +39,11 @@ PATIENT: Final[Mapping[str, ParameterValue]] = {"answer_timeout": 3600.0}
 READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
 """Parameters of a tracker whose diagnostics are waited for: they tell when it is ready."""
 
-EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": "reliable"}
+EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": RELIABLE}
 """Parameters of a tracker that answers every frame that is sent."""
 
 EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
-    "instrument_reliability": "reliable",
+    "instrument_reliability": RELIABLE,
     "instrument_wait": 60.0,
 }
 """Parameters of a tracker whose frames wait for the measurements made before them.

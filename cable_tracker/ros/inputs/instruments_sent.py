@@ -7,14 +7,13 @@ from functools import partial
 
 from rclpy.node import Node
 
+from cable_tracker.node_parameter_tables import RELIABLE
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
-
-RELIABLE = "reliable"
 
 
 class InstrumentsSent:

@@ -15,7 +15,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
-from cable_tracker.node_parameter_tables import CameraRuntimeParameters, CameraStartParameters
+from cable_tracker.node_parameter_tables import (
+    RELIABLE,
+    CameraRuntimeParameters,
+    CameraStartParameters,
+)
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
@@ -117,7 +121,7 @@ class CameraNode(ProcessNode, ABC):
         self._watchdog: Any = None
         start = node_parameters.declare_set(self, CameraStartParameters(), read_only=True)
         self._camera_parameters = node_parameters.declare_set(self, CameraRuntimeParameters())
-        self._answers_every_frame = start.image_reliability == "reliable"
+        self._answers_every_frame = start.image_reliability == RELIABLE
         self._input = ImageInput(
             self, start.image_transport, start.image_reliability, self._statistics
         )

@@ -11,6 +11,7 @@ from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import Controller, ControllerSettings, Mode
 from cable_tracker.example_controller.line_of_sight import Cable
 from cable_tracker.metric.odometry.motion import LONGEST_HOLD
+from cable_tracker.node_parameter_tables import BEST_EFFORT, RELIABLE
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
@@ -44,7 +45,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         self._controller = Controller(self._settings)
         self._cables: OrderedDict[int, Cable] = OrderedDict()
         self._poses: OrderedDict[int, Pose] = OrderedDict()
-        reliability = "reliable" if self._own.lockstep else "best_effort"
+        reliability = RELIABLE if self._own.lockstep else BEST_EFFORT
         subscription(
             self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
