@@ -54,11 +54,11 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
+        self._on_news = on_news
         profile = qos.instrument_input(reliability)
         for instrument in self._instruments:
-            subscription(self._node, TOPICS[instrument], self._taking(instrument, on_news), profile)
+            subscription(self._node, TOPICS[instrument], self._taking(instrument), profile)
         self._sent.subscribe(self._node, reliability, on_news)
-        self._on_news = on_news
 
     def ask_for_calibration(self) -> None:
         """Ask for a calibration that was sent once and is kept for those that come later.
@@ -66,20 +66,20 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
         Such a publisher keeps it for subscriptions alone that ask to be told; those cannot hear
         others, so that it takes one of its own.
         """
-        topic, on_news = TOPICS[Instrument.CAMERA_INFO], self._on_news
-        if on_news is None or self._sent.has_heard(topic.name) or self._has_asked:
+        topic = TOPICS[Instrument.CAMERA_INFO]
+        if self._on_news is None or self._sent.has_heard(topic.name) or self._has_asked:
             return
         publishers = self._node.get_publishers_info_by_topic(
             self._node.resolve_topic_name(topic.name)
         )
         if any(qos.keeps_for_later(each.qos_profile) for each in publishers):
             self._has_asked = True
-            taken = self._taking(Instrument.CAMERA_INFO, on_news)
-            subscription(self._node, topic, taken, qos.LATCHED)
+            subscription(self._node, topic, self._taking(Instrument.CAMERA_INFO), qos.LATCHED)
 
-    def _taking(
-        self, instrument: Instrument, on_news: Callable[[], None]
-    ) -> Callable[[Message, Mapping[str, Any]], None]:
+    def _taking(self, instrument: Instrument) -> Callable[[Message, Mapping[str, Any]], None]:
+        on_news = self._on_news
+        assert on_news is not None
+
         def taken(message: Message, info: Mapping[str, Any]) -> None:
             self.take_message(instrument, message, info.get("publication_sequence_number"))
             on_news()

@@ -106,6 +106,7 @@ class CameraNode(ProcessNode, ABC):
     """Makes the picture that is tracked on; of grey levels, shape (H, W), unless overridden."""
 
     _instruments: InstrumentInputs[Any, Any]
+    _instrument_reliability: str
     _outputs: TrackerOutputs | TargetOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
@@ -292,6 +293,7 @@ class CameraNode(ProcessNode, ABC):
         self._warm_up = None
         self._watch.restart(time.monotonic())
         if not self._input.is_open:
+            self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
             self._subscribe_more()
             self._input.subscribe(self.on_image, self._mismatches.on_event)
             self.get_logger().info(f"waiting for images on {self._input.topic}")

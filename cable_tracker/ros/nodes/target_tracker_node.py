@@ -124,7 +124,6 @@ class TargetTrackerNode(CameraNode):
         return WarmUp(("target", *parameters.words()), partial(warm_up_target, parameters))
 
     def _subscribe_more(self) -> None:
-        self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         for number, prefix in enumerate(self._prefixes):
             topic = node_topics.INITIAL_TARGET
             take = partial(self.on_initial_target, number=number)

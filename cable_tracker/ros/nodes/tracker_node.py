@@ -120,7 +120,6 @@ class TrackerNode(CameraNode):
         return WarmUp(parameters.words(), partial(warm_up, parameters))
 
     def _subscribe_more(self) -> None:
-        self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
         self._take_starts(node_topics.INITIAL_STATE, self.on_initial_state)
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
