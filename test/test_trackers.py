@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 from numba.core import event
+from plain_images import plain_image
 
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
@@ -30,7 +30,7 @@ def test_the_bootstrap_filter_asks_no_detector():
 
 
 def test_nothing_proposes_nothing():
-    image = make_working_image(np.zeros((20, 20), np.uint8), 320)
+    image = plain_image(np.zeros((20, 20), np.uint8))
     assert NoProposer().propose(image, is_searching=True).shape == (0, 4)
 
 
@@ -53,7 +53,7 @@ def stripe() -> np.ndarray:
 def test_the_detector_proposes_cables_as_wide_as_the_parameters_allow():
     picture = np.full((240, 320), 90, np.uint8)
     picture[:, 60:270] = 160
-    image = make_working_image(picture, 320)
+    image = plain_image(picture)
     wide = TrackerParameters(width_maximum=240.0)
     narrow = TrackerParameters(width_maximum=150.0)
     assert (make_proposer(wide).propose(image, is_searching=False)[:, 2] > 200.0).any()

@@ -6,12 +6,18 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.picture.working_image import make_working_image
+from cable_tracker.cable.measure.picture.working_image import working_image_for
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+
+PLAIN = TrackerParameters(
+    working_width=round(REFERENCE_WIDTH), light_correction=0.0, burned_in_time=0.0
+)
+"""How the tracker makes a picture ready of which nothing is taken out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +67,7 @@ class CableDetector(ABC):
             The picture cannot be used.
         """
         check_frame(image)
-        working = make_working_image(image, round(REFERENCE_WIDTH))
+        working = working_image_for(image, PLAIN)
         reduction = working.reduction
         reduced = region.scaled(reduction) if region is not None else None
         return [

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from plain_images import plain_image
 
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initial_state import GivenState
@@ -175,7 +175,7 @@ def test_particles_stay_within_their_limits(name, states, dt, seed):
 
 @given(arrays(np.float64, (9, 8), elements=st.floats(-1e9, 1e9)))
 def test_the_likelihood_of_any_cable_is_a_number(states):
-    image = make_working_image(draw_cable(), 320, 1.6)
+    image = plain_image(draw_cable())
     likelihoods = BorderResponseModel(preset("thesis")).log_likelihoods(wrap_states(states), image)
     assert np.isfinite(likelihoods).all()
     assert np.isfinite(project_borders(states).offsets).all()

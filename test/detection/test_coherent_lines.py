@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.detection.coherent_lines import (
     CELL,
     LEAST_CELLS,
@@ -92,7 +92,7 @@ def test_an_even_picture_has_no_votes():
 def test_a_smooth_strip_is_dark_in_the_texture_whatever_its_grey_level(rng):
     picture = 100.0 + 20.0 * rng.normal(0.0, 1.0, (240, 320))
     picture[:, 140:200] = 100.0 + 2.0 * rng.normal(0.0, 1.0, (240, 60))
-    image = make_working_image(np.clip(picture, 0.0, 255.0).astype(np.uint8), 320)
+    image = plain_image(np.clip(picture, 0.0, 255.0).astype(np.uint8))
     texture = coarse_texture(image)
     assert texture.shape == coarse_brightness(image).shape == (240 / CELL, 320 / CELL)
     assert texture[:, 38:47].max() < texture[:, :30].min() - 1.0
@@ -102,14 +102,13 @@ def test_light_and_shade_leave_the_texture_as_it_is(rng):
     picture = 100.0 * (1.0 + 0.2 * rng.normal(0.0, 1.0, (240, 320)).clip(-3.0, 3.0))
     shaded = picture * np.where(np.arange(320) < 160, 0.5, 1.0)
     bright, half = (
-        coarse_texture(make_working_image(each.astype(np.float32), 320))
-        for each in (picture, shaded)
+        coarse_texture(plain_image(each.astype(np.float32))) for each in (picture, shaded)
     )
     assert np.abs(half - bright)[:, 4:34].mean() < 0.15
 
 
 @pytest.mark.parametrize("level", [0.0, 255.0])
 def test_a_picture_of_one_level_has_an_even_texture(level):
-    texture = coarse_texture(make_working_image(np.full((240, 320), level, np.float32), 320))
+    texture = coarse_texture(plain_image(np.full((240, 320), level, np.float32)))
     # What is left is rounding, which depends on the processor; textures that tell differ by more.
     assert np.ptp(texture) < 0.1

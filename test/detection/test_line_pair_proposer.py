@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import (
@@ -28,7 +28,7 @@ CABLES = [
 
 
 def propose(image, working_width=320, is_searching=False) -> np.ndarray:
-    picture = make_working_image(image, working_width)
+    picture = plain_image(image, working_width)
     return LinePairProposer().propose(picture, is_searching=is_searching)
 
 
@@ -152,7 +152,7 @@ def reference_votes(image, shape, offset_bin) -> np.ndarray:
 
 @pytest.mark.parametrize("size", [(160, 120), (16, 16), (16, 200), (300, 16)])
 def test_every_strong_ridge_votes_near_its_direction(rng, size):
-    image = make_working_image(rng.normal(100, 20, size[::-1]).astype(np.float32), 320)
+    image = plain_image(rng.normal(100, 20, size[::-1]).astype(np.float32))
     votes, offset_bin = accumulated_votes(image)
     assert votes.shape[1] % 2 == 1
     assert votes.shape[1] * offset_bin >= np.hypot(*size)
@@ -164,7 +164,7 @@ def test_every_strong_ridge_votes_near_its_direction(rng, size):
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2, -1.2])
 def test_every_scan_line_votes_once_for_each_border_it_crosses(draw_strip, angle):
-    image = make_working_image(draw_strip(CableState(5.0, angle, 40.0), (320, 240)), 320)
+    image = plain_image(draw_strip(CableState(5.0, angle, 40.0), (320, 240)))
     votes, offset_bin = accumulated_votes(image)
     middle = votes.shape[1] // 2
     steep = abs(np.cos(angle)) >= abs(np.sin(angle))
@@ -182,7 +182,7 @@ def test_wide_thin_and_skewed_cables_are_proposed_where_the_limits_let_them(
     draw_strip, width, skew
 ):
     cable = CableState(8.0, 0.1, width, np.deg2rad(skew) * (width > 100.0))
-    image = make_working_image(draw_strip(cable), 320)
+    image = plain_image(draw_strip(cable))
     wide = LinePairProposer(PairLimits(3.0, 240.0, np.deg2rad(30.0)))
     found = nearest(wide.propose(image, is_searching=False), cable)
     assert found[0] == pytest.approx(cable.distance, abs=5.0)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import NOTHING_EXPECTED
@@ -11,7 +12,6 @@ from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInput
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import NO_MAP
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 NOTHING = np.empty(0)
@@ -23,7 +23,7 @@ def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
     model = BorderLikelihoodRatio(TrackerParameters())
 
     def make(picture: np.ndarray) -> ProposalInputs:
-        image = make_working_image(picture.astype(np.float32), 320)
+        image = plain_image(picture.astype(np.float32))
         scan, noise = image.scan, draw_frame_noise(rng, 0, 0, 4.0)
         polarity = polarity_prior(0.5)
         return ProposalInputs(

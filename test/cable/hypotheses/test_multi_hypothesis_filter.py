@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses import multi_hypothesis_filter
 from cable_tracker.cable.hypotheses.belief import initial_belief
@@ -21,7 +22,6 @@ from cable_tracker.cable.measure.map.cable_map import cable_map_of, map_overlap,
 from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.measure.map.map_borders import MapBorders, map_borders
 from cable_tracker.cable.measure.picture import working_image
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -53,7 +53,7 @@ def cloud(state, count=400, seed=0, wide=1.0) -> np.ndarray:
 
 
 def working(image):
-    return make_working_image(image, 320)
+    return plain_image(image)
 
 
 @pytest.fixture

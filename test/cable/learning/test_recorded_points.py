@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.border_points import (
@@ -9,7 +10,7 @@ from cable_tracker.cable.measure.borders.border_points import (
     SMALLEST_RESPONSE,
     weaker_common_contrast,
 )
-from cable_tracker.cable.measure.picture.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.state import CableState
 
 SIZE = (210, 170)
@@ -21,7 +22,7 @@ OUTSIDE, BEHIND, DEEP = 6.0, WIDTH / 4, WIDTH / 2
 @pytest.fixture
 def image(noise_picture) -> WorkingImage:
     """Texture that is scanned along every line: more lines than are measured together."""
-    image = make_working_image(noise_picture(3, SIZE, 25.0), 320, sample_spacing=1.0)
+    image = plain_image(noise_picture(3, SIZE, 25.0), sample_spacing=1.0)
     assert len(image.scan.rows.places) > 2 * BLOCK
     return image
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from measured_points import points, ratios_at
+from plain_images import plain_image
 
 from cable_tracker.cable.learning.response_counts import (
     ResponseCounts,
@@ -11,7 +12,6 @@ from cable_tracker.cable.learning.response_counts import (
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import ParameterError
@@ -32,7 +32,7 @@ def learnt(draw_strip, noise_picture):
         for number, cable in enumerate(CABLES):
             picture = draw_strip(cable, SIZE, strip=strip, ground=ground).astype(np.float32)
             picture += noise_picture(number, SIZE, 6.0) - np.float32(110.0)
-            counts.add(make_working_image(picture, 320), cable)
+            counts.add(plain_image(picture), cable)
         return counts
 
     return learn
@@ -60,7 +60,7 @@ def test_what_was_learnt_finds_a_cable_that_was_not_shown(learnt, draw_strip, tm
     model = BorderLikelihoodRatio(TrackerParameters(response_table=str(path)))
     other = CableState(-10.0, -0.2, 28.0)
     states = np.array([other.to_array(), other.to_array() + np.array([15.0, *[0.0] * 7])])
-    true, shifted = model.log_likelihoods(states, make_working_image(draw_strip(other, SIZE), 320))
+    true, shifted = model.log_likelihoods(states, plain_image(draw_strip(other, SIZE)))
     assert true > 0.5
     assert true > shifted + 1.0
 
@@ -74,7 +74,7 @@ def test_the_same_frames_and_seed_give_the_same_table(learnt):
 
 def test_a_cable_outside_the_image_teaches_nothing(draw_strip):
     counts = ResponseCounts(np.random.default_rng(0))
-    image = make_working_image(draw_strip(CABLES[0], SIZE), 320)
+    image = plain_image(draw_strip(CABLES[0], SIZE))
     counts.add(image, CableState(900.0, 0.0, 20.0))
     assert counts.frames == 0
     with pytest.raises(ParameterError, match="no labelled frame"):

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.measure.borders.response_table import load_table
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
@@ -28,7 +28,7 @@ def cloud(state=STRIP, count=500) -> np.ndarray:
 
 @pytest.fixture
 def strip(draw_strip):
-    return make_working_image(draw_strip(STRIP, SIZE), 320, sample_spacing=20.0)
+    return plain_image(draw_strip(STRIP, SIZE), sample_spacing=20.0)
 
 
 @pytest.mark.parametrize("observation", ["responses", "likelihood_ratio"])
@@ -48,7 +48,7 @@ def test_the_true_cable_is_claimed_and_none_is_on_a_flat_picture(strip):
     cable_filter = make_filter()
     exact = cable_filter.given_belief(np.tile(STRIP.to_array(), (500, 1)))
     assert cable_filter.summary(exact, strip).supports_claim
-    flat = make_working_image(np.full(SIZE[::-1], 90, np.uint8), 320)
+    flat = plain_image(np.full(SIZE[::-1], 90, np.uint8))
     summary = cable_filter.summary(cable_filter.step(exact, flat, 0.0, NO_DETECTIONS), flat)
     assert not summary.supports_claim
     assert not summary.supports_keeping

@@ -31,8 +31,6 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.level_gain import amplified, level_gain
 from cable_tracker.tracking.parameter_table import pixel_scale
 
-DEFAULTS = TrackerParameters()
-
 SMALLEST_SIGMA = 0.5
 """Sigma that filters keep in narrow pictures [px]; below it, they fall between the pixels."""
 
@@ -92,20 +90,14 @@ class WorkingImage:
         Working pixels per pixel of an image of the reference width.
     line_spacing : int
         Distance between scan lines in the picture [px].
-    filter_sigma : float
-        Sigma of the Gaussian for the gradients [px at the reference width].
-    light_correction : float
-        Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
-    gradients_alone : bool
-        Whether nothing else is measured, as by the observation of the thesis.
+    parameters : TrackerParameters
+        How it is made ready and measured.
     gain : float
         What the grey levels of the frame were multiplied by.
     history : PictureHistory
         What the frames before say of how it is made ready.
     dt : float
         Time since the frame before [s].
-    burned_in_time : float
-        Thin lines that have stood still for this time are taken out [s]; 0: nothing is.
     """
 
     frame: Image
@@ -115,13 +107,10 @@ class WorkingImage:
     reduction: float
     scale: float
     line_spacing: int
-    filter_sigma: float
-    light_correction: float = 0.0
-    gradients_alone: bool = False
-    gain: float = 1.0
-    history: PictureHistory = NO_HISTORY
-    dt: float = 0.0
-    burned_in_time: float = 0.0
+    parameters: TrackerParameters
+    gain: float
+    history: PictureHistory
+    dt: float
 
     @cached_property
     def pixels(self) -> Image:
@@ -138,12 +127,12 @@ class WorkingImage:
     def _cleared(self) -> tuple[Image, StandingLines | None]:
         """The reduced frame without burned-in lines, of its dtype, and those that may be such."""
         reduced = self._reduced()
-        if self.burned_in_time == 0.0:
+        if self.parameters.burned_in_time == 0.0:
             return reduced, None
         lines = standing_lines(self.history.standing_lines, reduced, self.dt, self.scale)
         if lines is None:
             return reduced, None
-        return without_standing_lines(reduced, lines, self.burned_in_time), lines
+        return without_standing_lines(reduced, lines, self.parameters.burned_in_time), lines
 
     def _reduced(self) -> Image:
         """The reduced frame, of its dtype."""
@@ -187,62 +176,15 @@ class WorkingImage:
     def scan(self) -> ScanInputs:
         """What is measured along its scan lines, worked out when it is first asked for."""
         kernels = scan_kernels(
-            max(self.filter_sigma * self.scale, SMALLEST_SIGMA),
+            max(self.parameters.filter_sigma * self.scale, SMALLEST_SIGMA),
             REGION_SIGMA * self.scale,
             max(1, round(CONTRAST_LAG * self.scale)),
         )
-        if self.gradients_alone:
+        if self.parameters.observation == "responses":
+            # The observation of the thesis measures gradients alone.
             kernels = kernels._replace(region=kernels.region[:0])
-        picture = evenly_lit(self._straight, self.light_correction)
+        picture = evenly_lit(self._straight, self.parameters.light_correction)
         return scan_frame(picture, self.line_spacing, kernels, self.reduction, self.scale)
-
-
-def make_working_image(
-    image: Image,
-    working_width: int,
-    filter_sigma: float = DEFAULTS.filter_sigma,
-    sample_spacing: float = DEFAULTS.sample_spacing,
-    light_correction: float = 0.0,
-    gradients_alone: bool = False,
-    history: PictureHistory = NO_HISTORY,
-    dt: float = 0.0,
-    burned_in_time: float = 0.0,
-) -> WorkingImage:
-    """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
-
-    The levels of a deep picture that uses few of them are amplified; see `level_gain`.
-
-    Parameters
-    ----------
-    image : Image
-        Grey levels, uint8 or float32, shape (H, W).
-    working_width : int
-        Wanted width [px].
-    filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
-        See `WorkingImage`; `sample_spacing` is the line spacing in px at the reference width.
-    history, dt, burned_in_time : PictureHistory, float
-        See `WorkingImage`.
-    """
-    gain = level_gain(history.gain, image)
-    image = without_dead_margins(amplified(image, gain))
-    height, width = image.shape
-    size, frame_scale, reduction, scale = _working_size((width, height), working_width)
-    return WorkingImage(
-        image,
-        (width, height),
-        size,
-        frame_scale,
-        reduction,
-        scale,
-        max(1, round(sample_spacing * scale)),
-        filter_sigma,
-        light_correction,
-        gradients_alone,
-        gain,
-        history,
-        dt,
-        burned_in_time,
-    )
 
 
 @cache
@@ -262,21 +204,36 @@ def working_image_for(
     history: PictureHistory = NO_HISTORY,
     dt: float = 0.0,
 ) -> WorkingImage:
-    """Return the working image of a frame (H, W) that a tracker of these parameters makes.
+    """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
-    `history` is that of the frames before, the last of them `dt` seconds ago.
+    The levels of a deep picture that uses few of them are amplified; see `level_gain`.
+
+    Parameters
+    ----------
+    image : Image
+        Grey levels, uint8 or float32, shape (H, W).
+    parameters : TrackerParameters
+        The tracker's parameters.
+    history, dt : PictureHistory, float
+        That of the frames before, the last of them `dt` seconds ago.
     """
     if history.bend != STRAIGHT and not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.
         history = replace(history, bend=STRAIGHT)
-    return make_working_image(
+    gain = level_gain(history.gain, image)
+    image = without_dead_margins(amplified(image, gain))
+    height, width = image.shape
+    size, frame_scale, reduction, scale = _working_size((width, height), parameters.working_width)
+    return WorkingImage(
         image,
-        parameters.working_width,
-        parameters.filter_sigma,
-        parameters.sample_spacing,
-        parameters.light_correction,
-        gradients_alone=parameters.observation == "responses",
-        history=history,
-        dt=dt,
-        burned_in_time=parameters.burned_in_time,
+        (width, height),
+        size,
+        frame_scale,
+        reduction,
+        scale,
+        max(1, round(parameters.sample_spacing * scale)),
+        parameters,
+        gain,
+        history,
+        dt,
     )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses.conclude.background import (
     SHARED_ANGLE,
@@ -15,7 +16,6 @@ from cable_tracker.cable.hypotheses.conclude.background import (
 )
 from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.geometry import project_borders, states_from_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -36,7 +36,7 @@ def background(frame_inputs):
 
 
 def level_of(picture, pose) -> float:
-    image = make_working_image(picture.astype(np.float32), 320)
+    image = plain_image(picture.astype(np.float32))
     return float(MODEL.log_likelihoods(np.array([[*pose, 0.0, 0.0, 0.0, 0.0]]), image)[0])
 
 

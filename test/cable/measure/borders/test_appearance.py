@@ -6,6 +6,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.measure.borders.appearance import (
     BESIDE,
@@ -24,7 +25,6 @@ from cable_tracker.cable.measure.borders.appearance import (
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.gradients.gradient_shape import directional_gain
 from cable_tracker.cable.measure.map.cable_map import NO_MAP, CableMap, cable_map_of, strip_shares
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -34,7 +34,7 @@ STRIP = CableState(20.0, 0.3, 60.0, 0.05)
 
 
 def appearance(picture, state=STRIP, cable_map=NO_MAP, model=MODEL) -> float:
-    image = make_working_image(picture.astype(np.float32), SIZE[0])
+    image = plain_image(picture.astype(np.float32), SIZE[0])
     strips, scan, ratios = state.to_array()[None], image.scan, model.model_for(image)
     return float(appearances_of(strips, scan, ratios, cable_map)[0])
 
@@ -51,7 +51,7 @@ def inside(draw_strip):
 
 def literal_appearance(picture, column, width) -> float:
     """The appearance of a bright upright strip from a column on, written down step by step."""
-    image = make_working_image(picture.astype(np.float32), SIZE[0])
+    image = plain_image(picture.astype(np.float32), SIZE[0])
     scan = image.scan
     gain = directional_gain(scan.shape, 1.0, 0.0)
     total = UNDECIDED + IN_VIEW * ENOUGH_IN_VIEW
@@ -87,7 +87,7 @@ def test_a_faint_cable_looks_more_like_one_than_a_strong_ripple_of_many(bottom, 
     ripples = 30.0 * np.sign(np.sin(2.0 * np.pi * np.arange(240)[:, None] / 24.0))
     picture = (bottom + ripples) * (1.0 - cable) + (0.2 * bottom + 86.0) * cable
     ripple = CableState(6.0, np.pi / 2, 12.0)
-    image = make_working_image(picture.astype(np.float32), SIZE[0])
+    image = plain_image(picture.astype(np.float32), SIZE[0])
     states = np.array([STRIP.to_array(), ripple.to_array()])
     assert np.diff(MODEL.log_likelihoods(states, image))[0] > 0.0
     assert appearance(picture) > appearance(picture, ripple) + 0.4

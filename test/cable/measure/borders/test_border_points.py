@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plain_images import plain_image
 
 from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.border_points import weaker_common_contrast
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 
 SIZE = (160, 120)
@@ -16,7 +16,7 @@ STRIP = CableState(12.0, 0.2, 24.0, 0.03)
 
 @pytest.mark.parametrize("angle", [0.0, 0.6, -0.7, np.pi / 2, 1.0, -1.2])
 def test_a_border_is_measured_once_on_every_line_that_it_crosses_steeply(angle):
-    image = make_working_image(np.zeros(SIZE[::-1], np.uint8), 320)
+    image = plain_image(np.zeros(SIZE[::-1], np.uint8))
     points = measure_points(np.array([[0.0, angle, 8.0, *[0.0] * 5]]), image)
     steep = abs(np.cos(angle)) >= abs(np.sin(angle))
     lines = image.scan.rows if steep else image.scan.columns
@@ -32,7 +32,7 @@ def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_ins
 ):
     picture = draw_strip(STRIP, SIZE, strip=180.0, ground=80.0).astype(np.float32)
     picture += noise_picture(1, SIZE, 6.0).astype(np.float32) - 110.0
-    image = make_working_image(picture, 320)
+    image = plain_image(picture)
     here, beside = (
         measure_points(state.to_array()[None], image).measures
         for state in (STRIP, replace(STRIP, width=STRIP.width + 6.0))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from measured_points import ratios_at
+from plain_images import plain_image
 
 from cable_tracker.cable.learning.recorded_points import measure_points
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
@@ -18,7 +19,6 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import (
 from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.response_table import load_table
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import ParameterError
@@ -37,7 +37,7 @@ def changed(**changes) -> np.ndarray:
 
 
 def working(image):
-    return make_working_image(image, 320)
+    return plain_image(image)
 
 
 def measured(image, *states):
@@ -214,14 +214,14 @@ def test_a_frame_that_is_reduced_has_nearly_the_ratios_of_the_small_one(draw_str
     double = CableState(24.0, 0.2, 48.0, 0.03)
     picture = draw_strip(double, (320, 240), blur=3.0)
     whole, reduced = (
-        MODEL.measure(double.to_array()[None], make_working_image(picture, width)).log_ratios
+        MODEL.measure(double.to_array()[None], plain_image(picture, width)).log_ratios
         for width in (320, 160)
     )
     np.testing.assert_allclose(reduced, whole, rtol=0.35, atol=0.4)
 
 
 def test_denser_scan_lines_say_about_as_much(strip):
-    images = [make_working_image(strip, 320, sample_spacing=spacing) for spacing in (16.0, 2.5)]
+    images = [plain_image(strip, sample_spacing=spacing) for spacing in (16.0, 2.5)]
     assert [image.line_spacing for image in images] == [8, 1]
     sparse, dense = (MODEL.measure(changed()[None], image).log_ratios[0, 0] for image in images)
     assert dense == pytest.approx(sparse, rel=0.25)
@@ -232,7 +232,7 @@ def test_denser_scan_lines_say_about_as_much(strip):
     [(0.1875, 8.0, 0.3), (0.1875, 40.0, 1.0), (1.0, 8.0, 1.0), (0.5, 4.0, 0.4)],
 )
 def test_points_far_apart_count_as_independent_ones_and_no_more(strip, tempering, spacing, power):
-    image = make_working_image(strip, 320, sample_spacing=spacing)
+    image = plain_image(strip, sample_spacing=spacing)
     ratio = BorderLikelihoodRatio(TrackerParameters(tempering=tempering))
     assert image.line_spacing / image.scale == pytest.approx(spacing, abs=1.0)
     assert ratio.model_for(image).tempering == pytest.approx(power)

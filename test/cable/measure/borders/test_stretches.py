@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_images import plain_image
 
 from cable_tracker.cable.measure.borders.border_points import border_on_scan, contrast_depths
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
@@ -16,7 +17,6 @@ from cable_tracker.cable.measure.borders.stretches import (
     stretch_scale,
     sum_stretches,
 )
-from cable_tracker.cable.measure.picture.working_image import make_working_image
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.model.state import CableState
 
@@ -155,7 +155,7 @@ def test_of_a_striped_cable_the_likelier_polarity_of_each_stretch_is_told(seed):
 @given(st.floats(-1.5, 1.5), st.floats(-60.0, 60.0), st.floats(-0.3, 0.3))
 def test_a_stretch_lies_across_the_cable_on_both_borders(angle, distance, skew):
     state = CableState(distance, angle, 40.0, skew).to_array()
-    scan = make_working_image(np.zeros((240, 320), np.uint8), 320).scan
+    scan = plain_image(np.zeros((240, 320), np.uint8)).scan
     depths = contrast_depths(40.0, 1.0)
     for border in range(2):
         side = border_side(border)
