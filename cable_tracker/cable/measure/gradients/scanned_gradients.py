@@ -24,7 +24,6 @@ from cable_tracker.cable.measure.gradients.gradient_shape import (
     GradientShape,
     gradient_shape,
 )
-from cable_tracker.cable.measure.gradients.robust_scale import robust_scale
 from cable_tracker.cable.measure.gradients.scan_filters import (
     ScanKernels,
     antisymmetric_along,
@@ -41,6 +40,7 @@ from cable_tracker.compilation import (
     compiled_part,
 )
 from cable_tracker.tracking.image_frame import to_image
+from cable_tracker.tracking.robust import robust_scale
 
 NOISE_FLOOR = 0.1
 """Smallest robust scale of a frame [grey levels per px]: below it lies the rounding of pixels."""

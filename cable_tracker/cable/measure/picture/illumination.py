@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.gradients.robust_scale import median_of_sizes, robust_scale
 from cable_tracker.cholesky import cholesky_factor, solve_factored
 from cable_tracker.compilation import compiled, compiled_fast_part, compiled_loop
+from cable_tracker.tracking.robust import median_of_sizes, robust_scale
 
 CELLS = (20, 15)
 """Columns and rows of cells, to whose mean grey levels the light is fitted."""

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.gradients.robust_scale import median_of_sizes, robust_scale
+from cable_tracker.tracking.robust import median_of_sizes, robust_scale
 
 SIZES = st.floats(0.0, float(np.finfo(np.float32).max), width=32)
 
