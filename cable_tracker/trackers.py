@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from cable_tracker.cable.filter_interface import CableProposer, NoProposer
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.detection.pair_limits import pair_limits

@@ -81,7 +81,7 @@ MAY_IMPORT = {
 """Of the folders and of the modules beside them, lowest first."""
 ORDER_WITHIN = {
     "cable": [
-        "parameters", "model", "measure", "learning", "proposer_interface", "filter_interface",
+        "parameters", "model", "measure", "learning", "filter_interface",
         "hypotheses", "thesis", "tracker",
     ],
     "cable/measure": ["gradients", "map", "picture", "borders"],

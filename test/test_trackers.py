@@ -7,11 +7,11 @@ import pytest
 from numba.core import event
 from plain_images import plain_image
 
+from cable_tracker.cable.filter_interface import NoProposer
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.cable.proposer_interface import NoProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up

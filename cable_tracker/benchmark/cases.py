@@ -14,6 +14,7 @@ from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import Yardstick
+from cable_tracker.cable.filter_interface import CableProposer
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.geometry import project_borders
@@ -22,7 +23,6 @@ from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method

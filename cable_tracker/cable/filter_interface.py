@@ -1,4 +1,8 @@
-"""What the tracker asks of a filter: a belief after each frame, and what that belief says."""
+"""What the tracker asks of a filter and of a whole-image detector.
+
+Of a filter: a belief after each frame, and what that belief says. The detectors themselves are in
+`detection`.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
@@ -132,6 +137,31 @@ class CableFilter(ABC, Generic[BeliefType]):
     @abstractmethod
     def summary(self, belief: BeliefType, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
+
+
+class CableProposer(Protocol):
+    """Proposes cables in a frame, without a memory."""
+
+    def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
+        """Return d, alpha, w, beta of cables in the frame [px, rad], best first, shape (K, 4).
+
+        Parameters
+        ----------
+        image : WorkingImage
+            The frame.
+        is_searching : bool
+            Whether it is more likely than not that the tracker follows none: a proposal may take
+            more time then.
+        """
+        ...
+
+
+class NoProposer:
+    """Proposes nothing."""
+
+    def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
+        """Return no cables, shape (0, 4)."""
+        return np.empty((0, POSE_SIZE))
 
 
 def resampled_states(

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
+from cable_tracker.cable.filter_interface import (
+    BeliefSummary,
+    CableFilter,
+    CableProposer,
+    NoProposer,
+    ParticleBelief,
+)
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
@@ -24,7 +30,6 @@ from cable_tracker.cable.model.limits import StateLimits, state_limits, words_be
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
