@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles

@@ -27,7 +27,7 @@ from cable_tracker.cable.measure.picture.working_image import (
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import HUGE, GivenState, draw_given_states
 from cable_tracker.cable.model.limits import StateLimits, state_limits, words_beyond_limits
-from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation

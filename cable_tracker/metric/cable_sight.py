@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack

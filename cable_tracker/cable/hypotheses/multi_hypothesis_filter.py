@@ -76,8 +76,7 @@ from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.map.map_borders import map_borders
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
-from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES

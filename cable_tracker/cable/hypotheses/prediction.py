@@ -23,8 +23,7 @@ from cable_tracker.cable.measure.map.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import inset, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
-from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled

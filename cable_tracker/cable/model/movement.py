@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
-from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside
@@ -22,6 +22,21 @@ ALMOST_UNDAMPED = 1e-3
 
 DOUBT_STRIDE = 4
 """Every fourth state goes on by its own rates instead of odometry."""
+
+
+class MotionAid(Protocol):
+    """How the cable moves in the image from the frame before to this one, as odometry has it."""
+
+    def moved(self, states: FloatArray) -> FloatArray:
+        """Return states (N, 8) of the frame before as they are in this frame, angles not wrapped.
+
+        Their rates become those of this motion.
+        """
+        ...
+
+    def scales(self) -> FloatArray:
+        """Return the scales of the diffusion over what is still unknown, shape (8,)."""
+        ...
 
 
 @compiled_inside

@@ -19,8 +19,7 @@ from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.initial_state import random_states
-from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters

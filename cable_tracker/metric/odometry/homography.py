@@ -128,7 +128,7 @@ def prediction_covariance(state: FloatArray, flight: Overflight, change: PoseCha
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneMotion:
-    """A motion between two frames, as the filters take it (`cable.model.motion_aid.MotionAid`).
+    """A motion between two frames, as the filters take it (`cable.model.movement.MotionAid`).
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments

@@ -8,7 +8,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.filter_interface import CableProposer
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
 
