@@ -54,14 +54,7 @@ class PredictedExistence:
 def predict_existence(probability: float, survival: float, birth: float) -> PredictedExistence:
     """Predict existence from one observation to the next.
 
-    Parameters
-    ----------
-    probability : float
-        Probability that it existed, 0 to 1.
-    survival : float
-        Probability that what existed still does.
-    birth : float
-        Probability that what did not exist now does.
+    `probability` that it existed, of `survival` if it did, and of `birth` if it did not, 0 to 1.
     """
     return PredictedExistence(probability * survival, (1.0 - probability) * birth)
 

@@ -1,24 +1,6 @@
 """What the filter of several hypotheses believes after a frame.
 
-What is said of the leading hypothesis, from what the belief holds to what the summary makes of it:
-
-====================  ==============================================================================
-`presence`            How likely it is a cable.
-`is_given`            It was given, and every frame since has held it for a cable.
-`known_time`          For how long it has been held for one and been clear enough to claim.
-`is_followed`         It is given, or has such a time: frames before have held it for a cable.
-`is_known`            It is given, or has been followed for `known_after`.
-`faint_time`          For how long it has been present but too faint; at `search_time` it goes.
-`is_clear`            Borders or map are clear enough to claim it where nothing was known of it.
-`is_familiar`         It is followed, or where the remembered cable may be, and about as wide.
-`supports_keeping`    Visible, clear or familiar, presence and evidence not below `*_to_lose`.
-`supports_claim`      The same, not below `*_to_track`.
-`supports_new_claim`  The same, and clear.
-`contradicts_claim`   Presence below `presence_to_lose`, or not what is remembered: lost at once
-                      unless the frame also supports keeping.
-====================  ==============================================================================
-
-`is_familiar` and what a frame supports are those of `belief_summary`.
+What a belief says of a frame, whether it supports a claim and why, is told in `belief_summary`.
 """
 
 from __future__ import annotations
@@ -76,7 +58,7 @@ class Belief:
         Log-odds that each cluster is a cable, shape (K,) [nats].
     faint_time : float
         Time for which consecutive frames had a cable present, but its weaker border too faint to
-        claim it, or, if it is known, to keep it [s].
+        claim it, or, if it is known, to keep it [s]. At `search_time` the search begins anew.
     evidence : float
         Evidence for the leading hypothesis, see `leading_evidence` [nats per point].
     is_clear : bool
@@ -222,20 +204,10 @@ def updated_belief(
 def updated_p_bright(
     before: float, found: float, presence: float, memory: float, dt: float
 ) -> float:
-    """Return the probability that the cable is bright, after a frame.
+    """Return the probability that the cable is bright, `dt` seconds after one `before`.
 
-    Parameters
-    ----------
-    before : float
-        That probability before the frame.
-    found : float
-        Share of the particles' weight that speaks for a bright cable.
-    presence : float
-        Probability that there is a cable: without one the frame says nothing.
-    memory : float
-        Factor per frame at 25 frames per second on the deviation from 0.5, 0 to 1.
-    dt : float
-        Time since the frame before [s].
+    `found`: share of the particles' weight that speaks for a bright cable; it counts as far as
+    there is one, `presence`. `memory`: factor on the deviation from 0.5 per frame of 25 per second.
     """
     kept = over_time(memory, dt)
     now = presence * found + (1.0 - presence) * before

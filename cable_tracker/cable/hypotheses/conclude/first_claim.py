@@ -137,14 +137,7 @@ def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> f
 def needed_clearness(width: float, parameters: TrackerParameters, scale: float) -> float:
     """Return the clearness that the first claim of a cable needs [nats per point].
 
-    Parameters
-    ----------
-    width : float
-        Width of the cable [px].
-    parameters : TrackerParameters
-        `evidence_to_find` and `thin_width`.
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    `width` of the cable [px]; `scale`: pixels of the frames per pixel at the reference width.
     """
     needed = parameters.evidence_to_find
     if needed <= 0.0:
