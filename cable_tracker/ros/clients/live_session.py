@@ -31,7 +31,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.ros.process.ros_context import made_node, started_context
 from cable_tracker.sequences import node_topics
@@ -98,7 +98,6 @@ class LiveSession(Session):
         self._is_there = False
         self._others: list[str] = []
         self._silent_since: float | None = None
-        self._factory = RclpyMessages()
         self._frames = self.frames(self._take)
         check_profile()
         _check_namespace(namespace, self.name)
@@ -197,14 +196,14 @@ class LiveSession(Session):
         if publisher is None:
             raise RosError(f"{self.name} takes no start yet; wait until it has warmed up")
         latest = self._latest
-        header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
+        header = make_header(MESSAGES, latest.stamp if latest is not None else 0, "")
         publisher.publish(self._start_message(header, start))
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, GivenState), "a cable is not marked with an outline"
         latest = self._latest
         width = latest.image.shape[1] if isinstance(latest, CableSnapshot) else UNSEEN_WIDTH
-        return make_centreline(self._factory, header, start.state, _covariance(start, width))
+        return make_centreline(MESSAGES, header, start.state, _covariance(start, width))
 
     def reset(self) -> None:
         """Call the service `~/reset`."""
@@ -297,7 +296,7 @@ class LiveTargetSession(LiveSession):
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
-        return make_polygon(self._factory, header, start.corners)
+        return make_polygon(MESSAGES, header, start.corners)
 
 
 def _covariance(prior: GivenState, image_width: int) -> FloatArray:

@@ -45,3 +45,7 @@ class RclpyMessages:
     def octet(self, value: int) -> object:
         """Return the value of a field ``byte``."""
         return bytes([value])
+
+
+MESSAGES = RclpyMessages()
+"""It has no state: one is enough."""

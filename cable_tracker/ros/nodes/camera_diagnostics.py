@@ -17,7 +17,7 @@ from cable_tracker.ros.health.told_readiness import READERS_OF
 from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.picture_remarks import remark_on
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.headers import make_header
 
@@ -57,7 +57,6 @@ class CameraDiagnostics:
         self._watch = watch
         self._camera = camera
         self._mismatches = mismatches
-        self._factory = RclpyMessages()
         self.period = 1.0
         self._since = -math.inf
         self._publisher = publisher(
@@ -91,6 +90,6 @@ class CameraDiagnostics:
         for result in results:
             readers = result.get_subscription_count()
             values[f"{READERS_OF}{result.topic_name}"] = str(readers)
-        header = make_header(self._factory, self._node.get_clock().now().nanoseconds, "")
+        header = make_header(MESSAGES, self._node.get_clock().now().nanoseconds, "")
         name = self._node.get_fully_qualified_name()
-        self._publisher.publish(make_diagnostics(self._factory, header, name, status, values))
+        self._publisher.publish(make_diagnostics(MESSAGES, header, name, status, values))

@@ -33,7 +33,7 @@ from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
 from cable_tracker.ros.nodes.target_outputs import TargetOutputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
@@ -111,7 +111,6 @@ class CameraNode(ProcessNode, ABC):
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(name, **node_arguments)
-        self._factory = RclpyMessages()
         self._statistics = FrameStatistics()
         self._watch = InputWatch(time.monotonic())
         self._enabled = True
@@ -407,7 +406,7 @@ class CameraNode(ProcessNode, ABC):
     def _header_for_answer(self, frame: CameraFrame, stamp: int) -> Message:
         given = frame.header
         if not frame.stamp:
-            return make_header(self._factory, stamp, given.frame_id)
+            return make_header(MESSAGES, stamp, given.frame_id)
         # To the letter, so that the sender of the frame knows it again.
         time_sent = Time(sec=given.sec, nanosec=given.nanosec)
         return Header(stamp=time_sent, frame_id=given.frame_id)

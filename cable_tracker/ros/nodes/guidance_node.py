@@ -18,7 +18,7 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, Level
 from cable_tracker.ros.messages.announced_topics import announced_topics
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -296,10 +296,10 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
 
     def _report(self, stamp: int, mode: str, level: Level) -> None:
         """Publish a diagnostics message of a time [ns]."""
-        factory, name = RclpyMessages(), str(self.get_fully_qualified_name())
+        name = str(self.get_fully_qualified_name())
         message = make_status_array(
-            factory,
-            make_header(factory, stamp, ""),
+            MESSAGES,
+            make_header(MESSAGES, stamp, ""),
             f"{name}: guidance",
             mode,
             {},

@@ -19,9 +19,10 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.factory import Message
 
 AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 """Instruments for which a frame waits also before they have spoken."""
@@ -49,8 +50,6 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         The tracker node.
     parameters : CableVehicleParameters
         How camera and instruments are mounted and read, as the node has it at its start.
-    factory : MessageFactory
-        Makes its messages.
     publishers : WatchedPublishers
         Creates its publishers.
     """
@@ -59,11 +58,9 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         self,
         node: Node,
         parameters: CableVehicleParameters,
-        factory: MessageFactory,
         publishers: WatchedPublishers,
     ) -> None:
         super().__init__(node, parameters, CableSight, CABLE_INSTRUMENTS, AWAITED)
-        self._factory = factory
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = NO_FRAME
         self._stand_in = ""
@@ -111,7 +108,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
         self._tell_of_mounting()
-        makers = cross_track_messages(self._factory, header, self.base_frame, result)
+        makers = cross_track_messages(MESSAGES, header, self.base_frame, result)
         publish_wanted(self._publishers, makers, *makers)
 
     def _tell_of_stand_in(self, stamp: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message
@@ -26,7 +26,6 @@ class OverlayPublisher:
     """
 
     def __init__(self, publishers: WatchedPublishers, compressed: NodeTopic) -> None:
-        self._factory = RclpyMessages()
         self._raw, self._compressed = (
             publishers.create(topic, qos.PICTURES, topic.of_node("~"))
             for topic in (node_topics.RAW_OVERLAY, compressed)
@@ -41,7 +40,7 @@ class OverlayPublisher:
         """Publish a picture, blue-green-red, shape (H, W, 3), as it is subscribed to."""
         if self._raw.get_subscription_count():
             raw = raw_from_array(picture, "bgr8")
-            self._raw.publish(make_image(self._factory, raw, header))
+            self._raw.publish(make_image(MESSAGES, raw, header))
         if self._compressed.get_subscription_count():
-            jpeg = make_compressed_image(self._factory, encode_jpeg(picture), header)
+            jpeg = make_compressed_image(MESSAGES, encode_jpeg(picture), header)
             self._compressed.publish(jpeg)

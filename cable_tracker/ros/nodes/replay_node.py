@@ -15,7 +15,7 @@ from cable_tracker.node_parameter_tables import ReplayRuntimeParameters, ReplayS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
@@ -65,7 +65,6 @@ class ReplayNode(ProcessNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("replay", **node_arguments)
-        self._factory = RclpyMessages()
         self._declare_parameters()
         parameters = self._own
         if not parameters.source:
@@ -117,7 +116,7 @@ class ReplayNode(ProcessNode):
         choice = InstrumentChoice({each: topic for each, topic in chosen.items() if topic})
         vehicle = Path(parameters.vehicle) if parameters.vehicle else None
         return InstrumentReplay(
-            self, self._factory, self._source, choice, vehicle, in_lockstep=parameters.lockstep
+            self, MESSAGES, self._source, choice, vehicle, in_lockstep=parameters.lockstep
         )
 
     def _create_publishers(self) -> None:
@@ -309,15 +308,15 @@ class ReplayNode(ProcessNode):
                 f"frame {frame.index} cannot be decoded ({frame.image.missing}): an empty image is"
                 " sent"
             )
-        header = make_header(self._factory, frame.stamp, frame.frame_id)
+        header = make_header(MESSAGES, frame.stamp, frame.frame_id)
         if self._clock_publisher is not None:
-            self._clock_publisher.publish(Clock(clock=make_time(self._factory, frame.stamp)))
+            self._clock_publisher.publish(Clock(clock=make_time(MESSAGES, frame.stamp)))
         if self._source.has_truth:
-            self._truth.publish(make_state(self._factory, header, frame.truth))
+            self._truth.publish(make_state(MESSAGES, header, frame.truth))
         if isinstance(frame.image, RawImage):
-            message = make_image(self._factory, frame.image, header)
+            message = make_image(MESSAGES, frame.image, header)
         else:
-            message = make_compressed_image(self._factory, frame.image, header)
+            message = make_compressed_image(MESSAGES, frame.image, header)
         if self._instruments is not None:
             self._instruments.send_until(frame)
         if self._own.lockstep:

@@ -11,6 +11,7 @@ from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SimulatorNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -59,19 +60,19 @@ class SimulatorNode(VehicleNode[LiveWorld, SimulatorNodeParameters]):
         return raw_from_array(self._world.picture(state), "mono8")
 
     def _publish_altitude(self, stamp: int) -> None:
-        header = make_header(self._factory, stamp, BASE)
-        self._range.publish(make_range(self._factory, header, self._altitude))
+        header = make_header(MESSAGES, stamp, BASE)
+        self._range.publish(make_range(MESSAGES, header, self._altitude))
 
     def _publish_truth(self, state: VehicleState, stamp: int) -> None:
-        base_header = make_header(self._factory, stamp, BASE)
-        camera_header = make_header(self._factory, stamp, CAMERA)
+        base_header = make_header(MESSAGES, stamp, BASE)
+        camera_header = make_header(MESSAGES, stamp, CAMERA)
         cable = self._world.true_state(state)
-        self._true_state.publish(make_state(self._factory, camera_header, cable))
+        self._true_state.publish(make_state(MESSAGES, camera_header, cable))
         truth = self._world.cross_track(state)
         depth = self._world.cable_height - float(state.position[2])
         self._true_cross_track.publish(
             make_cross_track(
-                self._factory,
+                MESSAGES,
                 base_header,
                 (0.0, truth.offset, depth),
                 truth.heading,

@@ -12,7 +12,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageMakers
@@ -74,7 +74,6 @@ class TargetOutputs:
     """
 
     def __init__(self, publishers: WatchedPublishers, prefixes: Sequence[str]) -> None:
-        self._factory = RclpyMessages()
         self._targets = [OneTarget(publishers, prefix) for prefix in prefixes]
         self._overlay = OverlayPublisher(publishers, node_topics.TARGET_OVERLAY)
         self._report = publishers.create(
@@ -83,7 +82,7 @@ class TargetOutputs:
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        makers = messages_without_target(self._factory, header, status, reason)
+        makers = messages_without_target(MESSAGES, header, status, reason)
         self._publish_states([makers] * len(self._targets))
 
     def publish_results(self, makers: Sequence[MessageMakers]) -> None:

@@ -10,6 +10,7 @@ from rclpy.publisher import Publisher
 from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.vehicle_node import VehicleNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -58,11 +59,11 @@ class TargetSimulatorNode(VehicleNode[ChaseWorld, VehicleNodeParameters]):
 
     def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         assert self._view is not None
-        header = make_header(self._factory, stamp, BASE)
+        header = make_header(MESSAGES, stamp, BASE)
         # Of what is out of view the place is told, too; its variance says that it cannot be seen.
         variance = 0.0 if self._view.mask.any() else UNKNOWN_VARIANCE
         self._true_target.publish(
-            make_relative_pose(self._factory, header, self._view.place, np.eye(3) * variance)
+            make_relative_pose(MESSAGES, header, self._view.place, np.eye(3) * variance)
         )
 
     def _is_at_end(self, state: VehicleState) -> bool:

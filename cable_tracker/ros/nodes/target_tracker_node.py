@@ -20,6 +20,7 @@ from cable_tracker.node_parameter_tables import (
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import target_values
 from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetOutputs
@@ -142,11 +143,10 @@ class TargetTrackerNode(CameraNode):
         milliseconds = (time.perf_counter() - begin) * 1e3
         clouds = [tracker.particles for tracker in self._group.trackers]
         place, base = self._instruments.camera_place, self._instruments.base_frame
-        factory = self._factory
-        make = partial(target_messages, factory, header, ms=milliseconds)
+        make = partial(target_messages, MESSAGES, header, ms=milliseconds)
         makers = [
             make(estimate, cloud, metres=partial(target_facts, told, place))
-            | relative_messages(factory, header, base, told, place)
+            | relative_messages(MESSAGES, header, base, told, place)
             for estimate, cloud, told in zip(estimates, clouds, metres, strict=True)
         ]
         self._outputs.publish_results(makers)

@@ -28,6 +28,7 @@ from cable_tracker.node_parameter_tables import (
 from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import cable_values
 from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
@@ -74,9 +75,7 @@ class TrackerNode(CameraNode):
         runtime = node_parameters.declare_set(self, TrackerRuntimeParameters())
         vehicle = node_parameters.declare_set(self, CableVehicleParameters())
         self._instrument_reliability = start.instrument_reliability
-        self._instruments: MetricInputs = MetricInputs(
-            self, vehicle, self._factory, self._watched_publishers
-        )
+        self._instruments: MetricInputs = MetricInputs(self, vehicle, self._watched_publishers)
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(runtime.initial_state, pair_limits(parameters))
@@ -131,7 +130,7 @@ class TrackerNode(CameraNode):
         milliseconds = (time.perf_counter() - begin) * 1e3
         particles = self._tracker.particles
         makers = cable_messages(
-            self._factory, header, estimate, particles, ms=milliseconds,
+            MESSAGES, header, estimate, particles, ms=milliseconds,
             metres=lambda: cable_facts(self._instruments.result),
         )  # fmt: skip
         self._outputs.publish_centreline(makers)

@@ -8,7 +8,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import cloud_of
@@ -27,7 +27,6 @@ class TrackerOutputs:
     """
 
     def __init__(self, publishers: WatchedPublishers) -> None:
-        self._factory = RclpyMessages()
         create = publishers.create
         report = node_topics.FRAME_REPORT
         self._state = create(node_topics.STATE, qos.LATEST_RESULT)
@@ -41,7 +40,7 @@ class TrackerOutputs:
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        self._publish_state(messages_without_cable(self._factory, header, status, reason))
+        self._publish_state(messages_without_cable(MESSAGES, header, status, reason))
 
     def publish_centreline(self, makers: MessageMakers) -> None:
         """Publish where the cable runs, if one is claimed."""

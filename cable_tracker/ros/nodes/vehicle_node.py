@@ -15,7 +15,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
@@ -79,7 +79,6 @@ class VehicleNode(ProcessNode, ABC, Generic[World, OwnParameters]):
         **node_arguments: Any,  # noqa: ANN401
     ) -> None:
         super().__init__(name, **node_arguments)
-        self._factory = RclpyMessages()
         settings = node_parameters.declare_set(self, settings, read_only=True)
         self._own = node_parameters.declare_set(self, parameters, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
@@ -206,29 +205,27 @@ class VehicleNode(ProcessNode, ABC, Generic[World, OwnParameters]):
     def _publish_readings(self, state: VehicleState, stamp: int, passed: float) -> None:
         instruments = self._world.instruments
         if self._clock_publisher is not None:
-            self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
-        in_odom = make_header(self._factory, stamp, ODOM)
+            self._clock_publisher.publish(Clock(clock=make_time(MESSAGES, stamp)))
+        in_odom = make_header(MESSAGES, stamp, ODOM)
         self._odometry.publish(
-            make_odometry(self._factory, in_odom, instruments.odometry(state, passed))
+            make_odometry(MESSAGES, in_odom, instruments.odometry(state, passed))
         )
-        header = make_header(self._factory, stamp, BASE)
-        self._imu.publish(
-            make_imu(self._factory, header, instruments.imu(state), instruments.errors)
-        )
+        header = make_header(MESSAGES, stamp, BASE)
+        self._imu.publish(make_imu(MESSAGES, header, instruments.imu(state), instruments.errors))
 
     def _publish_frame(self, state: VehicleState, stamp: int) -> None:
         self._altitude = self._world.instruments.altitude(state)
-        camera_header = make_header(self._factory, stamp, CAMERA)
-        self._info.publish(make_camera_info(self._factory, camera_header, self._world.camera))
-        in_odom = make_header(self._factory, stamp, ODOM)
-        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, state))
+        camera_header = make_header(MESSAGES, stamp, CAMERA)
+        self._info.publish(make_camera_info(MESSAGES, camera_header, self._world.camera))
+        in_odom = make_header(MESSAGES, stamp, ODOM)
+        self._true_odometry.publish(make_true_odometry(MESSAGES, in_odom, state))
         picture = self._draw(state)
         self._publish_altitude(stamp)
         self._publish_truth(state, stamp)
         is_at_end = self._is_at_end(state)
         self._awaits_command = self._own.lockstep and not is_at_end
         self._deadline = time.monotonic() + self._own.answer_timeout
-        self._image.publish(make_image(self._factory, picture, camera_header))
+        self._image.publish(make_image(MESSAGES, picture, camera_header))
         if is_at_end:
             ending = (self._image, self._true_odometry, *self._last_publishers())
             self._last = LastMessages(ending)

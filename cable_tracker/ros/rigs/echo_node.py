@@ -13,7 +13,7 @@ import numpy as np
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import stop_on_signals
 from cable_tracker.sequences import node_topics
@@ -34,7 +34,6 @@ class EchoNode(ProcessNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("echo", **node_arguments)
-        self._factory = RclpyMessages()
         self._covariance = np.eye(STATE_SIZE)
         self._state = publisher(self, node_topics.STATE, qos.LATEST_RESULT)
         self._centreline = publisher(self, node_topics.CENTRELINE, qos.RESULTS)
@@ -43,8 +42,8 @@ class EchoNode(ProcessNode):
     def on_image(self, message: Message) -> None:
         """Answer."""
         header = message.header
-        self._centreline.publish(make_centreline(self._factory, header, ANSWER, self._covariance))
-        self._state.publish(make_state(self._factory, header, ANSWER, np.ones(4)))
+        self._centreline.publish(make_centreline(MESSAGES, header, ANSWER, self._covariance))
+        self._state.publish(make_state(MESSAGES, header, ANSWER, np.ones(4)))
 
 
 if __name__ == "__main__":

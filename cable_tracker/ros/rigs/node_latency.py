@@ -28,7 +28,7 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import DOMAIN_VARIABLE, use_local_environment
@@ -177,15 +177,14 @@ class _Bench:
         self._node = node
         self._executor = executor
         self._advance = advance
-        self._factory = RclpyMessages()
         self._messages = [self._packed(image) for image in trial.shown.images]
         self._method = ConfiguredFilter(trial.name, trial.parameters).make(trial.parameters.seed)
         self._number = 0
         self._groups: list[NodeGroup] = []
 
     def _packed(self, image: Picture) -> Message:
-        header = make_header(self._factory, FIRST_STAMP, "camera")
-        return make_image(self._factory, raw_from_array(image, "mono8"), header)
+        header = make_header(MESSAGES, FIRST_STAMP, "camera")
+        return make_image(MESSAGES, raw_from_array(image, "mono8"), header)
 
     def start(
         self,
@@ -281,7 +280,7 @@ class _Bench:
         stamp = self._stamp(self._number)
         self._number += 1
         message = self._messages[self._trial.shown.index_at(index)]
-        message.header = make_header(self._factory, stamp, "camera")
+        message.header = make_header(MESSAGES, stamp, "camera")
         target.sent[stamp] = time.perf_counter()
         target.images.publish(message)
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences.messages.factory import Message
 
 NARROWEST = 16
@@ -136,7 +136,7 @@ def _resize(message: Message, rng: np.random.Generator) -> None:
 
 
 def _fill(message: Message, data: bytes) -> None:
-    message.data = RclpyMessages().octets(data)
+    message.data = MESSAGES.octets(data)
 
 
 CHANGES: Mapping[Fault, Callable[[Message, np.random.Generator], None]] = MappingProxyType(

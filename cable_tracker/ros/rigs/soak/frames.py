@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences.bags.convert import ImageFormat, in_format, write_bag
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.messages.factory import Message
@@ -47,7 +47,6 @@ class SoakFrames:
         self.stamp = BEGINNING
         self._raw = frames
         self._jpegs = [in_format(frame, ImageFormat.JPEG) for frame in frames]
-        self._factory = RclpyMessages()
         self._number = 0
 
     @property
@@ -81,12 +80,12 @@ class SoakFrames:
     def _packed(self, frame: Frame, stamp: int) -> Message:
         image = frame.image
         if isinstance(image, RawImage):
-            return make_image(self._factory, image, self.header(stamp))
-        return make_compressed_image(self._factory, image, self.header(stamp))
+            return make_image(MESSAGES, image, self.header(stamp))
+        return make_compressed_image(MESSAGES, image, self.header(stamp))
 
     def header(self, stamp: int) -> Message:
         """Return the header of a message of the camera."""
-        return make_header(self._factory, stamp, "camera")
+        return make_header(MESSAGES, stamp, "camera")
 
     def short_bag(self, folder: Path) -> Path:
         """Return a bag with a few frames, written into a folder when first asked for."""

@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.rigs.soak.checks import (
     Check,
     centreline_is_finite,
@@ -73,7 +73,7 @@ def _bad_outline(header: Message, rng: np.random.Generator) -> Message:
     """Mark what no picture can hold, or what nothing stands out of."""
     count = int(rng.integers(0, 6))
     corners = rng.choice([np.nan, np.inf, -1e30, 0.0, 5.0, 40.0, 1e6], (count, 2))
-    return make_polygon(RclpyMessages(), header, corners)
+    return make_polygon(MESSAGES, header, corners)
 
 
 CABLE_NODE = SoakedNode(
