@@ -236,10 +236,10 @@ class CableTracker:
         return MultiHypothesisFilter(parameters, ratio, image_size, self._rng)
 
     def _estimate(
-        self, summary: BeliefSummary, dt: float, event: str, scale: float
+        self, summary: BeliefSummary, dt: float, event: str, frame_scale: float
     ) -> CableEstimate:
         assert self._frame is not None
-        converged = self._has_converged(summary.covariance, scale)
+        converged = self._has_converged(summary.covariance, frame_scale)
         if self._status.is_given_with_certainty and not summary.follows_given:
             self._status = self._status.without_given()
         self._status = self._status.after(
@@ -274,11 +274,11 @@ class CableTracker:
             return summary.supports_new_claim
         return summary.supports_claim
 
-    def _has_converged(self, covariance: FloatArray, scale: float) -> bool:
+    def _has_converged(self, covariance: FloatArray, frame_scale: float) -> bool:
         sigma_distance = math.sqrt(covariance[DISTANCE, DISTANCE])
         sigma_angle = math.sqrt(covariance[ANGLE, ANGLE])
         return (
-            sigma_distance <= self._parameters.converged_distance * scale
+            sigma_distance <= self._parameters.converged_distance * frame_scale
             and sigma_angle <= math.radians(self._parameters.converged_angle)
         )
 

@@ -140,7 +140,7 @@ def updated_belief(
     dt: float,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
-    scale: float,
+    frame_scale: float,
     *,
     was_known: bool,
 ) -> Belief:
@@ -158,8 +158,8 @@ def updated_belief(
         The tracker's parameters.
     image_size : (int, int)
         Width and height of the frames [px].
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    frame_scale : float
+        See `WorkingImage`.
     was_known : bool
         Whether the hypothesis that led before the frame was known.
     """
@@ -167,7 +167,7 @@ def updated_belief(
     presence = probability_of(float(conclusion.log_odds[0]))
     is_known = conclusion.goes_on and was_known
     is_followed = conclusion.goes_on and before.is_followed
-    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, scale) and (
+    is_clear = is_new_clear(hypotheses, before.memory, parameters, image_size, frame_scale) and (
         is_followed or not is_lost_in_map(hypotheses, parameters)
     )
     evidence = leading_evidence(hypotheses, parameters)
@@ -177,7 +177,7 @@ def updated_belief(
     memory = before.memory
     if believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
         leader = hypotheses.clusters.means[0]
-        memory = remember(memory, leader, image_size, dt, parameters, scale)
+        memory = remember(memory, leader, image_size, dt, parameters, frame_scale)
     p_bright = updated_p_bright(
         before.p_bright, conclusion.p_bright, believed, parameters.polarity_memory, dt
     )

@@ -72,16 +72,18 @@ LEAST_WIDTH_SHARE = 0.6
 """Minimum width of a cable as a share of the width that is seen."""
 
 
-def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) -> BeliefSummary:
+def belief_summary(
+    belief: Belief, parameters: TrackerParameters, frame_scale: float
+) -> BeliefSummary:
     """Return what a belief says about the frame that it came from.
 
-    `scale`: pixels of the frame per pixel of an image of the reference width.
+    `frame_scale`: see `WorkingImage`.
     """
     hypotheses = belief.hypotheses
     shown = belief.kept_map.borders
-    mean, covariance = leading_estimate(hypotheses, shown, parameters, scale)
+    mean, covariance = leading_estimate(hypotheses, shown, parameters, frame_scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
-    familiar = is_familiar(belief, parameters, scale)
+    familiar = is_familiar(belief, parameters, frame_scale)
     is_present = belief.presence >= parameters.presence_to_lose
     is_acceptable = visible and (belief.is_clear or familiar)
     is_claimable = (
@@ -101,11 +103,11 @@ def belief_summary(belief: Belief, parameters: TrackerParameters, scale: float) 
         contradicts_claim=not is_present or (belief.memory is not None and not familiar),
         follows_given=belief.is_given,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters, mean, parameters, scale),
+        hypotheses=_reported(hypotheses.clusters, mean, parameters, frame_scale),
     )
 
 
-def is_familiar(belief: Belief, parameters: TrackerParameters, scale: float) -> bool:
+def is_familiar(belief: Belief, parameters: TrackerParameters, frame_scale: float) -> bool:
     """Tell whether the leader may be the cable that was tracked.
 
     It is the one of the frames before, or lies where that may be by now, and is about as wide.
@@ -119,11 +121,11 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, scale: float) -> 
     width = float(leader[WIDTH])
     if abs(memory.width_deviation(width, parameters)) > FAMILIAR:
         return False
-    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(scale))
+    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(frame_scale))
 
 
 def leading_estimate(
-    hypotheses: Hypotheses, shown: MapBorders, parameters: TrackerParameters, scale: float
+    hypotheses: Hypotheses, shown: MapBorders, parameters: TrackerParameters, frame_scale: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters.
 
@@ -135,13 +137,13 @@ def leading_estimate(
         hypotheses.leading_mean_borders,
         float(leader[WIDTH]),
         parameters,
-        scale,
+        frame_scale,
     )
     # What a map leaves out is told to a cell at best, and mostly too little.
     doubts = SHADOW_DOUBT * shadow_rims(shown, parameters)
     offsets = POSE_OF_BORDERS[:, :2]
     displaced[:POSE_SIZE, :POSE_SIZE] += offsets * doubts**2 @ offsets.T
-    return wrapped_estimate(_estimated(leader, shown, parameters, scale), displaced)
+    return wrapped_estimate(_estimated(leader, shown, parameters, frame_scale), displaced)
 
 
 def shadow_rims(shown: MapBorders, parameters: TrackerParameters) -> FloatArray:
@@ -153,24 +155,24 @@ def shadow_rims(shown: MapBorders, parameters: TrackerParameters) -> FloatArray:
     return rims if parameters.map_width_share > 0.0 else np.zeros_like(rims)
 
 
-def width_by_map(widening: float, parameters: TrackerParameters, scale: float) -> float:
+def width_by_map(widening: float, parameters: TrackerParameters, frame_scale: float) -> float:
     """Return what is added to the width by borders for how much wider maps show the cable [px].
 
     Nothing where they show it narrower: of a cable that sand covers in part they show the rest.
     """
-    return parameters.map_width_share * max(widening - RESOLVED_WIDENING * scale, 0.0)
+    return parameters.map_width_share * max(widening - RESOLVED_WIDENING * frame_scale, 0.0)
 
 
 def _estimated(
-    mean: FloatArray, shown: MapBorders, parameters: TrackerParameters, scale: float
+    mean: FloatArray, shown: MapBorders, parameters: TrackerParameters, frame_scale: float
 ) -> FloatArray:
     """Return a cluster's mean (8,) with the width that the cable has, not that of its borders.
 
     Shadows beside it, which `shown` tells, are no part of it.
     """
     state = mean.copy()
-    width = width_before_smoothing(float(state[WIDTH]), parameters, scale)
-    state[WIDTH] = width + width_by_map(shown.widening, parameters, scale)
+    width = width_before_smoothing(float(state[WIDTH]), parameters, frame_scale)
+    state[WIDTH] = width + width_by_map(shown.widening, parameters, frame_scale)
     left_rim, right_rim = shadow_rims(shown, parameters)
     state[WIDTH] -= left_rim + right_rim
     state[DISTANCE] += 0.5 * (left_rim - right_rim)
@@ -178,19 +180,21 @@ def _estimated(
 
 
 def _reported(
-    clusters: Clusters, leader: FloatArray, parameters: TrackerParameters, scale: float
+    clusters: Clusters, leader: FloatArray, parameters: TrackerParameters, frame_scale: float
 ) -> tuple[Hypothesis, ...]:
     """Return the clusters that are worth mention, and in any case the first, which is `leader`."""
     masses = clusters.masses.tolist()
     reported = [Hypothesis(masses[0], CableState.from_array(leader))]
     for mass, mean in zip(masses[1:], clusters.means[1:], strict=True):
         if mass >= SMALLEST_HYPOTHESIS:
-            state = _estimated(mean, AS_THE_STRIP, parameters, scale)
+            state = _estimated(mean, AS_THE_STRIP, parameters, frame_scale)
             reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
     return tuple(reported)
 
 
-def width_before_smoothing(width: float, parameters: TrackerParameters, scale: float) -> float:
+def width_before_smoothing(
+    width: float, parameters: TrackerParameters, frame_scale: float
+) -> float:
     """Return the width of a cable that the likelihood sees `width` wide [px].
 
     Parameters
@@ -199,10 +203,10 @@ def width_before_smoothing(width: float, parameters: TrackerParameters, scale: f
         Width W between the borders that the likelihood sees [px].
     parameters : TrackerParameters
         `filter_sigma`.
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    frame_scale : float
+        See `WorkingImage`.
     """
-    sigma = math.hypot(parameters.filter_sigma, BLUR) * scale
+    sigma = math.hypot(parameters.filter_sigma, BLUR) * frame_scale
     widening = WIDENING * sigma * math.exp(-((width / (THIN_WIDTH * sigma)) ** 2))
     return max(width - widening, LEAST_WIDTH_SHARE * width)
 
@@ -212,7 +216,7 @@ def displaced_covariance(
     border_means: FloatArray,
     width: float,
     parameters: TrackerParameters,
-    scale: float,
+    frame_scale: float,
 ) -> FloatArray:
     """Return the covariance (8, 8) of an estimate whose borders may be displaced.
 
@@ -230,11 +234,11 @@ def displaced_covariance(
         Width of the cable [px].
     parameters : TrackerParameters
         `border_displacement` and `tempering`.
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    frame_scale : float
+        See `WorkingImage`.
     """
-    factors = displacement_factors(border_means, width / scale)
-    border = parameters.border_displacement * scale
+    factors = displacement_factors(border_means, width / frame_scale)
+    border = parameters.border_displacement * frame_scale
     turn = parameters.border_displacement * BORDER_TURN
     sigmas = np.concatenate((factors * border, factors * turn))
     displaced: FloatArray = covariance * _tempering_of_covariances(parameters.tempering)

@@ -122,9 +122,9 @@ class Predictor:
         self._rng = rng
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._survival_rates = survival_rates(parameters, width)
-        self._scale = pixel_scale(width)
-        self._births_anywhere = births_anywhere(box, image_size, self._scale)
-        self._smallest_kernel = SMALLEST_KERNEL * pose_units(self._scale)
+        self._frame_scale = pixel_scale(width)
+        self._births_anywhere = births_anywhere(box, image_size, self._frame_scale)
+        self._smallest_kernel = SMALLEST_KERNEL * pose_units(self._frame_scale)
         limits = possible_limits(parameters, width)
         self._widths = float(limits.lower[WIDTH]), float(limits.upper[WIDTH])
 
@@ -178,7 +178,7 @@ class Predictor:
         scales = self._movement.diffusion_scales(time, motion)
         births = self._births_anywhere
         if memory is not None:
-            births = births_with_memory(births, memory, parameters.memory_time, self._scale)
+            births = births_with_memory(births, memory, parameters.memory_time, self._frame_scale)
         switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(
@@ -195,7 +195,7 @@ class Predictor:
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
             births=births,
             mass_switched=max(switched, LEAST_PROBABILITY),
-            border_switch=switch_from(leader, *self._widths, self._scale),
+            border_switch=switch_from(leader, *self._widths, self._frame_scale),
         )
 
 

@@ -60,15 +60,14 @@ def is_new_clear(
     memory: RememberedCable | None,
     parameters: TrackerParameters,
     image_size: tuple[int, int],
-    scale: float,
+    frame_scale: float,
 ) -> bool:
     """Tell whether the leader is clear enough to claim it where nothing was known of it.
 
     What is much narrower or wider than the cable that was tracked has to be clearer. `image_size`:
-    width and height of the frames [px]; `scale`: their pixels per pixel of an image of the
-    reference width.
+    width and height of the frames [px]; `frame_scale`: see `WorkingImage`.
     """
-    if not _looks_clear(hypotheses, memory, parameters, scale):
+    if not _looks_clear(hypotheses, memory, parameters, frame_scale):
         return False
     leader = hypotheses.clusters.means[0]
     is_narrow = leader[WIDTH] < WIDE * image_size[0]
@@ -92,7 +91,7 @@ def _looks_clear(
     hypotheses: Hypotheses,
     memory: RememberedCable | None,
     parameters: TrackerParameters,
-    scale: float,
+    frame_scale: float,
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
     if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
@@ -102,8 +101,8 @@ def _looks_clear(
     if memory is not None:
         factor += memory.width_deviation(width, parameters) ** 2
     # The larger of both: a threshold below 0 must not be lowered.
-    needed = needed_clearness(width, parameters, scale)
-    if claim_score_by_width(hypotheses, parameters, scale) >= max(needed, needed * factor):
+    needed = needed_clearness(width, parameters, frame_scale)
+    if claim_score_by_width(hypotheses, parameters, frame_scale) >= max(needed, needed * factor):
         return True
     if not hypotheses.is_mapped:
         return False
@@ -134,20 +133,20 @@ def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> f
     return max(by_border, min(claim_score_by_map(hypotheses), parameters.evidence_to_find))
 
 
-def needed_clearness(width: float, parameters: TrackerParameters, scale: float) -> float:
+def needed_clearness(width: float, parameters: TrackerParameters, frame_scale: float) -> float:
     """Return the clearness that the first claim of a cable needs [nats per point].
 
-    `width` of the cable [px]; `scale`: pixels of the frames per pixel at the reference width.
+    `width` of the cable [px]; `frame_scale`: see `WorkingImage`.
     """
     needed = parameters.evidence_to_find
     if needed <= 0.0:
         return needed
-    usual = USUAL_WIDTH * parameters.thin_width * scale
+    usual = USUAL_WIDTH * parameters.thin_width * frame_scale
     return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)
 
 
 def claim_score_by_width(
-    hypotheses: Hypotheses, parameters: TrackerParameters, scale: float
+    hypotheses: Hypotheses, parameters: TrackerParameters, frame_scale: float
 ) -> float:
     """Return clearness plus worth of the looks, held against what its width asks for.
 
@@ -156,7 +155,7 @@ def claim_score_by_width(
     width = float(hypotheses.clusters.means[0, WIDTH])
     appearance = hypotheses.appearance
     # What is thin has no looks that speak for it, see `trusted_appearance`.
-    trusted = trusted_share(width, parameters.thin_width * scale)
+    trusted = trusted_share(width, parameters.thin_width * frame_scale)
     above = trusted * (appearance - ORDINARY_APPEARANCE) + (1.0 - trusted) * min(appearance, 0.0)
     worth = APPEARANCE_SHARE * min(max(above, LEAST_APPEARANCE), MOST_APPEARANCE)
     return hypotheses.scaled_clearness + worth

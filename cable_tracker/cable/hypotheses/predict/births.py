@@ -99,11 +99,12 @@ class BirthDensity(NamedTuple):
     map_scales: FloatArray
 
 
-def births_anywhere(box: SearchBox, image_size: tuple[int, int], scale: float) -> BirthDensity:
+def births_anywhere(
+    box: SearchBox, image_size: tuple[int, int], frame_scale: float
+) -> BirthDensity:
     """Return the density of births in a box, without a remembered cable and without a map.
 
-    `image_size`: width and height of the frames [px]; `scale`: pixels of the frames per pixel of an
-    image of the reference width.
+    `image_size`: width and height of the frames [px]; `frame_scale`: see `WorkingImage`.
     """
     return BirthDensity(
         lower=box.lower,
@@ -118,18 +119,18 @@ def births_anywhere(box: SearchBox, image_size: tuple[int, int], scale: float) -
         width=float(image_size[0]),
         height=float(image_size[1]),
         map_strips=np.empty((0, STATE_SIZE)),
-        map_scales=MAP_SCALES * pose_units(scale),
+        map_scales=MAP_SCALES * pose_units(frame_scale),
     )
 
 
 def births_with_memory(
-    anywhere: BirthDensity, memory: RememberedCable, memory_time: float, scale: float
+    anywhere: BirthDensity, memory: RememberedCable, memory_time: float, frame_scale: float
 ) -> BirthDensity:
     """Return a density of births a share of which is about the cable that was tracked before.
 
-    `memory_time` is the time constant of that share [s], `scale` that of `births_anywhere`.
+    `memory_time` is the time constant of that share [s], `frame_scale` that of `births_anywhere`.
     """
-    scales = memory.scales(scale)
+    scales = memory.scales(frame_scale)
     return anywhere._replace(
         pose=memory.pose,
         scales=scales,

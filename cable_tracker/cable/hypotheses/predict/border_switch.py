@@ -61,10 +61,12 @@ class BorderSwitch(NamedTuple):
     offset_sigma: float
 
 
-def switch_from(leader: FloatArray, narrowest: float, widest: float, scale: float) -> BorderSwitch:
+def switch_from(
+    leader: FloatArray, narrowest: float, widest: float, frame_scale: float
+) -> BorderSwitch:
     """Return the density of border switches from a hypothesis, shape (4 or more,), in its chart.
 
-    `scale`: pixels of the frame per pixel of an image of the reference width.
+    `frame_scale`: see `WorkingImage`.
     """
     distance, angle, width, skew = leader[:POSE_SIZE].tolist()
     return BorderSwitch(
@@ -73,7 +75,7 @@ def switch_from(leader: FloatArray, narrowest: float, widest: float, scale: floa
         skew,
         narrowest,
         widest,
-        OFFSET_SIGMA * scale,
+        OFFSET_SIGMA * frame_scale,
     )
 
 

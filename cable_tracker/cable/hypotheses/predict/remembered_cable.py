@@ -69,13 +69,13 @@ class RememberedCable:
     tracked_time: float = 0.0
     seconds: float = 0.0
 
-    def scales(self, scale: float) -> FloatArray:
+    def scales(self, frame_scale: float) -> FloatArray:
         """Return how far from there the cable is looked for, shape (4,) [px, rad].
 
-        `scale`: pixels of the frame per pixel of an image of the reference width.
+        `frame_scale`: see `WorkingImage`.
         """
         scales = np.minimum(SPREAD + SPREADING * self.seconds, WIDEST)
-        scaled: FloatArray = scales * pose_units(scale)
+        scaled: FloatArray = scales * pose_units(frame_scale)
         return scaled
 
     def width_spread(self, parameters: TrackerParameters) -> float:
@@ -108,7 +108,7 @@ def remember(
     image_size: tuple[int, int],
     dt: float,
     parameters: TrackerParameters,
-    scale: float,
+    frame_scale: float,
 ) -> RememberedCable:
     """Return the memory after a frame in which a cable is tracked.
 
@@ -124,8 +124,8 @@ def remember(
         Time since the frame before [s].
     parameters : TrackerParameters
         The tracker's parameters.
-    scale : float
-        Pixels of the frames per pixel of an image of the reference width.
+    frame_scale : float
+        See `WorkingImage`.
     """
     state = wrap_state(leader)
     log_width, tracked_time = math.log(max(float(state[WIDTH]), NARROWEST)), 0.0
@@ -134,7 +134,7 @@ def remember(
         log_width = before.log_width + share * (log_width - before.log_width)
         tracked_time = before.tracked_time + dt
     within = inset(state, *image_size)
-    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * scale
+    is_leaving = within < LEFT_MARGIN * parameters.leaving_margin * frame_scale
     return RememberedCable(
         pose=state[:POSE_SIZE].copy(),
         side=float(np.sign(state[DISTANCE])) if is_leaving else 0.0,

@@ -94,8 +94,8 @@ def proposal_config(
 ) -> ProposalConfig:
     """Return what the parameters make of it for frames of a size [px]."""
     width, height = image_size
-    scale = pixel_scale(width)
-    units, rounds = pose_units(scale), range(parameters.refinement_rounds)
+    frame_scale = pixel_scale(width)
+    units, rounds = pose_units(frame_scale), range(parameters.refinement_rounds)
     return ProposalConfig(
         image_size=(float(width), float(height)),
         limits=possible_limits(parameters, width),
@@ -109,10 +109,10 @@ def proposal_config(
         evidence_limits=EvidenceLimits(
             parameters.evidence_limit,
             parameters.evidence_repeated,
-            parameters.thin_width * scale,
+            parameters.thin_width * frame_scale,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
-        frame_scale=scale,
+        frame_scale=frame_scale,
         is_known=False,
         map_weights=SEARCH_MAP,
     )
