@@ -290,7 +290,7 @@ def _hypotheses(
         clear.clearness[leader] * shown_share(clear.shown[leader]),
         corrected.appearances[leader],
         is_worked_out(inputs.cable_map),
-        _overlap_of_leading_mean(clusters.means, inputs),
+        map_match(clusters.means[0], inputs.cable_map).overlap,
     )
 
 
@@ -365,15 +365,6 @@ def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> Float
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
     own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own
-
-
-@compiled_part
-def _overlap_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> float:
-    """Return the overlap of the first mean with the map, 0 to 1; 0 without a map."""
-    if not is_worked_out(inputs.cable_map):
-        return 0.0
-    share: float = map_match(means[0], inputs.cable_map).overlap_share
-    return share
 
 
 @compiled_part

@@ -52,7 +52,12 @@ from cable_tracker.cable.measure.borders.stretches import (
 )
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
-from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_match
+from cable_tracker.cable.measure.map.cable_map import (
+    CableMap,
+    bounded_log_odds,
+    is_worked_out,
+    map_match,
+)
 from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.compilation import compiled_fast_loop, compiled_loop, compiled_part
 
@@ -97,9 +102,10 @@ UNDECIDED = -12.3
 """Added to the sum of the weighted numbers, so that 0 is a strip that may be a cable or not."""
 
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
-"""With a map: the weights of both numbers of `MapMatch` and of what the above make [nats per nat].
-Chosen by what is found and claimed on the worlds to tune on and on two simulators that were written
-apart from this project: of a world that the network does not know it sees less."""
+"""With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make
+[nats per nat]. Chosen by what is found and claimed on the worlds to tune on and on two simulators
+that were written apart from this project: of a world that the network does not know it sees
+less."""
 
 
 @compiled_part
@@ -133,7 +139,8 @@ def appearances_of(
         found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
         if is_worked_out(cable_map):
             match = map_match(states[row], cable_map)
-            mapped = MAP_OVERLAP * match.overlap + MAP_INSIDE * match.inside
+            mapped = MAP_OVERLAP * bounded_log_odds(match.overlap)
+            mapped += MAP_INSIDE * bounded_log_odds(match.inside)
             found[row] = mapped + MAP_REST * found[row]
     return found
 

@@ -96,22 +96,19 @@ class MapMatch(NamedTuple):
     Attributes
     ----------
     overlap : float
-        Log-odds of the overlap of the strip with what the map takes for cable: twice what both have
-        in common over the sum of both [nats].
+        Overlap of the strip with what the map takes for cable, 0 to 1: twice what both have in
+        common over the sum of both.
     inside : float
-        Log-odds of the mean probability inside the strip [nats].
-    overlap_share : float
-        The overlap itself, 0 to 1.
+        Mean probability inside the strip.
     """
 
     overlap: float
     inside: float
-    overlap_share: float
 
 
 @compiled_fast_loop
 def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
-    """Return how well a strip (8,) matches a map that is not empty.
+    """Return how well a strip (8,) matches a map, not at all if that is `NO_MAP`.
 
     A strip narrower than `RESOLVED_WIDTH` matches as one of that width or of `SHARPEST_WIDTH`,
     whichever overlaps more: how wide such a cable is, its borders tell, and not the map.
@@ -124,14 +121,13 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
         if sharp_mass * (cable_map.mass + area) > mass * (cable_map.mass + sharp_area):
             area, mass = sharp_area, sharp_mass
     area = max(area, SMALLEST_AREA)
-    share = 2.0 * mass / (cable_map.mass + area)
-    return MapMatch(_log_odds(share), _log_odds(min(mass / area, 1.0)), share)
+    return MapMatch(2.0 * mass / (cable_map.mass + area), min(mass / area, 1.0))
 
 
 @compiled
 def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
-    """Return the overlap of a strip (4 or more,) with a map; see `MapMatch`."""
-    return map_match(state, cable_map).overlap
+    """Return the log-odds of the overlap of a strip (4 or more,) with a map [nats]."""
+    return bounded_log_odds(map_match(state, cable_map).overlap)
 
 
 @compiled
@@ -247,6 +243,6 @@ def share_inside(inwards: float) -> float:
 
 
 @compiled_inside
-def _log_odds(share: float) -> float:
+def bounded_log_odds(share: float) -> float:
     """Return the log-odds of a share, 0 to 1, bounded [nats]."""
     return math.log((share + SMALLEST_SHARE) / (1.0 + SMALLEST_SHARE - share))

@@ -9,9 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.map.cable_map import (
+    NO_MAP,
     CableMap,
+    bounded_log_odds,
     cable_map_of,
     map_match,
+    map_overlap,
     strip_shares,
 )
 from cable_tracker.cable.model.geometry import project_borders
@@ -68,29 +71,29 @@ def test_the_strip_that_a_map_shows_matches_it_best(state):
     shares = strip_shares(state.to_array(), EMPTY)
     if shares.sum() < 20.0:
         return
-    best = map_match(state.to_array(), map_of(shares))
+    best = map_overlap(state.to_array(), map_of(shares))
     for change in ((10.0, 0.0, 0.0), (-10.0, 0.0, 0.0), (0.0, 0.0, 12.0), (0.0, 0.5, 0.0)):
         other = state.to_array()
         other[:3] += change
-        assert map_match(other, map_of(shares)).overlap <= best.overlap
+        assert map_overlap(other, map_of(shares)) <= best
 
 
 def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
     whole, half = CableState(0.0, 0.0, 40.0).to_array(), CableState(0.0, 0.0, 20.0).to_array()
     cable_map = map_of(0.9 * strip_shares(whole, EMPTY))
-    assert map_match(half, cable_map).inside == pytest.approx(
-        map_match(whole, cable_map).inside, abs=0.1
-    )
-    assert map_match(half, cable_map).overlap < map_match(whole, cable_map).overlap - 0.5
+    inside = [bounded_log_odds(map_match(each, cable_map).inside) for each in (half, whole)]
+    assert inside[0] == pytest.approx(inside[1], abs=0.1)
+    assert map_overlap(half, cable_map) < map_overlap(whole, cable_map) - 0.5
 
 
 def test_a_blurred_map_hardly_tells_thin_strips_from_each_other():
     thin, thinner = CableState(3.0, 0.2, 10.0).to_array(), CableState(3.0, 0.2, 5.0).to_array()
     blurred = map_of(cv2.GaussianBlur(strip_shares(thinner, EMPTY), (0, 0), 1.0))
     thin_match, thinner_match = map_match(thin, blurred), map_match(thinner, blurred)
-    assert thinner_match == pytest.approx(thin_match, abs=0.15)
+    for one, other in zip(thin_match, thinner_match, strict=True):
+        assert bounded_log_odds(one) == pytest.approx(bounded_log_odds(other), abs=0.15)
     wide = CableState(3.0, 0.2, 25.0).to_array()
-    assert map_match(wide, blurred).overlap < map_match(thinner, blurred).overlap - 0.3
+    assert map_overlap(wide, blurred) < map_overlap(thinner, blurred) - 0.3
 
 
 @pytest.mark.parametrize("width", [6.0, 7.0])
@@ -100,23 +103,28 @@ def test_a_thin_strip_matches_a_sharp_map_of_it_better_than_one_beside_it(width,
     sharp = map_of(strip_shares(thin, EMPTY))
     beside = CableState(3.0 + width, angle, width).to_array()
     # Three quarters, which a strip of three cells about it does not reach.
-    assert map_match(thin, sharp).overlap > math.log(0.75 / 0.25)
-    assert map_match(beside, sharp).overlap < map_match(thin, sharp).overlap - 1.0
+    assert map_overlap(thin, sharp) > math.log(0.75 / 0.25)
+    assert map_overlap(beside, sharp) < map_overlap(thin, sharp) - 1.0
 
 
-def test_match_is_in_log_odds():
+def test_of_half_a_probability_half_is_inside():
     whole = CableState(0.0, 0.0, 40.0).to_array()
     cable_map = map_of(0.5 * strip_shares(whole, EMPTY))
-    assert map_match(whole, cable_map).inside == pytest.approx(0.0, abs=1e-6)
+    assert map_match(whole, cable_map).inside == pytest.approx(0.5, abs=1e-6)
     # Twice a half of the strip over a half of it and the whole.
-    assert map_match(whole, cable_map).overlap == pytest.approx(
+    assert map_overlap(whole, cable_map) == pytest.approx(
         math.log((2 / 3 + 0.01) / (1 / 3 + 0.01)), abs=1e-6
     )
 
 
 def test_a_strip_out_of_the_picture_matches_nothing():
-    match = map_match(
-        CableState(500.0, 0.0, 20.0).to_array(), map_of(np.full((ROWS, COLUMNS), 0.9))
+    beyond, everywhere = (
+        CableState(500.0, 0.0, 20.0).to_array(),
+        map_of(np.full((ROWS, COLUMNS), 0.9)),
     )
-    assert match.inside == pytest.approx(math.log(0.01 / 1.01))
-    assert match.overlap < -4.0
+    assert map_match(beyond, everywhere).inside == 0.0
+    assert map_overlap(beyond, everywhere) < -4.0
+
+
+def test_nothing_matches_a_map_that_was_not_worked_out():
+    assert map_match(CableState(0.0, 0.0, 20.0).to_array(), NO_MAP) == (0.0, 0.0)

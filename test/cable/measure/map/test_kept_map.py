@@ -8,7 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
+from cable_tracker.cable.measure.map.cable_map import (
+    NO_MAP,
+    cable_map_of,
+    map_overlap,
+    strip_shares,
+)
 from cable_tracker.cable.measure.map.kept_map import LONGEST_KEPT, NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState
@@ -24,7 +29,7 @@ def kept_map_of(state: CableState) -> KeptMap:
 
 
 def overlap(state: CableState, cable_map) -> float:
-    return map_match(state.to_array(), cable_map).overlap
+    return map_overlap(state.to_array(), cable_map)
 
 
 STRIPS = st.builds(
@@ -47,7 +52,7 @@ def test_a_kept_map_shows_the_cable_where_it_has_come_to_in_any_chart(before, sh
         pose[1] += math.pi
     moved = kept_map_of(before).moved_to(pose)
     # Between cells it is interpolated: five cells across are not quite as sharp any more.
-    assert map_match(after, moved).overlap > 1.5
+    assert map_overlap(after, moved) > 1.5
 
 
 def test_a_strip_that_would_fit_the_old_place_does_not_fit_the_new_one():

@@ -5,7 +5,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of, map_match, strip_shares
+from cable_tracker.cable.measure.map.cable_map import (
+    NO_MAP,
+    cable_map_of,
+    map_overlap,
+    strip_shares,
+)
 from cable_tracker.cable.measure.map.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import relative_direction
 from cable_tracker.cable.model.state import CableState
@@ -42,8 +47,8 @@ def test_the_only_strip_of_a_map_is_found(strip, probability):
     where = map_of(strip, probability=probability, size=SMALL)
     (found,) = strips_of_map(where, 1)
     # As a share: near 1, where its log-odds are steep, half a pixel is worth more than a nat.
-    best = probability_of(map_match(strip.to_array(), where).overlap)
-    assert probability_of(map_match(found, where).overlap) > best - 0.05
+    best = probability_of(map_overlap(strip.to_array(), where))
+    assert probability_of(map_overlap(found, where)) > best - 0.05
 
 
 @pytest.mark.parametrize("strip", [CABLE, OTHER])
