@@ -17,8 +17,8 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
-from cable_tracker.cable.hypotheses.weigh.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.weigh.clusters import Clusters
+from cable_tracker.cable.hypotheses.weigh.presence import is_same_hypothesis
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.estimate import Hypothesis

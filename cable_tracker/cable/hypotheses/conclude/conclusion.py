@@ -20,10 +20,6 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     importance_log_weights,
 )
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
-from cable_tracker.cable.hypotheses.weigh.association import (
-    inherited_log_odds,
-    is_same_hypothesis,
-)
 from cable_tracker.cable.hypotheses.weigh.clusters import (
     MOST_CLUSTERS,
     NO_CLUSTER,
@@ -40,7 +36,12 @@ from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
     WeighedParticles,
     corrected_log_weights,
 )
-from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence, updated_log_odds
+from cable_tracker.cable.hypotheses.weigh.presence import (
+    PriorPresence,
+    inherited_log_odds,
+    is_same_hypothesis,
+    updated_log_odds,
+)
 from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
     KNOWN_MODEL,
     MODEL,

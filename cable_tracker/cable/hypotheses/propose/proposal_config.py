@@ -8,9 +8,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import MapWeights
-from cable_tracker.cable.hypotheses.weigh.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
+from cable_tracker.cable.hypotheses.weigh.presence import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
