@@ -64,11 +64,14 @@ class StandingLines:
         On one that runs across it, shape (2, columns, h); columns are `SPACING` px apart.
     scale : float
         Pixels of the picture per pixel of one of the reference width.
+    thickness : int
+        Thickness of the thickest line [px].
     """
 
     down: Image
     across: Image
     scale: float
+    thickness: int
 
 
 def standing_lines(
@@ -89,7 +92,7 @@ def standing_lines(
     scale : float
         Pixels of the picture per pixel of one of the reference width.
     """
-    thickness = _thickness(scale)
+    thickness = round(THICKNESS * scale)
     if thickness < THINNEST:
         return None
     rows, columns = picture[::SPACING], np.ascontiguousarray(picture[:, ::SPACING].T)
@@ -99,7 +102,7 @@ def standing_lines(
         down, across = before.down.copy(), before.across.copy()
     for levels, times in ((rows, down), (columns, across)):
         _add_time(levels.astype(np.float32), thickness, min(dt, LONGEST_STEP), times)
-    return StandingLines(down, across, scale)
+    return StandingLines(down, across, scale, thickness)
 
 
 def without_standing_lines(picture: Image, lines: StandingLines, least_time: float) -> Image:
@@ -119,8 +122,9 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     # Odd, for OpenCV shifts what it opens with an even number of rows.
     length = max(round(LEAST_LENGTH * lines.scale) // SPACING, FEWEST_ROWS) | 1
     # In the narrowest type that holds the number of rows of any picture, NumPy counts fastest.
-    most = max(each.sum(axis=1, dtype=np.uint16).max() for each in (down, across))
-    if most < length // (LONGEST_GAP + 1):
+    longest_down = down.sum(axis=1, dtype=np.uint16).max()
+    longest_across = across.sum(axis=1, dtype=np.uint16).max()
+    if max(longest_down, longest_across) < length // (LONGEST_GAP + 1):
         return picture
     long_down, long_across = ([_long(kind, length) for kind in each] for each in (down, across))
     if not any(kind.any() for kind in (*long_down, *long_across)):
@@ -131,7 +135,7 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     )
     if np.count_nonzero(bright | dark) > MOST_COVERED * picture.size:
         return picture
-    side = _thickness(lines.scale) | 1
+    side = lines.thickness | 1
     neighbourhood = cv2.getStructuringElement(cv2.MORPH_RECT, (side, side))
     without_bright = cv2.morphologyEx(picture, cv2.MORPH_OPEN, neighbourhood)
     without_dark = cv2.morphologyEx(picture, cv2.MORPH_CLOSE, neighbourhood)
@@ -185,8 +189,3 @@ def _rows(count: int) -> Image:
 def _whole(mask: BoolArray, shape: tuple[int, ...]) -> BoolArray:
     """Return a mask of rows `SPACING` px apart for all rows of a picture."""
     return np.repeat(mask, SPACING, axis=0)[: shape[0]]
-
-
-def _thickness(scale: float) -> int:
-    """Return the thickness of the thickest line in a picture of a scale [px]."""
-    return round(THICKNESS * scale)
