@@ -27,6 +27,7 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     Groups,
     clusters_of,
     find_groups,
+    find_groups_about,
     group_centres,
     leading_covariance,
     most_probable_first,
@@ -172,7 +173,7 @@ def draw_and_conclude(
     log_prior = importance_log_weights(sample, drawn.filled, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
     anchors = np.concatenate((inputs.anchors, drawn.candidates))
-    groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
+    groups = find_groups_about(anchors, states, log_posterior, config.cluster_radii, MOST_CLUSTERS)
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
     map_log_ratios = sample.map_log_ratios[: len(states)]
@@ -244,8 +245,7 @@ def corrected_clusters(
     clusters = clusters_of(states, weights, groups)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
-        nowhere = inputs.anchors[:0]
-        groups = find_groups(states, log_weights, config.cluster_radii, nowhere, MOST_CLUSTERS)
+        groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS)
         background, appearances = _background_and_appearances(
             states, log_weights, groups, inputs, config
         )

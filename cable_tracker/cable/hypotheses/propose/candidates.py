@@ -16,7 +16,6 @@ from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfi
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.weigh.clusters import find_groups, heaviest_members
 from cable_tracker.cable.measure.borders.appearance import appearances_of
-from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.compilation import compiled_part
 
 CANDIDATE_SHARE = 0.5
@@ -52,8 +51,7 @@ def likeliest_strips(
     config : ProposalConfig
         Radii of the clusters.
     """
-    nowhere = np.empty((0, STATE_SIZE))
-    groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
+    groups = find_groups(states, log_likelihoods, config.cluster_radii, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
     strips = np.concatenate((strips, inputs.predicted.births.map_strips))
     order = np.argsort(-appearances_of(strips, inputs.scan, inputs.model, inputs.cable_map))

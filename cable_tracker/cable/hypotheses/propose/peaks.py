@@ -20,7 +20,6 @@ from cable_tracker.cable.model.state import (
     DISTANCE,
     POSE_SIZE,
     SKEW,
-    STATE_SIZE,
     WIDTH,
 )
 from cable_tracker.cholesky import cholesky_factor
@@ -95,8 +94,7 @@ def cluster_peaks(
         Radii of the clusters, and the smallest kernel scales.
     """
     weights = exponentials(log_weights)
-    nowhere = np.empty((0, STATE_SIZE))
-    groups = find_groups(states, log_weights, config.cluster_radii, nowhere, MOST_CLUSTERS)
+    groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS)
     order, masses, means = group_means(states, weights, groups)
     number = 1
     while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:

@@ -135,18 +135,29 @@ def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Cluste
 
 @compiled_part
 def find_groups(
-    states: FloatArray, log_weights: FloatArray, radii: FloatArray, anchors: FloatArray, most: int
+    states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int
+) -> Groups:
+    """Return the groups of particles, each about the heaviest that is left.
+
+    The parameters are those of `find_groups_about`.
+    """
+    return find_groups_about(states[:0], states, log_weights, radii, most)
+
+
+@compiled_part
+def find_groups_about(
+    anchors: FloatArray, states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int
 ) -> Groups:
     """Return the groups of particles: about anchors, then each about the heaviest that is left.
 
     Parameters
     ----------
+    anchors : FloatArray
+        States about which the first groups are found, shape (A, 8).
     states, log_weights : FloatArray
         The particles, shapes (N, 8) and (N,).
     radii : FloatArray
         `RADII` for frames of this size, shape (4,) [px, rad].
-    anchors : FloatArray
-        States about which the first groups are found, shape (A, 8).
     most : int
         Maximum number of groups.
     """

@@ -40,7 +40,8 @@ def named(clusters) -> list[Found]:
 
 
 def groups_of(states, log_weights, width, anchors=NOWHERE, most=MOST_CLUSTERS) -> Groups:
-    return kernels.find_groups(states, log_weights, RADII * pose_units(width / 320), anchors, most)
+    radii = RADII * pose_units(width / 320)
+    return kernels.find_groups_about(anchors, states, log_weights, radii, most)
 
 
 def grouped(states, weights, width):
