@@ -74,6 +74,7 @@ class BeliefSummary:
     contradicts_claim: bool = False
     follows_given: bool = True
     presence: float | None = None
+    event: str = ""
 
 
 class CableFilter(ABC, Generic[BeliefType]):
@@ -107,6 +108,10 @@ class CableFilter(ABC, Generic[BeliefType]):
 
         A filter that does not know it follows one.
         """
+        return False
+
+    def is_known(self, belief: BeliefType) -> bool:
+        """Tell whether it is known where the cable is: then a detector has nothing to propose."""
         return False
 
     @abstractmethod
@@ -156,12 +161,16 @@ class CableProposer(Protocol):
         ...
 
 
+NO_PROPOSALS = np.empty((0, POSE_SIZE))
+"""No cables."""
+
+
 class NoProposer:
     """Proposes nothing."""
 
     def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         """Return no cables, shape (0, 4)."""
-        return np.empty((0, POSE_SIZE))
+        return NO_PROPOSALS
 
 
 def resampled_states(

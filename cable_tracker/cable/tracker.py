@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.filter_interface import (
+    NO_PROPOSALS,
     BeliefSummary,
     CableFilter,
     CableProposer,
@@ -191,7 +192,7 @@ class CableTracker:
             motion = None  # It goes on from a frame that has been forgotten, or from none.
         summary = self._step_filter(working_image, step.dt, motion)
         self._pictures = working_image.next_history
-        event = joined_events(step.event, self._notice)
+        event = joined_events(step.event, self._notice, summary.event)
         self._notice = ""
         return self._estimate(summary, step.dt, event, working_image.frame_scale)
 
@@ -212,8 +213,10 @@ class CableTracker:
         elif self._status.is_search_due(self._filter.search_time):
             before = self._filter.first_belief()
             self._status = self._status.searched()
-        is_searching = self._filter.is_searching(before)
-        detections = self._proposer.propose(image, is_searching=is_searching)
+        detections = NO_PROPOSALS
+        if not self._filter.is_known(before):
+            is_searching = self._filter.is_searching(before)
+            detections = self._proposer.propose(image, is_searching=is_searching)
         self._belief = self._filter.step(before, image, dt, detections, motion)
         return self._filter.summary(self._belief, image)
 

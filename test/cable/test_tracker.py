@@ -121,15 +121,55 @@ class NotingProposer:
         return np.empty((0, 4))
 
 
+def asked_after(tracker, proposer, given, strip) -> list:
+    """Return what a proposer is told in five frames after something was given."""
+    tracker.initialise(given)
+    before = len(proposer.told)
+    run(tracker, repeated(strip, 5, first=START + 3 * FRAME))
+    return proposer.told[before:]
+
+
 def test_a_proposer_is_told_whether_a_cable_is_searched_for(draw_strip):
     proposer = NotingProposer()
     tracker = CableTracker(TrackerParameters(), proposer)
     empty, strip = np.full((120, 160), 90, np.uint8), draw_strip(STRIP, (160, 120))
     run(tracker, repeated(empty, 3))
     assert proposer.told == [True] * 3
-    tracker.initialise(GivenState.around(STRIP))
-    run(tracker, repeated(strip, 5, first=START + 3 * FRAME))
-    assert proposer.told[4:] == [False] * 4
+    guessed = GivenState.around(STRIP, is_guess=True)
+    assert asked_after(tracker, proposer, guessed, strip) == [False] * 5
+
+
+def test_a_proposer_is_not_asked_beside_a_known_cable(draw_strip):
+    proposer = NotingProposer()
+    tracker = CableTracker(TrackerParameters(), proposer)
+    run(tracker, repeated(np.full((120, 160), 90, np.uint8), 3))
+    strip = draw_strip(STRIP, (160, 120))
+    assert asked_after(tracker, proposer, GivenState.around(STRIP), strip) == []
+
+
+def shadow_of_a_frame(frames=30) -> list:
+    """Return pictures of a ground that moves aside below a shadow that does not, and stamps."""
+    texture = np.random.default_rng(0).normal(120.0, 40.0, (400, 800)).astype(np.float32)
+    texture = cv2.GaussianBlur(texture, (0, 0), 2.0)
+    pictures = []
+    for frame in range(frames):
+        picture = texture[80:320, 20 + 4 * frame : 340 + 4 * frame].copy()
+        picture[:, 150:185] *= 0.5
+        pictures.append((picture.clip(0, 255).astype(np.uint8), START + 2 * frame * FRAME, None))
+    return pictures
+
+
+def test_a_shadow_that_stands_still_over_moving_ground_is_given_up_and_the_reason_said():
+    estimates = run(make_tracker(TrackerParameters()), shadow_of_a_frame())
+    assert any(estimate.is_claimed for estimate in estimates[:8])
+    assert not any(estimate.is_claimed for estimate in estimates[-10:])
+    (event,) = {estimate.event for estimate in estimates} - {""}
+    assert "fixed to the vehicle" in event
+
+
+def test_with_no_travel_asked_for_a_shadow_is_followed_as_a_cable_is():
+    estimates = run(make_tracker(TrackerParameters(fixture_travel=0.0)), shadow_of_a_frame())
+    assert estimates[-1].is_claimed
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -20,9 +20,14 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
     is_new_clear,
     leading_evidence,
 )
+from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import UNTESTED, FixtureTest
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.hypotheses.weigh.presence import LIKELY_PRESENCE
+from cable_tracker.cable.hypotheses.weigh.presence import (
+    LEAST_PRESENCE,
+    LIKELY_PRESENCE,
+    LOWEST,
+)
 from cable_tracker.cable.measure.map.kept_map import NO_KEPT_MAP, KeptMap
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
@@ -72,6 +77,10 @@ class Belief:
     kept_map : KeptMap
         The last map of a picture, while the hypothesis that led in that frame goes on; else
         `NO_KEPT_MAP`.
+    fixture_test : FixtureTest
+        Whether that hypothesis is fixed to the vehicle.
+    event : str
+        What there is to say of the frame; mostly nothing.
     """
 
     particles: Particles
@@ -86,6 +95,8 @@ class Belief:
     known_time: float = 0.0
     is_given: bool = False
     kept_map: KeptMap = NO_KEPT_MAP
+    fixture_test: FixtureTest = UNTESTED
+    event: str = ""
 
     def aged(self, dt: float) -> Belief:
         """Return the same belief `dt` seconds later, before the next frame is looked at."""
@@ -198,7 +209,18 @@ def updated_belief(
         known_time=before.known_time + (dt if is_learnt_from else 0.0) if stays_likely else 0.0,
         is_given=before.is_given and stays_likely,
         kept_map=before.kept_map if conclusion.goes_on else NO_KEPT_MAP,
+        fixture_test=before.fixture_test,
     )
+
+
+def without_fixture(belief: Belief, event: str) -> Belief:
+    """Return a belief whose leading hypothesis is no cable: it is fixed to the vehicle."""
+    log_odds = belief.log_odds.copy()
+    log_odds[0] = LOWEST
+    return replace(
+        belief, presence=LEAST_PRESENCE, log_odds=log_odds, is_clear=False, known_time=0.0,
+        is_given=False, faint_time=0.0, event=event,
+    )  # fmt: skip
 
 
 def updated_p_bright(

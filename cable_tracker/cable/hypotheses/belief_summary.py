@@ -104,6 +104,7 @@ def belief_summary(
         follows_given=belief.is_given,
         presence=belief.presence,
         hypotheses=_reported(hypotheses.clusters, mean, parameters, frame_scale),
+        event=belief.event,
     )
 
 

@@ -46,9 +46,11 @@ from cable_tracker.cable.hypotheses.belief import (
     initial_belief,
     resampled_belief,
     updated_belief,
+    without_fixture,
 )
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.conclude.conclusion import draw_and_conclude
+from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import fixture_test_after
 from cable_tracker.cable.hypotheses.predict.births import draw_births
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import (
@@ -68,7 +70,11 @@ from cable_tracker.cable.hypotheses.propose.proposal_config import (
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
-from cable_tracker.cable.hypotheses.weigh.presence import LEAST_PRESENCE, LIKELY_PRESENCE
+from cable_tracker.cable.hypotheses.weigh.presence import (
+    LEAST_PRESENCE,
+    LIKELY_PRESENCE,
+    is_same_hypothesis,
+)
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import CableMap
@@ -86,6 +92,12 @@ GIVEN_PRESENCE = 0.95
 
 SAME_TIME = 1e-6
 """Rounding of the times between frames: a map is not kept for one frame more because of it [s]."""
+
+FIXTURE_FOUND = (
+    "what was followed stands still in the picture while the ground moves: it is fixed to the"
+    " vehicle, its shadow or its light, and no cable"
+)
+"""Event of the frame in which that is found."""
 
 NO_ANCHOR = np.empty((0, STATE_SIZE))
 
@@ -153,6 +165,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         is_too_faint = belief.faint_time >= self._parameters.search_time
         return belief.presence < LIKELY_PRESENCE or is_too_faint
 
+    def is_known(self, belief: Belief) -> bool:
+        """Tell whether the hypothesis that leads is known, and the search does not begin anew."""
+        known = belief.is_known(self._parameters.known_after)
+        return known and not self.is_searching(belief)
+
     def step(
         self,
         belief: Belief,
@@ -193,7 +210,23 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             belief, conclusion, dt, self._parameters, self._image_size, image.frame_scale,
             was_known=is_known,
         )  # fmt: skip
-        return _with_map_of_frame(updated, image) if looks else updated
+        updated = _with_map_of_frame(updated, image) if looks else updated
+        return self._tested_for_fixture(updated, image, dt, goes_on=conclusion.goes_on)
+
+    def _tested_for_fixture(
+        self, belief: Belief, image: WorkingImage, dt: float, *, goes_on: bool
+    ) -> Belief:
+        """Return a belief that is not misled by what is fixed to the vehicle."""
+        travel = self._parameters.fixture_travel * image.frame_scale
+        if travel == 0.0:
+            return belief
+        leader, before = belief.hypotheses.clusters.means[0], belief.fixture_test
+        test = fixture_test_after(before, leader, image, dt, travel, goes_on=goes_on)
+        belief = replace(belief, fixture_test=test)
+        radii = self._config.same_hypothesis_radii
+        if test.fixture is None or not is_same_hypothesis(leader, test.fixture, radii):
+            return belief
+        return without_fixture(belief, "" if before.fixture is not None else FIXTURE_FOUND)
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
         """Tell whether a map is worth its time.
@@ -258,4 +291,6 @@ def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
 
 def _new_search(first: Belief, before: Belief) -> Belief:
     """Return the first belief of a search that remembers the cable tracked before."""
-    return replace(first, p_bright=before.p_bright, memory=before.memory)
+    return replace(
+        first, p_bright=before.p_bright, memory=before.memory, fixture_test=before.fixture_test
+    )

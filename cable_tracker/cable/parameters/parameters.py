@@ -435,6 +435,15 @@ class TrackerParameters(ParameterSet):
     converged_angle: float = number(
         10.0, "deg", 0.1, 90.0, "Largest sigma of alpha at which a cable is claimed."
     )
+    fixture_travel: float = number(
+        6.0,
+        "px",
+        0.0,
+        1e4,
+        "How far the ground moves across a strip that stands still in the picture until the strip"
+        " is taken for a part of the vehicle, its shadow or its light; 0: nothing is"
+        " (multi_hypothesis filter).",
+    )
     search_time: float = number(
         1.0,
         "s",

@@ -138,6 +138,11 @@ TAKEN_AWAY = AblationTable(
         _without(
             "never_known", "a known cable counts as any other", {"evidence_limit_known": 18.0}
         ),
+        _without(
+            "fixtures_kept",
+            "what is fixed to the vehicle is followed, too",
+            {"fixture_travel": 0.0},
+        ),
         _without("no_polarity", "bright or dark not remembered", {"polarity_memory": 0.0}),
         _without("undamped", "undamped rates, as in the thesis", {"rate_damping": 1.0}),
         _without(

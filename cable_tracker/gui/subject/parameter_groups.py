@@ -64,7 +64,8 @@ CABLE_GROUPS: Groups = (
         (
             "presence_to_track", "presence_to_lose", "evidence_to_track", "evidence_to_find",
             "overlap_to_find", "evidence_to_lose", "confirmation_time", "loss_time",
-            "converged_distance", "converged_angle", "search_time", "maximum_gap",
+            "converged_distance", "converged_angle", "fixture_travel", "search_time",
+            "maximum_gap",
         ),
     ),
 )  # fmt: skip

@@ -1,0 +1,158 @@
+"""Whether the leading hypothesis is fixed to the vehicle: it stands still while the ground moves.
+
+The shadow of a vehicle's frame, a beam of light or a part of the vehicle itself looks like a cable
+in each single picture. But a cable moves with the ground it lies on. Every `LOOK_INTERVAL` the
+ground to either side of the hypothesis is held against the last look (`ground_shift`), and how far
+it has moved across the hypothesis against how far that has moved. Ground that moves along it, as
+below a vehicle that follows a cable, tells nothing; nor does ground that moves to one side here
+and to the other there, as it does in perspective.
+
+What was once found to be a fixture is one wherever it comes back, until it moves with the ground.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.picture.ground_shift import (
+    GroundPatches,
+    ground_shifts,
+    middle_inside,
+    patches_beside,
+)
+from cable_tracker.cable.measure.picture.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, STATE_SIZE, pose_units
+
+LOOK_INTERVAL = 0.15
+"""Time between two looks at the ground [s]."""
+
+KEPT = 0.8
+"""Share of what was travelled before that counts after one more look."""
+
+FEWEST_LOOKS = 3
+"""Looks after which a hypothesis may be taken for a fixture."""
+
+STILL = 0.25
+"""Travel of a fixture across itself, at most, as a share of that of the ground. From twice as much
+on it moves with the ground."""
+
+LEAST_ACROSS = 0.25
+"""Share of the ground's travel that leads across a fixture, at least."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FixtureTest:
+    """What looks at the ground have told of the hypothesis that leads.
+
+    Attributes
+    ----------
+    seconds : float
+        Time since the last look [s].
+    state : FloatArray
+        The hypothesis then, shape (8,).
+    patches : GroundPatches or None
+        Ground beside it then; None: there is no room for it, or no hypothesis.
+    looks : int
+        Number of looks that have told a shift.
+    ground, strip : float
+        How far ground and hypothesis have travelled across the hypothesis, less of what is long ago
+        [px].
+    way : float
+        How far the ground has travelled in whatever direction, likewise [px].
+    fixture : FloatArray or None
+        The last state (8,) that was found to be fixed to the vehicle.
+    """
+
+    seconds: float
+    state: FloatArray
+    patches: GroundPatches | None
+    looks: int = 0
+    ground: float = 0.0
+    strip: float = 0.0
+    way: float = 0.0
+    fixture: FloatArray | None = None
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the ground has moved across the hypothesis, and the hypothesis has not."""
+        across = abs(self.ground)
+        stands = abs(self.strip) < STILL * across and across > LEAST_ACROSS * self.way
+        return self.looks >= FEWEST_LOOKS and stands
+
+
+UNTESTED = FixtureTest(0.0, np.zeros(STATE_SIZE), None)
+"""No look was taken."""
+
+
+def fixture_test_after(
+    before: FixtureTest,
+    leader: FloatArray,
+    image: WorkingImage,
+    dt: float,
+    travel: float,
+    *,
+    goes_on: bool,
+) -> FixtureTest:
+    """Return the test after one more frame.
+
+    Parameters
+    ----------
+    before : FixtureTest
+        That after the frame before.
+    leader : FloatArray
+        The leading hypothesis, shape (8,).
+    image : WorkingImage
+        The frame.
+    dt : float
+        Time since the frame before [s].
+    travel : float
+        How far the ground has to move across a fixture [px].
+    goes_on : bool
+        Whether the hypothesis continues the one that led before the frame.
+    """
+    if not goes_on:
+        return replace(_look(leader, image), fixture=before.fixture)
+    if before.seconds + dt < LOOK_INTERVAL:
+        return replace(before, seconds=before.seconds + dt)
+    shifts = None if before.patches is None else ground_shifts(before.patches, image.pixels)
+    told = before
+    if shifts is not None:
+        told = _travelled(before, leader, shifts / image.reduction, image.frame_size)
+    fixture = before.fixture
+    if abs(told.ground) >= travel:
+        if told.is_still:
+            fixture = leader
+        elif abs(told.strip) >= 2.0 * STILL * abs(told.ground):
+            fixture = None
+    now = _look(leader, image)
+    return replace(told, seconds=0.0, state=leader, patches=now.patches, fixture=fixture)
+
+
+def _look(leader: FloatArray, image: WorkingImage) -> FixtureTest:
+    """Return a test with a first look at a hypothesis, shape (8,)."""
+    pose = leader[:POSE_SIZE] * pose_units(image.reduction)
+    return FixtureTest(0.0, leader, patches_beside(pose, image.pixels, image.scale))
+
+
+def _travelled(
+    before: FixtureTest, leader: FloatArray, shifts: FloatArray, image_size: tuple[int, int]
+) -> FixtureTest:
+    """Return a test with one more shift of the ground to either side, shape (2, 2) [px]."""
+    (then,) = states_in_chart(before.state[None], float(leader[ANGLE]))
+    normal = np.array([np.cos(then[ANGLE]), np.sin(then[ANGLE])])
+    left, right = shifts @ normal
+    # Where the two sides do not go the same way, the ground goes nowhere.
+    across = min(left, right, key=abs) if left * right > 0.0 else 0.0
+    middle = middle_inside(leader, image_size)
+    strip = 0.0 if middle is None else float(normal @ middle - then[DISTANCE])
+    return replace(
+        before,
+        looks=before.looks + 1,
+        ground=KEPT * before.ground + float(across),
+        strip=KEPT * before.strip + strip,
+        way=KEPT * before.way + float(np.hypot(*shifts.T).mean()),
+    )

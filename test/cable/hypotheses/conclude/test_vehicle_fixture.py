@@ -1,0 +1,112 @@
+"""What stands still in the picture while the ground moves across it is fixed to the vehicle."""
+
+import cv2
+import numpy as np
+import pytest
+from plain_images import plain_image
+
+from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import (
+    FEWEST_LOOKS,
+    LOOK_INTERVAL,
+    UNTESTED,
+    fixture_test_after,
+)
+
+TRAVEL = 6.0
+FRAME = 0.08
+UPRIGHT = np.array([10.0, 0.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def ground(right=0.0, up=0.0, size=(320, 240)) -> np.ndarray:
+    """Return a textured ground that has moved so far [px]."""
+    width, height = size
+    texture = np.random.default_rng(0).normal(110.0, 25.0, (height + 400, width + 400))
+    texture = cv2.GaussianBlur(texture.astype(np.float32), (0, 0), 2.0)
+    there = np.float32([[1, 0, right], [0, 1, -up]])
+    return cv2.warpAffine(texture, there, texture.shape[::-1])[200:-200, 200:-200]
+
+
+def aside(distance) -> np.ndarray:
+    """Return the strip moved to the right [px]."""
+    state = UPRIGHT.copy()
+    state[0] += distance
+    return state
+
+
+def dive(velocity, strip=lambda frame: UPRIGHT, frames=24, before=UNTESTED, goes_on=True):
+    """Return the test after frames whose ground moves by (right, up) px each."""
+    test = before
+    for frame in range(frames):
+        image = plain_image(ground(velocity[0] * frame, velocity[1] * frame))
+        test = fixture_test_after(
+            test, strip(frame), image, FRAME, TRAVEL, goes_on=goes_on and frame > 0
+        )
+    return test
+
+
+def test_a_strip_that_stands_still_while_the_ground_moves_across_it_is_a_fixture():
+    np.testing.assert_array_equal(dive((2.0, 3.0)).fixture, UPRIGHT)
+
+
+def test_a_strip_that_moves_with_the_ground_is_none():
+    assert dive((2.0, 1.0), lambda frame: aside(2.0 * frame)).fixture is None
+
+
+def test_ground_that_moves_along_the_strip_tells_nothing():
+    assert dive((0.3, 4.0)).fixture is None
+
+
+def test_ground_that_stands_still_tells_nothing():
+    assert dive((0.0, 0.0)).fixture is None
+
+
+def test_ground_that_goes_apart_to_both_sides_as_in_perspective_tells_nothing():
+    test = UNTESTED
+    for frame in range(24):
+        picture = ground(-2.0 * frame)
+        picture[:, 170:] = ground(2.0 * frame)[:, 170:]
+        image = plain_image(picture)
+        test = fixture_test_after(test, UPRIGHT, image, FRAME, TRAVEL, goes_on=frame > 0)
+    assert test.looks >= FEWEST_LOOKS
+    assert test.fixture is None
+
+
+def test_few_looks_suffice_for_nothing():
+    looks = 1 + round(FEWEST_LOOKS * LOOK_INTERVAL / FRAME)
+    assert dive((6.0, 0.0), frames=looks - 1).fixture is None
+
+
+def test_a_hypothesis_that_does_not_go_on_is_looked_at_anew_each_time():
+    test = dive((2.0, 0.0), goes_on=False)
+    assert test.looks == 0
+    assert test.fixture is None
+
+
+def test_a_fixture_is_remembered_while_another_hypothesis_leads():
+    found = dive((2.0, 0.0))
+    image = plain_image(ground())
+    other = fixture_test_after(found, aside(-80.0), image, FRAME, TRAVEL, goes_on=False)
+    assert other.looks == 0
+    np.testing.assert_array_equal(other.fixture, UPRIGHT)
+
+
+def test_a_fixture_that_moves_with_the_ground_is_forgotten():
+    found = dive((2.0, 0.0))
+    assert dive((2.0, 0.0), lambda frame: aside(2.0 * frame), before=found).fixture is None
+
+
+def test_a_strip_at_the_edge_of_the_picture_is_not_tested():
+    test = dive((3.0, 0.0), lambda frame: aside(140.0))
+    assert test.patches is None
+    assert test.looks == 0
+
+
+@pytest.mark.parametrize("travel", [3.0, 30.0])
+def test_the_longer_the_travel_the_later_a_fixture_is_found(travel):
+    test, found = UNTESTED, None
+    for frame in range(40):
+        image = plain_image(ground(1.5 * frame))
+        test = fixture_test_after(test, UPRIGHT, image, FRAME, travel, goes_on=frame > 0)
+        if test.fixture is not None and found is None:
+            found = frame
+    assert (found is None) == (travel == 30.0)
