@@ -48,7 +48,6 @@ from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,
     RUNS,
     LoopOutcome,
-    MethodTotals,
     totals_by_method,
     write_methods,
     write_runs,
@@ -271,7 +270,7 @@ def _run_several(
     _print_runs(outcomes)
     _print_totals(totals)
     print_files(path, (RUNS, METHODS_TABLE))
-    if any(each.failed for each in totals):
+    if any(each["failed"] for each in totals):
         raise typer.Exit(1)
 
 
@@ -364,9 +363,9 @@ def _cells_of(summary: LoopSummary | None) -> list[str]:
     return [_cell(name, getattr(summary, name)) for name in RUN_HEADINGS]
 
 
-def _print_totals(totals: Sequence[MethodTotals]) -> None:
+def _print_totals(totals: Sequence[dict[str, Any]]) -> None:
     title = f"by method; kept: not lost for good; goal: RMS of {GOAL:g} m; way, RMS: medians"
-    rows = ([_cell(name, getattr(each, name)) for name in TOTAL_HEADINGS] for each in totals)
+    rows = ([_cell(name, each[name]) for name in TOTAL_HEADINGS] for each in totals)
     print_table(title, TOTAL_HEADINGS.values(), rows, left=(0,), narrow=True)
 
 

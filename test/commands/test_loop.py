@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import pytest
 from typer.testing import CliRunner
@@ -10,10 +11,16 @@ from cable_tracker.cli import app
 from cable_tracker.commands import loop as loop_command
 from cable_tracker.commands.loop import _run_several, verdict_on
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
-from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS
+from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS, LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
 
 pytest.importorskip("rclpy")
+
+KEPT = LoopSummary(
+    seed=1, frames=100, seconds=8.0, way=100.0, reached_end=True, rms=0.06, percentile_95=0.1,
+    most=0.3, rms_in_sight=0.04, rms_offset=0.01, rms_heading=1.0, answered=1.0, measured=0.9,
+    wrong=0.0, losses=1, longest_loss=12.0, found_again=True, lost_for_good=False,
+)  # fmt: skip
 
 
 def run(*arguments: str) -> None:
@@ -58,12 +65,9 @@ def test_options_for_several_runs_are_refused_for_one(tmp_path, options):
     ],
 )
 def test_the_verdict_shows_on_which_side_of_the_goal_the_run_is(rms, words):
-    summary = LoopSummary(
-        seed=1, frames=100, seconds=8.0, way=100.0, reached_end=True, rms=rms, percentile_95=0.1,
-        most=0.3, rms_in_sight=0.04, rms_offset=0.01, rms_heading=1.0, answered=1.0, measured=0.9,
-        wrong=0.0, losses=1, longest_loss=12.0, found_again=True, lost_for_good=False,
-    )  # fmt: skip
-    assert verdict_on(summary) == f"The cable was not lost for good; the run is {words}"
+    assert (
+        verdict_on(replace(KEPT, rms=rms)) == f"The cable was not lost for good; the run is {words}"
+    )
 
 
 def test_a_folder_that_is_taken_is_refused(tmp_path):
@@ -121,7 +125,7 @@ def test_each_run_of_several_finds_the_parameter_file_from_any_folder(monkeypatc
 
 def leave_a_run(_tasks, store, *_, **__):
     (store / "default_0").mkdir(parents=True)
-    return []
+    return [LoopOutcome("default", 0, KEPT)]
 
 
 def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
