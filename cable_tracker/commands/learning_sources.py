@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from cable_tracker.cable.measure.picture.working_image import working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
+    SimulatedSequence,
     WorldSequence,
     available_sequences,
     frames_in_all,
@@ -22,10 +23,8 @@ from cable_tracker.evaluation.evaluation_sequences import (
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import Source
-from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.fading import made_harder
-from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.catalogue import WORLDS
 from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.tracking.frame_check import check_frame
 
@@ -137,28 +136,18 @@ def simulated_dives(
                 f"scenario: {world.name} is a world to report on, which nothing may be learnt from;"
                 " take worlds whose names begin with tune_"
             )
-        simulate = simulate_scenario if world is None else simulate_world
         count, is_empty = sequence.frame_count(), world is not None and not world.has_cable
         for seed in seeds:
-            frames = _frames_maker(simulate, sequence.name, seed, limit)
             name = f"{sequence.name}, seed {seed}"
+            frames = partial(_learnable, sequence, seed)
             dives.append(LabelledSequence(name, count, frames, is_empty))
     return dives, left_out
 
 
-def _frames_maker(
-    simulate: Callable[[str, int], Iterator[SimulatedFrame]],
-    name: str,
-    seed: int,
-    limit: int | None,
-) -> Callable[[], Iterator[Frame]]:
-    def frames() -> Iterator[Frame]:
-        for item in islice(simulate(name, seed), limit):
-            # Where a person would hardly see the cable there is nothing to learn.
-            seen = item.visibility > 0.0
-            yield item.frame if seen else replace(item.frame, truth=None)
-
-    return frames
+def _learnable(sequence: SimulatedSequence, seed: int) -> Iterator[Frame]:
+    for item in sequence.simulated(seed):
+        # Where a person would hardly see the cable there is nothing to learn.
+        yield item.frame if item.visibility > 0.0 else replace(item.frame, truth=None)
 
 
 def labelled_recording(recording: Source, plan: LearningPlan) -> LabelledSequence:

@@ -113,8 +113,12 @@ class SimulatedSequence(ABC):
 
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Simulate the dive of a seed."""
-        for item in islice(self._dive(seed), self.limit):
+        for item in self.simulated(seed):
             yield _judged(item.frame, decode_grey(item.frame.image), item.visibility)
+
+    def simulated(self, seed: int) -> Iterator[SimulatedFrame]:
+        """Simulate the frames of a seed, as the simulator gives them."""
+        return islice(self._dive(seed), self.limit)
 
     @abstractmethod
     def _whole_count(self) -> int:
@@ -239,7 +243,7 @@ def _judged(frame: Frame, grey: Image, visibility: float) -> EvaluationFrame:
 
 def simulated_sequences(
     names: Sequence[str], limit: int | None = None
-) -> tuple[EvaluationSequence, ...]:
+) -> tuple[SimulatedSequence, ...]:
     """Return scenarios and worlds by name, each once, in the order given.
 
     Parameters
@@ -255,7 +259,7 @@ def simulated_sequences(
     ParameterError
         There is no such scenario or world.
     """
-    chosen: dict[str, EvaluationSequence] = {}
+    chosen: dict[str, SimulatedSequence] = {}
     for pattern in names or SCENARIOS:
         scenarios = fnmatch.filter(SCENARIOS, pattern)
         worlds = fnmatch.filter(WORLDS, pattern)
@@ -269,12 +273,12 @@ def simulated_sequences(
 
 def available_sequences(
     names: Sequence[str], limit: int | None = None
-) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+) -> tuple[tuple[SimulatedSequence, ...], dict[str, str]]:
     """Return scenarios and worlds by name, and those of a pattern that can be drawn here.
 
     Returns
     -------
-    sequences : tuple of EvaluationSequence
+    sequences : tuple of SimulatedSequence
         See `simulated_sequences`.
     left_out : dict of str to str
         Why each other world that a pattern stands for cannot be drawn. What is named itself is
@@ -295,7 +299,7 @@ def available_sequences(
 
 def available_worlds(
     worlds: Iterable[World], limit: int | None = None
-) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+) -> tuple[tuple[SimulatedSequence, ...], dict[str, str]]:
     """Return the worlds that can be drawn here, and why each other one cannot, by its name.
 
     `limit`: number of frames used of each.
@@ -304,8 +308,8 @@ def available_worlds(
 
 
 def _parted(
-    sequences: Sequence[EvaluationSequence], named: Sequence[str] = ()
-) -> tuple[tuple[EvaluationSequence, ...], dict[str, str]]:
+    sequences: Sequence[SimulatedSequence], named: Sequence[str] = ()
+) -> tuple[tuple[SimulatedSequence, ...], dict[str, str]]:
     """Return the sequences that can be drawn here or are `named`, and the reasons for the others.
 
     The reasons are by name of the sequence.
@@ -315,7 +319,7 @@ def _parted(
     return tuple(each for each in sequences if each.name not in left_out), left_out
 
 
-def _why_not_drawn(sequence: EvaluationSequence) -> str:
+def _why_not_drawn(sequence: SimulatedSequence) -> str:
     """Return why a sequence cannot be drawn here; empty if it can."""
     try:
         sequence.frame_count()
