@@ -61,14 +61,14 @@ class ContourTiming:
         return None if self.rival_ms is None else self.rival_ms / self.ms
 
 
-def measure_contour(repetitions: int = REPETITIONS) -> ContourTiming:
+def measure_contour() -> ContourTiming:
     """Let contours evolve on a noisy ellipse, ours several times, scikit-image's once."""
     picture, truth, start = _scene()
     settings = ContourSettings()
     # The first is compiled.
     contour = evolve_by_means(picture, start, settings)
     times = [
-        _milliseconds(lambda: evolve_by_means(picture, start, settings)) for _ in range(repetitions)
+        _milliseconds(lambda: evolve_by_means(picture, start, settings)) for _ in range(REPETITIONS)
     ]
     own = overlap_of(contour.mask, truth)
     ms = float(np.median(times))

@@ -41,18 +41,18 @@ def tables_of(result: BenchmarkResult) -> list[ResultTable]:
     return [table for table in tables if table.rows]
 
 
-def _number(value: float | None, digits: int = 3) -> str:
-    """Write a number with some significant digits, and no exponent."""
+def _number(value: float | None) -> str:
+    """Write a number with three significant digits, and no exponent."""
     if value is None or math.isnan(value):
         return NOTHING
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
     if abs(value) < SMALLEST:
         return "0"
-    if abs(value) >= 10 ** (digits - 1):
+    if abs(value) >= 100:
         return f"{value:.0f}"
-    text = f"{value:.{digits}g}"
-    return f"{value:.{digits + 2}f}" if "e" in text else text
+    text = f"{value:.3g}"
+    return f"{value:.5f}" if "e" in text else text
 
 
 def _spread(quartiles: Quartiles | None) -> str:

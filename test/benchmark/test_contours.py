@@ -9,7 +9,7 @@ from cable_tracker.benchmark.contours import measure_contour
 @pytest.fixture(scope="module")
 def timing():
     pytest.importorskip("skimage", reason="SCIKIT-IMAGE IS MISSING: contours are not compared")
-    return measure_contour(repetitions=3)
+    return measure_contour()
 
 
 def test_ours_finds_the_ellipse(timing):
@@ -28,5 +28,5 @@ def test_without_scikit_image_there_is_only_ours(monkeypatch):
     monkeypatch.setattr(
         contours, "find_spec", lambda name: None if name == "skimage" else real(name)
     )
-    alone = measure_contour(repetitions=1)
+    alone = measure_contour()
     assert (alone.rival_ms, alone.ratio) == (None, None)
