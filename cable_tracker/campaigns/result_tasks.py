@@ -41,8 +41,7 @@ def run_and_keep(
         The result cannot be written.
     """
     fingerprint = "" if store is None else fingerprint_of(task)
-    with one_thread():
-        result = task.run(advance)
+    result = task.run(advance)
     if store is not None:
         keep_result(fingerprint, result, store)
     return result
@@ -102,8 +101,9 @@ def run_all(
                 done[number] = kept[0]
     left = [number for number in range(len(tasks)) if number not in done]
     if settings.cluster.is_here(len(left)):
-        for number in left:
-            done[number] = run_and_keep(tasks[number], lambda: advance(1), settings.store)
+        with one_thread():
+            for number in left:
+                done[number] = run_and_keep(tasks[number], lambda: advance(1), settings.store)
     elif left:
         # Dask takes a second to import, which a single process need not wait for.
         with needing_dask():

@@ -7,10 +7,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from distributed import Client, as_completed, get_worker
+from distributed import Future, as_completed, get_worker
 from distributed.scheduler import KilledWorker
 
 from cable_tracker import __version__
@@ -62,41 +63,27 @@ class _Teller:
         self._count, self._last = 0, time.monotonic()
 
 
-class _Done(NamedTuple):
-    """What a worker says of a task: why it failed, or ""; frames; fingerprint of its results."""
-
-    reason: str
-    total: int
-    fingerprint: str = ""
-
-
 class _Ended(NamedTuple):
     """A task that has ended: its number, and its result, or what was raised."""
 
     number: int
-    result: Any
-    error: BaseException | None
-
-
-def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) -> _Done:
-    """Do a task in a worker."""
-    if version != __version__:
-        return _Done(_other_version(version), 0)
-    teller = _Teller(number)
-    try:
-        with one_thread():
-            fingerprint = run_in_folder(task, Path(root), version, teller)
-    except CableTrackerError as error:
-        return _Done(str(error), teller.total)
-    return _Done("", teller.total, fingerprint)
+    result: Any = None
+    error: BaseException | None = None
 
 
 REFUSAL = "the worker has cable_tracker "
 """Beginning of what a worker of another version says of each task. All versions say it so."""
 
 
-def _other_version(version: str) -> str:
-    return f"{REFUSAL}{__version__}, the campaign {version}; install one version on all workers"
+def _in_worker(work: Callable[[_Teller], Result], number: int, version: str) -> tuple[Result, int]:
+    """Do a task in a worker; return its result, and how many frames it had."""
+    if version != __version__:
+        raise ParameterError(
+            f"{REFUSAL}{__version__}, the campaign {version}; install one version on all workers"
+        )
+    teller = _Teller(number)
+    with one_thread():
+        return work(teller), teller.total
 
 
 def run_folder_tasks(
@@ -155,8 +142,10 @@ def run_folder_tasks(
         for task in left:
             end(_do_here(task, root, advance))
     elif left:
-        with connected(settings) as client:
-            _run_on(client, settings.tell, left, root, (advance, end))
+        calls = [partial(run_in_folder, task, root.resolve(), __version__) for task in left]
+        with closing(_as_they_end(settings, calls, advance)) as ended:
+            for each in ended:
+                end(_outcome(each, left[each.number].name, root))
     return [outcomes[task.name] for task in tasks]
 
 
@@ -175,119 +164,80 @@ def _make_root(root: Path, tasks: Sequence[FolderTask]) -> None:
 def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Outcome:
     try:
         with one_thread():
-            run_in_folder(task, root, __version__, advance)
-    except CableTrackerError as error:
-        return _failed(task.name, root, str(error))
+            ended = _Ended(0, run_in_folder(task, root, __version__, advance))
     # One that fails ends no other, whatever goes wrong; so it is with workers.
     except Exception as error:  # noqa: BLE001
-        return _failed(task.name, root, _unexpected(error))
-    return Outcome(task.name, TaskState.DONE)
+        ended = _Ended(0, error=error)
+    return _outcome(ended, task.name, root)
 
 
-def _failed(name: str, root: Path, reason: str) -> Outcome:
+def _outcome(ended: _Ended, name: str, root: Path) -> Outcome:
+    """Return what came of a task, whose result is the fingerprint in the marker of its folder."""
+    error = ended.error
+    if isinstance(error, KilledWorker):
+        reason = "its worker was ended several times, perhaps for want of memory; give more memory"
+    elif isinstance(error, CableTrackerError):
+        reason = str(error)
+    elif error is not None:
+        reason = f"{type(error).__name__}: {one_line(error)}"
+    # An earlier result may lie here, where a worker has put its own elsewhere.
+    elif not is_marked(root / name, ended.result, __version__):
+        reason = f"its result is not in {root}; workers on other machines must share this folder"
+    else:
+        return Outcome(name, TaskState.DONE)
     if is_result(root / name):
         reason += f"; its earlier results stay in the folder {name} and do not count here"
     return Outcome(name, TaskState.FAILED, reason)
 
 
-def _run_on(
-    client: Client,
-    tell_user: Callable[[str], None],
-    tasks: Sequence[FolderTask],
-    root: Path,
-    tell: tuple[Callable[[int], None], Callable[[Outcome], None]],
-) -> None:
-    advance, end = tell
-    progress = _Progress(advance)
-    place = str(root.resolve())
-    calls = [(task, number, place, __version__) for number, task in enumerate(tasks)]
-    with closing(_as_they_end(client, tell_user, _folder_in_worker, calls, progress)) as ended:
-        for each in ended:
-            outcome, total = _outcome(each, tasks[each.number].name, root)
-            progress.end(each.number, total)
-            end(outcome)
-
-
 def _as_they_end(
-    client: Client,
-    tell_user: Callable[[str], None],
-    work: Callable[..., Any],
-    calls: Sequence[tuple[Any, ...]],
-    progress: _Progress,
+    settings: ClusterSettings,
+    calls: Sequence[Callable[[_Teller], object]],
+    advance: Callable[[int], None],
 ) -> Generator[_Ended]:
-    """Call `work` with each tuple of arguments; yield each that has ended.
+    """Let workers do tasks, each a call that is given what tells its progress; yield what ended.
 
     What a worker of another version has refused is done by others, as long as there are any. When
     the generator is closed, what has not ended is given up.
     """
-    client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
-    futures = {
-        client.submit(work, *arguments, pure=False): number
-        for number, arguments in enumerate(calls)
-    }
-    others, refusals = OtherVersions(client, __version__, tell_user), Counter[int]()
-    ended = as_completed(futures)
-    try:
-        for future in ended:
-            number, error = futures[future], future.exception()
-            each = _Ended(number, None if error is not None else future.result(), error)
-            if refusals[number] < MOST_REFUSALS and _is_for_others(each, others):
-                refusals[number] += 1
-                again = client.submit(work, *calls[number], pure=False)
-                futures[again] = number
-                ended.add(again)
-            else:
-                yield each
-    finally:
-        client.cancel(list(futures))
-        client.unsubscribe_topic(PROGRESS)
+    progress = _Progress(advance)
+    refusals = Counter[int]()
+    with connected(settings) as client:
+        client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
+        others = OtherVersions(client, __version__, settings.tell)
+
+        def submit(number: int) -> Future:
+            return client.submit(_in_worker, calls[number], number, __version__, pure=False)
+
+        futures = {submit(number): number for number in range(len(calls))}
+        ended = as_completed(futures)
+        try:
+            for future in ended:
+                number, error = futures[future], future.exception()
+                if error is None:
+                    result, total = future.result()
+                    progress.end(number, total)
+                    yield _Ended(number, result)
+                elif refusals[number] < MOST_REFUSALS and _is_for_others(error, others):
+                    refusals[number] += 1
+                    again = submit(number)
+                    futures[again] = number
+                    ended.add(again)
+                else:
+                    yield _Ended(number, error=error)
+        finally:
+            client.cancel(list(futures))
+            client.unsubscribe_topic(PROGRESS)
 
 
-def _is_for_others(ended: _Ended, others: OtherVersions) -> bool:
+def _is_for_others(error: BaseException, others: OtherVersions) -> bool:
     """Tell whether a task has failed for its worker's version, and another worker may do it."""
-    error = ended.error
-    reason = str(error) if error is not None else ended.result[0]
-    if isinstance(reason, str) and reason.startswith(REFUSAL):
+    if str(error).startswith(REFUSAL):
         return others.retire()
     # A version that is far away may not even be able to read the task.
-    if error is None or isinstance(error, KilledWorker | CableTrackerError):
+    if isinstance(error, KilledWorker | CableTrackerError):
         return False
     return others.retire() and others.has_retired
-
-
-def _outcome(ended: _Ended, name: str, root: Path) -> tuple[Outcome, int]:
-    """Return what came of a task, and how many frames it had."""
-    error = ended.error
-    if isinstance(error, KilledWorker):
-        done = _Done(
-            "its worker was ended several times, perhaps for want of memory; give more memory", 0
-        )
-    elif error is not None:
-        done = _Done(_unexpected(error), 0)
-    else:
-        # One of an earlier version, which came late, tells less.
-        done = _Done(*ended.result)
-    reason = done.reason
-    # An earlier result may lie here, where a worker has put its own elsewhere.
-    if not reason and not is_marked(root / name, done.fingerprint, __version__):
-        reason = f"its result is not in {root}; workers on other machines must share this folder"
-    outcome = _failed(name, root, reason) if reason else Outcome(name, TaskState.DONE)
-    return outcome, done.total
-
-
-def _unexpected(error: BaseException) -> str:
-    return f"{type(error).__name__}: {one_line(error)}"
-
-
-def _result_in_worker(
-    task: ResultTask[Result], number: int, version: str, store: Path | None
-) -> tuple[Result, int]:
-    """Do a task in a worker; return its result, and how many frames it had."""
-    if version != __version__:
-        raise ParameterError(_other_version(version))
-    teller = _Teller(number)
-    result = run_and_keep(task, teller, store)
-    return result, teller.total
 
 
 class _Progress:
@@ -323,20 +273,12 @@ def run_on_cluster(
     advance: Callable[[int], None],
 ) -> list[Result]:
     """Run tasks whose results come back; see `result_tasks.run_all`."""
-    progress = _Progress(advance)
+    calls = [partial(run_and_keep, task, store=settings.store) for task in tasks]
     results: dict[int, Result] = {}
-    store = settings.store
-    calls = [(task, number, __version__, store) for number, task in enumerate(tasks)]
-    with (
-        connected(settings.cluster) as client,
-        closing(
-            _as_they_end(client, settings.cluster.tell, _result_in_worker, calls, progress)
-        ) as ended,
-    ):
+    with closing(_as_they_end(settings.cluster, calls, advance)) as ended:
         for each in ended:
             _raise_what_stopped(each.error)
-            results[each.number], total = each.result
-            progress.end(each.number, total)
+            results[each.number] = each.result
     return [results[number] for number in range(len(tasks))]
 
 

@@ -23,7 +23,6 @@ from campaign_tasks import (  # noqa: E402
     Unreachable,
     become_another_version,
     done_elsewhere,
-    of_an_earlier_version,
 )
 from distributed import Client, LocalCluster  # noqa: E402
 
@@ -158,16 +157,10 @@ def test_an_earlier_result_is_not_taken_for_that_of_a_worker_that_does_not_share
     both, tmp_path, monkeypatch
 ):
     run_folder_tasks([Square(1)], tmp_path, ALONE)
-    monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", done_elsewhere)
+    monkeypatch.setattr("cable_tracker.campaigns.runner.run_in_folder", done_elsewhere)
     (outcome,) = run_folder_tasks([Square(1, parameter="another")], tmp_path, both)
     assert outcome.state is TaskState.FAILED
     assert "workers on other machines must share this folder" in outcome.reason
-
-
-def test_a_worker_of_an_earlier_version_that_comes_late_is_told(both, tmp_path, monkeypatch):
-    monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", of_an_earlier_version)
-    (outcome,) = run_folder_tasks([Square(1)], tmp_path, both)
-    assert outcome.reason == "the worker has cable_tracker 0.1"
 
 
 def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
