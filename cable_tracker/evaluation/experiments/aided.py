@@ -19,7 +19,6 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
 from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import Odometry
-from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 from cable_tracker.stamps import NANOSECONDS
 
 FAULT_AFTER = 1.0
@@ -122,7 +121,7 @@ _same_vehicle = lru_cache(maxsize=2)(simulated_vehicle)
 
 @dataclass(frozen=True, slots=True)
 class AidedFilter:
-    """A filter with the odometry of a scenario. It is sent to other processes.
+    """A filter with the odometry of a scenario, or without. It is sent to other processes.
 
     Attributes
     ----------
@@ -132,19 +131,19 @@ class AidedFilter:
         All of them; the seed is that of the run.
     scenario : str
         Whose vehicle.
-    fault : OdometryFault
-        Fault of the odometry.
-    errors : InstrumentErrors
-        Errors of its instruments.
+    fault : OdometryFault or None
+        Fault of the odometry; None: there is no odometry.
     """
 
     name: str
     parameters: TrackerParameters
     scenario: str
-    fault: OdometryFault = OdometryFault.NONE
-    errors: InstrumentErrors = EXPERIMENT_ERRORS
+    fault: OdometryFault | None
 
     def make(self, seed: int) -> Method:
         """Make a fresh tracker for the dive of a seed."""
-        vehicle = _same_vehicle(self.scenario, seed, self.errors)
-        return AidedMethod(self.parameters.replaced({"seed": seed}), vehicle, self.fault)
+        parameters = self.parameters.replaced({"seed": seed})
+        if self.fault is None:
+            return ParticleFilterMethod(parameters)
+        vehicle = _same_vehicle(self.scenario, seed, EXPERIMENT_ERRORS)
+        return AidedMethod(parameters, vehicle, self.fault)

@@ -18,7 +18,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     frames_in_all,
 )
-from cable_tracker.evaluation.experiments.aided import AidedFilter
+from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     EXPERIMENT_ERRORS,
@@ -27,7 +27,6 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     simulated_vehicle,
 )
 from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
-from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.sample_statistics import (
@@ -38,7 +37,6 @@ from cable_tracker.evaluation.sample_statistics import (
     spread_of,
 )
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.simulation.instruments.instruments import InstrumentErrors
 
 HEADINGS = (
     "sequence", "runs", "with metres [%]",
@@ -51,10 +49,10 @@ HEADINGS = (
 )  # fmt: skip
 BRIEF_COLUMNS = 8
 TABLES = {
-    False: ("Without odometry", "without_odometry.csv"),
-    True: ("With odometry", "with_odometry.csv"),
+    None: ("Without odometry", "without_odometry.csv"),
+    OdometryFault.NONE: ("With odometry", "with_odometry.csv"),
 }
-"""Title and file of each table, by whether there is odometry."""
+"""Title and file of each table, by the odometry: none, or sound."""
 
 NOTE = (
     "Medians over the runs (least – most). *On the cable*: without the frames in which what is"
@@ -70,8 +68,7 @@ class _Dive:
 
     sequence: ScenarioSequence
     seed: int
-    errors: InstrumentErrors
-    with_odometry: bool = False
+    odometry: OdometryFault | None
 
     def run(self, advance: Callable[[], None]) -> FloatArray:
         """Return one row for each frame that shows a cable, NaN where there are no metres.
@@ -79,8 +76,9 @@ class _Dive:
         Errors of offset and offset ahead [share of the altitude] and heading [rad], those of offset
         and heading in standard deviations, and whether the estimate is on the cable, shape (N, 6).
         """
-        vehicle = simulated_vehicle(self.sequence.name, self.seed, self.errors)
-        method = self._maker().make(self.seed)
+        name = self.sequence.name
+        vehicle = simulated_vehicle(name, self.seed, EXPERIMENT_ERRORS)
+        method = AidedFilter("default", preset("default"), name, self.odometry).make(self.seed)
         rows = []
         for frame in self.sequence.frames(self.seed):
             if frame.index == 0 and frame.truth is not None:
@@ -103,12 +101,6 @@ class _Dive:
             rows.append(row)
         return np.array(rows).reshape(-1, ON_CABLE + 1)
 
-    def _maker(self) -> ConfiguredFilter | AidedFilter:
-        parameters = preset("default")
-        if not self.with_odometry:
-            return ConfiguredFilter("default", parameters)
-        return AidedFilter("aided", parameters, self.sequence.name, errors=self.errors)
-
     @staticmethod
     def _errors(result: CrossTrack, vehicle: SimulatedVehicle, index: int) -> FloatArray:
         found = np.array([result.offset, result.offset_ahead, result.heading])
@@ -130,13 +122,10 @@ class MetresExperiment:
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
         Sequences to run on.
-    errors : InstrumentErrors
-        Errors of altimeter, imu and odometry.
     """
 
     seeds: tuple[int, ...]
     sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, THESIS_SEQUENCES))
-    errors: InstrumentErrors = EXPERIMENT_ERRORS
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through."""
@@ -146,10 +135,10 @@ class MetresExperiment:
     def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
-            _Dive(sequence, seed, self.errors, with_odometry)
+            _Dive(sequence, seed, odometry)
             for sequence in self.sequences
             for seed in self.seeds
-            for with_odometry in TABLES
+            for odometry in TABLES
         ]
         errors = run_all(dives, workers=workers, advance=advance)
         results = list(zip(dives, errors, strict=True))
@@ -157,14 +146,14 @@ class MetresExperiment:
         return ExperimentResult(title, tuple(self._table(each, results) for each in TABLES))
 
     def _table(
-        self, with_odometry: bool, results: Sequence[tuple[_Dive, FloatArray]]
+        self, odometry: OdometryFault | None, results: Sequence[tuple[_Dive, FloatArray]]
     ) -> ResultTable:
-        chosen = [each for each in results if each[0].with_odometry is with_odometry]
+        chosen = [each for each in results if each[0].odometry is odometry]
         rows = tuple(
             _row(sequence.name, [errors for dive, errors in chosen if dive.sequence == sequence])
             for sequence in self.sequences
         )
-        title, file_name = TABLES[with_odometry]
+        title, file_name = TABLES[odometry]
         return ResultTable(HEADINGS, rows, title, file_name, (NOTE,), BRIEF_COLUMNS)
 
 

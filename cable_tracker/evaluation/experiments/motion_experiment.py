@@ -11,7 +11,6 @@ from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
@@ -66,11 +65,7 @@ class MotionSetting:
         whole = preset(self.preset)
         parameters = whole.replaced({"particle_count": round(self.share * whole.particle_count)})
         name = f"{self.preset}/{self.name}/{self.label}"
-        maker = (
-            ConfiguredFilter(name, parameters)
-            if self.fault is None
-            else AidedFilter(name, parameters, scenario, self.fault)
-        )
+        maker = AidedFilter(name, parameters, scenario, self.fault)
         return MethodRun(name, maker.make, seed, Start.TRUTH)
 
 
