@@ -17,7 +17,7 @@ from typing import Any
 
 from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file, output_folder
-from cable_tracker.campaigns.folder_tasks import MARKER
+from cable_tracker.campaigns.folder_tasks import is_result
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import OutputError, write_failure
@@ -123,8 +123,8 @@ def kept_result(task: object, store: Path | None) -> tuple[Any] | None:
 
 
 def kept_results(store: Path) -> int:
-    """Return the number of results in a store."""
-    return sum(1 for each in store.glob("[!.]*") if each.is_file())
+    """Return the number of results in a store, files and folders."""
+    return sum(each.is_file() or is_result(each) for each in store.glob("[!.]*"))
 
 
 @contextmanager
@@ -166,7 +166,7 @@ def _remove(store: Path) -> None:
 def _is_left(path: Path) -> bool:
     """Tell whether a campaign puts a file or folder of such a name and content into its store."""
     if path.is_dir():
-        return (path / MARKER).is_file() or _PARTIAL_FOLDER.fullmatch(path.name) is not None
+        return is_result(path) or _PARTIAL_FOLDER.fullmatch(path.name) is not None
     return _RESULT_FILE.fullmatch(path.name) is not None
 
 

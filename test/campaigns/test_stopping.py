@@ -58,6 +58,15 @@ def test_results_in_a_store_are_kept_too(tmp_path):
     assert notes_of(stopped).startswith("1 finished task is kept in ")
 
 
+def test_folders_in_a_store_are_kept_too(tmp_path):
+    with (
+        pytest.raises(Signal) as stopped,
+        stored_beside(tmp_path / "loops", ClusterSettings(), resume=False) as settings,
+    ):
+        run_folder_tasks([Square(1), Stopping(2)], settings.store, ClusterSettings())
+    assert notes_of(stopped).startswith("1 finished task is kept in ")
+
+
 def test_without_a_finished_task_there_is_nothing_to_say(tmp_path):
     with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, lambda: 0):
         run_folder_tasks([Stopping(1)], tmp_path, ClusterSettings())
