@@ -39,8 +39,7 @@ from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_na
 from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import own_boxes
-from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 
 LOOK_EVERY = 10
 """Of so many frames one is looked at for the levels of a recording."""

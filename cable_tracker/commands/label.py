@@ -24,8 +24,7 @@ from cable_tracker.commands.options.serving import (
     need_gui,
 )
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 
 
 def label(  # noqa: PLR0917

@@ -39,7 +39,7 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.followed_kinds import CABLE
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 
 

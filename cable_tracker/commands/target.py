@@ -51,8 +51,7 @@ from cable_tracker.offline.track_target import parse_start, track_target
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.sequences.source_base import Source, UnreadableFrame
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.tracker import TargetTracker

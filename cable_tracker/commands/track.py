@@ -67,7 +67,7 @@ from cable_tracker.offline.advice import advice
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_recording
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.trackers import make_tracker
 
 

@@ -17,6 +17,7 @@ from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import open_chosen
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
@@ -208,7 +209,7 @@ class RecordingSequence(LabelledRecording):
         RecordingError
             The recording or the labels cannot be read, do not fit, or there are none.
         """
-        with self.open() as source:
+        with open_chosen(self) as source:
             if not (source.has_truth or self.unlabelled_is_empty):
                 raise RecordingError(
                     f"{self.path}: has no ground truth to judge by; give labels with --truth FILE,"
@@ -227,7 +228,7 @@ class RecordingSequence(LabelledRecording):
         """
         unlabelled = 0.0 if self.unlabelled_is_empty else UNKNOWN_VISIBILITY
         count = 0
-        with self.open() as source:
+        with open_chosen(self) as source:
             for frame in source.frames():
                 count += 1
                 image = self.decoded(frame, decode_grey)

@@ -11,7 +11,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.recording_files import recording_files
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 
 
 @dataclass(frozen=True, slots=True)

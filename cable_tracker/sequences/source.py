@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from cable_tracker.errors import ParameterError, RecordingError, UnreachableError, read_failure
@@ -19,7 +19,7 @@ from cable_tracker.sequences.bags.storage_files import (
 from cable_tracker.sequences.labels.label_match import labels_by_frame
 from cable_tracker.sequences.labels.sequence_file import SEQUENCE_SUFFIXES, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource, find_pictures
-from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.sequences.videos.video import VIDEO_SUFFIXES, VideoSource
 
 
@@ -30,43 +30,6 @@ def is_bag(path: Path) -> bool:
     if (path / METADATA).exists():
         return True
     return bool(storage_files(path) or packed_files(path)) and not find_pictures(path)
-
-
-@dataclass(frozen=True, slots=True)
-class ChosenRecording:
-    """Which recording to open, and how.
-
-    Attributes
-    ----------
-    path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth
-        See `open_source`.
-    """
-
-    path: Path
-    topic: str | None = None
-    rate: float | None = None
-    truth: Path | None = None
-    skip_bad_frames: bool = False
-    allow_outside: bool = False
-    with_truth: bool = field(default=True, kw_only=True)
-
-    def open(self) -> Source:
-        """Open it; see `open_source`."""
-        rate, path = self.rate, self.path
-        if rate is not None and not (math.isfinite(rate) and rate > 0.0):
-            raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
-        try:
-            if not path.exists():
-                raise UnreachableError(f"{path}: there is no such file or folder; check the path")
-            folder = path.parent if path.name == METADATA else path
-            source = _open_unlabelled(replace(self, path=folder))
-        except OSError as error:
-            raise read_failure(path, error) from error
-        if self.truth is not None and is_bag(self.truth):
-            _label_from_bag(source, self.truth)
-        elif self.truth is not None:
-            source.label(labels_by_frame(source, self.truth, self.allow_outside))
-        return source
 
 
 def open_source(
@@ -120,9 +83,30 @@ def open_source(
     ParameterError
         The rate is not a positive number.
     """
-    return ChosenRecording(
-        path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth=with_truth
-    ).open()
+    return open_chosen(
+        ChosenRecording(
+            path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth=with_truth
+        )
+    )
+
+
+def open_chosen(chosen: ChosenRecording) -> Source:
+    """Open a recording; see `open_source`."""
+    rate, path, truth = chosen.rate, chosen.path, chosen.truth
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
+    try:
+        if not path.exists():
+            raise UnreachableError(f"{path}: there is no such file or folder; check the path")
+        folder = path.parent if path.name == METADATA else path
+        source = _open_unlabelled(replace(chosen, path=folder))
+    except OSError as error:
+        raise read_failure(path, error) from error
+    if truth is not None and is_bag(truth):
+        _label_from_bag(source, truth)
+    elif truth is not None:
+        source.label(labels_by_frame(source, truth, chosen.allow_outside))
+    return source
 
 
 def _open_unlabelled(chosen: ChosenRecording) -> Source:
@@ -130,12 +114,7 @@ def _open_unlabelled(chosen: ChosenRecording) -> Source:
     if path.is_file() and not path.stat().st_size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
     if is_bag(path):
-        return BagSource(
-            path,
-            topic=chosen.topic,
-            skip_bad_frames=chosen.skip_bad_frames,
-            with_truth=chosen.with_truth,
-        )
+        return BagSource(chosen)
     if chosen.topic is not None:
         raise RecordingError(
             f"{path}: is no bag and has no topics; leave out --topic (node: topic)"
@@ -153,20 +132,15 @@ def _folder_source(chosen: ChosenRecording) -> Source:
     bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
     if bags and not find_pictures(path):
         raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")
-    return ImageFolderSource(path, rate=chosen.rate, skip_bad_frames=chosen.skip_bad_frames)
+    return ImageFolderSource(chosen)
 
 
 def _file_source(chosen: ChosenRecording) -> Source:
     path, suffix = chosen.path, chosen.path.suffix.lower()
     if suffix in VIDEO_SUFFIXES:
-        return VideoSource(path, skip_bad_frames=chosen.skip_bad_frames)
+        return VideoSource(chosen)
     if suffix in SEQUENCE_SUFFIXES:
-        return SequenceFileSource(
-            path,
-            rate=chosen.rate,
-            skip_bad_frames=chosen.skip_bad_frames,
-            allow_outside=chosen.allow_outside,
-        )
+        return SequenceFileSource(chosen)
     known = (*BAG_SUFFIXES, *VIDEO_SUFFIXES, *SEQUENCE_SUFFIXES)
     raise RecordingError(
         f"{path}: {suffix or 'a file without suffix'} is no known kind of recording; known are"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 from weakref import WeakSet
@@ -14,6 +14,25 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
 from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, CompressedImage, Frame, RawImage
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenRecording:
+    """Which recording to open, and how.
+
+    Attributes
+    ----------
+    path, topic, rate, truth, skip_bad_frames, allow_outside, with_truth
+        See `cable_tracker.sequences.source.open_source`.
+    """
+
+    path: Path
+    topic: str | None = None
+    rate: float | None = None
+    truth: Path | None = None
+    skip_bad_frames: bool = False
+    allow_outside: bool = False
+    with_truth: bool = field(default=True, kw_only=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +86,14 @@ class Source(ABC):
         Something the user should be told about the recording; empty if there is nothing.
     """
 
-    def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
-        self.path = path
+    def __init__(self, chosen: ChosenRecording) -> None:
+        self.path = chosen.path
         self.frame_count: int | None = None
         self.has_truth = False
         self.compressed = False
         self.note = ""
         self.taken_rate: float | None = None
-        self._skip_bad_frames = skip_bad_frames
+        self._skip_bad_frames = chosen.skip_bad_frames
         self._labels: Mapping[int, CableState] | None = None
         self._labels_by_stamp: Mapping[int, CableState] | None = None
         self._running: WeakSet[Generator[Frame]] = WeakSet()

@@ -16,6 +16,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.pictures.image_writer import write_sequence
+from cable_tracker.sequences.source import open_chosen
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.catalogue import worlds_of
@@ -76,7 +77,7 @@ def test_deep_grey_levels_are_judged_as_they_were_recorded(pictures, label_file)
         levels = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE).astype(np.uint16)
         cv2.imwrite(str(file), levels * np.uint16(2))
     seen = next(RecordingSequence(label_file).frames(0)).image
-    with RecordingSequence(label_file).open() as source:
+    with open_chosen(RecordingSequence(label_file)) as source:
         tracked = decode_grey(next(iter(source.frames())).image)
     assert seen.dtype == np.float32
     assert np.array_equal(seen, tracked)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_access import BEYOND_ALL, FrameAccess
-from cable_tracker.sequences.source_base import Source, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
 
 PIXELS = bytes(12)
 
@@ -14,7 +14,7 @@ class Numbers(Source):
     """Frames whose stamp is their number; counts how often it was begun, and what it gave."""
 
     def __init__(self, path, count, *, broken=False):
-        super().__init__(path)
+        super().__init__(ChosenRecording(path))
         self._count, self._broken = count, broken
         self.readings = self.handed_out = 0
 
@@ -124,7 +124,7 @@ class Holed(Source):
     """Twenty frames of which one cannot be read; those before a start are passed over unread."""
 
     def __init__(self, path, hole):
-        super().__init__(path)
+        super().__init__(ChosenRecording(path))
         self._hole = hole
 
     def _read(self, start):

@@ -7,14 +7,14 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, one_line
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
-from cable_tracker.sequences.source_base import Source, UnreadableFrame
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
 
 
 class ListSource(Source):
     """Frames of a list."""
 
     def __init__(self, items, **options):
-        super().__init__(Path("list"), **options)
+        super().__init__(ChosenRecording(Path("list"), **options))
         self.items = items
         self.ended = 0
 

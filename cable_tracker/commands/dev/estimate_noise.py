@@ -32,7 +32,7 @@ from cable_tracker.evaluation.experiments.noise import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 
 SMALLEST_COUNT = 2

@@ -15,8 +15,8 @@ from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.bags.instruments import NO_TOPIC, Instrument, InstrumentChoice
-from cable_tracker.sequences.source import ChosenRecording
-from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.source import open_chosen
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
@@ -175,7 +175,7 @@ def refuse_without_effect(given: Mapping[str, object], why: str) -> None:
 
 def open_recording(recording: ChosenRecording) -> Source:
     """Open a recording, and say what the user should know about it."""
-    source = recording.open()
+    source = open_chosen(recording)
     print_notes(recording.path, [source.note] if source.note else [])
     print_needless_rate(source, recording.rate)
     return source

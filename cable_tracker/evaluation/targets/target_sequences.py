@@ -11,7 +11,8 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.labels.target_labels import find_boxes
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source import open_chosen
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.simulation.targets.sequence import simulate_target
 from cable_tracker.target.model.estimate import Box
 
@@ -95,7 +96,7 @@ class RecordedTarget(LabelledRecording):
         RecordingError
             The recording or the boxes cannot be read, do not fit, or there are none.
         """
-        with self._unlabelled().open() as source:
+        with open_chosen(self._unlabelled()) as source:
             find_boxes(source, self.truth)
             return source.frame_count
 
@@ -108,7 +109,7 @@ class RecordedTarget(LabelledRecording):
             It is damaged, or shows the target in none of its frames.
         """
         shown = 0
-        with self._unlabelled().open() as source:
+        with open_chosen(self._unlabelled()) as source:
             truth = find_boxes(source, self.truth)
             for frame in source.frames():
                 box = truth.box(frame)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.sequences.bags.instruments import InstrumentChoice
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_table import ParameterValue
 

@@ -37,7 +37,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
-from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
 
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
@@ -202,18 +202,6 @@ def read_bag_truth(path: Path) -> dict[int, CableState]:
 class BagSource(Source):
     """Images of one topic of a bag.
 
-    Parameters
-    ----------
-    path : Path
-        A bag folder, or a single .db3, .mcap or .bag file.
-    topic : str or None
-        Image topic, with or without the leading slash; None if the bag holds just one.
-    skip_bad_frames : bool
-        Hand out frames that cannot be decoded, instead of raising RecordingError.
-    with_truth : bool
-        Read the ground truth that was recorded beside the images, which takes a way through the
-        whole bag.
-
     Attributes
     ----------
     topic : str
@@ -227,31 +215,25 @@ class BagSource(Source):
         Nothing can be read, or the topic is missing or not unique.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        *,
-        topic: str | None = None,
-        skip_bad_frames: bool = False,
-        with_truth: bool = True,
-    ) -> None:
-        super().__init__(path, skip_bad_frames=skip_bad_frames)
+    def __init__(self, chosen: ChosenRecording) -> None:
+        super().__init__(chosen)
+        path = chosen.path
         self._is_ros1 = is_ros1(path)
         self.storage = open_bag(path)
-        self.topic = _choose_topic(path, self.storage.topics, topic)
-        chosen = self.storage.topics[self.topic]
-        self.frame_count = chosen.count
-        self._type = chosen.msgtype
-        self.compressed = chosen.msgtype == COMPRESSED_IMAGE
-        self._is_video = chosen.msgtype in VIDEO_TYPES
+        self.topic = _choose_topic(path, self.storage.topics, chosen.topic)
+        stored = self.storage.topics[self.topic]
+        self.frame_count = stored.count
+        self._type = stored.msgtype
+        self.compressed = stored.msgtype == COMPRESSED_IMAGE
+        self._is_video = stored.msgtype in VIDEO_TYPES
         if self._is_video:
             # Packets before the first key frame are no frames.
             self.frame_count = None
-        if not chosen.count:
+        if not stored.count:
             raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
         if self.storage.note:
-            self.note = f"{self.storage.note} ({chosen.count} frames)"
-        self._truth = self._find_truth() if with_truth else {}
+            self.note = f"{self.storage.note} ({stored.count} frames)"
+        self._truth = self._find_truth() if chosen.with_truth else {}
         self.has_truth = bool(self._truth)
 
     def __exit__(self, *error: object) -> None:

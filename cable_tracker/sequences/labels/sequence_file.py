@@ -28,7 +28,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
-from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
 from cable_tracker.sequences.videos.video import TIMES_NOTE, VIDEO_SUFFIXES
 from cable_tracker.sequences.videos.video_frames import VideoFrames, opened_video
 from cable_tracker.sequences.videos.video_times import times_run_backwards
@@ -301,32 +301,17 @@ class SequenceFileSource(Source):
     with gaps keep the times that their numbers say. Each further file begins `APART` later: what is
     in one is not followed into another.
 
-    Parameters
-    ----------
-    rate : float or None
-        Pictures per second; 25 if None.
-    skip_bad_frames : bool
-        Hand out frames that cannot be decoded, instead of raising RecordingError.
-    allow_outside : bool
-        Whether the file may name pictures and videos outside its folder.
-
     Raises
     ------
     RecordingError
         The file is malformed, or a picture or video it names is missing or lies outside its folder.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        *,
-        rate: float | None = None,
-        skip_bad_frames: bool = False,
-        allow_outside: bool = False,
-    ) -> None:
-        super().__init__(path, skip_bad_frames=skip_bad_frames)
+    def __init__(self, chosen: ChosenRecording) -> None:
+        super().__init__(chosen)
+        path, allow_outside = chosen.path, chosen.allow_outside
         self._entries = read_labels(path, allow_outside=allow_outside)
-        self._rate = rate or USUAL_RATE
+        self._rate = chosen.rate or USUAL_RATE
         for label in self._entries:
             _check_kind(path, label)
         self._files = {

@@ -12,7 +12,7 @@ from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.natural_order import gap_note, naturally_sorted, positions_by_number
-from cable_tracker.sequences.source_base import Source, UnreadableFrame
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_NAME = "sequence.txt"
@@ -64,15 +64,6 @@ class ImageFolderSource(Source):
 
     Where numbers are missing between the names, the pictures keep the time that their numbers say.
 
-    Parameters
-    ----------
-    path : Path
-        The folder.
-    rate : float or None
-        Frames per second; 25 if None.
-    skip_bad_frames : bool
-        Hand out frames that cannot be decoded, instead of raising RecordingError.
-
     Attributes
     ----------
     pictures : list of Path
@@ -84,10 +75,9 @@ class ImageFolderSource(Source):
         The folder is missing or holds no pictures.
     """
 
-    def __init__(
-        self, path: Path, *, rate: float | None = None, skip_bad_frames: bool = False
-    ) -> None:
-        super().__init__(path, skip_bad_frames=skip_bad_frames)
+    def __init__(self, chosen: ChosenRecording) -> None:
+        super().__init__(chosen)
+        path = chosen.path
         try:
             self.pictures = find_pictures(path)
         except OSError as error:
@@ -96,7 +86,7 @@ class ImageFolderSource(Source):
             raise RecordingError(
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
-        self._rate = self.taken_rate = rate or USUAL_RATE
+        self._rate = self.taken_rate = chosen.rate or USUAL_RATE
         names = [picture.name for picture in self.pictures]
         self._positions = positions_by_number(names)
         self._gap_note = gap_note(names, self._positions)

@@ -16,7 +16,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source_base import Source, UnreadableFrame, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
 from cable_tracker.sequences.videos.packet_tally import PacketTally
 from cable_tracker.sequences.videos.video_frames import (
     VideoFrames,
@@ -116,8 +116,9 @@ class VideoSource(Source):
         The file is missing or no video.
     """
 
-    def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
-        super().__init__(path, skip_bad_frames=skip_bad_frames)
+    def __init__(self, chosen: ChosenRecording) -> None:
+        super().__init__(chosen)
+        path = chosen.path
         with opened_video(path) as container:
             self.frame_count = _frame_count(path, container)
             turn = _turn(container)

@@ -28,6 +28,7 @@ from cable_tracker.offline.track_recording import (
 )
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.pictures.shown_levels import DARK
+from cable_tracker.sequences.source import open_chosen
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status import WARMING_UP
 
@@ -77,7 +78,7 @@ def start_from_truth(tracker, source):
 
 
 def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
-    with RecordingRequest(dive).open() as source:
+    with open_chosen(RecordingRequest(dive)) as source:
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
@@ -92,7 +93,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
 def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
     watch, surveyed_dive, tmp_path
 ):
-    with RecordingRequest(surveyed_dive).open() as source:
+    with open_chosen(RecordingRequest(surveyed_dive)) as source:
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()

@@ -18,6 +18,7 @@ from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import track_target
+from cable_tracker.sequences.source import open_chosen
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
@@ -87,7 +88,7 @@ def rows_of_command(path, box, folder):
     tracker = TargetTracker(PARAMETERS)
     tracker.initialise(TargetStart.from_box(*box))
     with (
-        RecordingRequest(path).open() as source,
+        open_chosen(RecordingRequest(path)) as source,
         RecordedSight(recorded_vehicle(source)) as sight,
         TargetFolder(folder, timing=False, wanted=TABLE_ONLY) as results,
     ):

@@ -9,7 +9,7 @@ import pytest
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.ros.clients.lockstep import _finish, replay_parameters
 from cable_tracker.sequences.bags.instruments import InstrumentChoice
-from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.source_base import ChosenRecording
 
 
 def ended(code: int | None) -> SimpleNamespace:

@@ -14,6 +14,8 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.bags.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.source_base import ChosenRecording
 
 STORAGES = [
     ("mcap", "none"), ("mcap", "file"), ("mcap", "message"), ("mcap", "storage"),
@@ -22,14 +24,14 @@ STORAGES = [
 
 
 def read(path, **options):
-    with BagSource(path, **options) as source:
+    with open_source(path, **options) as source:
         return list(source.frames())
 
 
 def read_until_damage(path, **options):
     """Return the frames before the damage, and the message."""
     frames = []
-    with BagSource(path, **options) as source, pytest.raises(RecordingError) as caught:
+    with open_source(path, **options) as source, pytest.raises(RecordingError) as caught:
         for frame in source.frames():
             frames.append(frame)
     return frames, str(caught.value)
@@ -89,7 +91,7 @@ def test_files_of_a_split_bag_are_read_in_order(make_bag, storage):
     (path / f"split.{suffix}").rename(path / f"split_9.{suffix}")
     shutil.copy(other / f"other.{suffix}", path / f"split_10.{suffix}")
     (path / "metadata.yaml").unlink()
-    source = BagSource(path)
+    source = open_source(path)
     assert source.frame_count == len(list(source.frames())) == 10
     assert "2 files" in source.note
 
@@ -117,13 +119,13 @@ def test_pictures_of_another_type_under_the_same_name_are_told(
 
 
 def test_the_source_says_what_it_holds(make_bag):
-    source = BagSource(make_bag(frames=20))
+    source = open_source(make_bag(frames=20))
     assert source.frame_count == 20
     assert source.has_truth
     assert not source.compressed
     assert source.note == ""
-    assert BagSource(make_bag("c", compressed_images=True)).compressed
-    assert not BagSource(make_bag("t", truth=False)).has_truth
+    assert open_source(make_bag("c", compressed_images=True)).compressed
+    assert not open_source(make_bag("t", truth=False)).has_truth
 
 
 def test_frames_hold_the_pixels_as_recorded(make_bag):
@@ -132,7 +134,7 @@ def test_frames_hold_the_pixels_as_recorded(make_bag):
 
 
 def test_frames_begin_anew_each_time(make_bag):
-    with BagSource(make_bag()) as source:
+    with open_source(make_bag()) as source:
         first = source.frames()
         next(first)
         assert [frame.index for frame in source.frames()] == [0, 1, 2, 3, 4]
@@ -152,7 +154,7 @@ def test_frames_are_chosen_by_their_stamps_however_the_bag_is_compressed(
 ):
     path = make_bag(storage=storage, compression=compression, compressed_images=compressed_images)
     asked = []
-    with BagSource(path) as source:
+    with open_source(path) as source:
         chosen = source.chosen_frames(lambda stamp: asked.append(stamp) or len(asked) in {2, 4})
         assert [frame.index for frame in chosen] == [1, 3]
     assert asked == [first_stamp + index * 40_000_000 for index in range(5)]
@@ -170,7 +172,7 @@ def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_the_clock
             (damaged, first_stamp + 1000),
         )
     asked = []
-    with BagSource(path, skip_bad_frames=True) as source:
+    with open_source(path, skip_bad_frames=True) as source:
         assert not list(source.chosen_frames(lambda stamp: bool(asked.append(stamp))))
     assert asked[:2] == [first_stamp, first_stamp + 40_000_000]
 
@@ -185,18 +187,18 @@ def test_several_image_topics_need_a_choice(make_bag):
     with pytest.raises(
         RecordingError, match=r"--topic \(node: topic\): /left/image .*, /right/image"
     ):
-        BagSource(make_bag(topics=("/left/image", "/right/image")))
+        open_source(make_bag(topics=("/left/image", "/right/image")))
 
 
 def test_a_bag_without_images_says_what_there_is(make_bag):
     with pytest.raises(RecordingError, match=r"holds no images .*/chatter \(std_msgs/msg/String"):
-        BagSource(make_bag(topics=()))
+        open_source(make_bag(topics=()))
 
 
 @pytest.mark.parametrize("topic", ["/nothing", "/chatter"])
 def test_a_wrong_topic_is_refused(make_bag, topic):
     with pytest.raises(RecordingError, match=f"no image topic {topic}; the bag holds /camera"):
-        BagSource(make_bag(), topic=topic)
+        open_source(make_bag(), topic=topic)
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
@@ -204,7 +206,7 @@ def test_an_empty_bag_is_refused(tmp_path, storage):
     with Writer(tmp_path / "b", version=9, storage_plugin=StoragePlugin[storage.upper()]):
         pass
     with pytest.raises(RecordingError, match="no topics"):
-        BagSource(tmp_path / "b")
+        open_source(tmp_path / "b")
 
 
 @pytest.mark.parametrize("compressed_images", [False, True])
@@ -350,7 +352,7 @@ def test_only_joint_states_are_ground_truth(tmp_path, maker, picture, first_stam
             kind = message.__msgtype__
             connection = writer.add_connection(topic, kind, typestore=maker.store)
             writer.write(connection, first_stamp, maker.serialise(message))
-    source = BagSource(tmp_path / "b")
+    source = open_source(tmp_path / "b")
     assert not source.has_truth
     assert len(list(source.frames())) == 1
 
@@ -377,10 +379,10 @@ def half_labelled(request, tmp_path, maker, picture, state, first_stamp):
 
 
 def test_a_label_that_cannot_be_read_is_left_out_and_said(half_labelled, state):
-    with BagSource(half_labelled) as source:
+    with open_source(half_labelled) as source:
         assert "/ground_truth: 1 of its messages cannot be read and are left out" in source.note
         assert [frame.truth for frame in source.frames()] == [state(0), None]
-    with BagSource(half_labelled, with_truth=False) as source:
+    with open_source(half_labelled, with_truth=False) as source:
         assert not source.note
 
 
@@ -421,20 +423,20 @@ def test_garbage_is_refused(tmp_path, name, length):
     path = tmp_path / name
     path.write_bytes(np.random.default_rng(length).bytes(length))
     with pytest.raises(RecordingError, match=r"x\.\w+: not one message can be read") as caught:
-        BagSource(path)
+        BagSource(ChosenRecording(path))
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["x.mcap", "x.db3", "x.bag", "folder"])
 def test_a_missing_path_is_refused(tmp_path, name):
     with pytest.raises(RecordingError, match=name):
-        BagSource(tmp_path / name)
+        open_source(tmp_path / name)
 
 
 def test_messages_that_a_recorder_left_unmerged_are_mentioned(make_bag):
     path = make_bag(storage="sqlite3")
     (path / "bag.db3-wal").write_bytes(b"x")
-    assert "bag.db3-wal holds messages" in BagSource(path).note
+    assert "bag.db3-wal holds messages" in open_source(path).note
 
 
 @pytest.mark.parametrize("tail", range(9))

@@ -7,9 +7,9 @@ import pytest
 from rosbags.rosbag2 import Reader, Writer
 
 from cable_tracker.errors import OutputError, RecordingError
-from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.source import open_source
 
 IMAGE = "sensor_msgs/msg/Image"
 TEXT = "std_msgs/msg/String"
@@ -34,7 +34,7 @@ def test_what_is_written_can_be_read(tmp_path, maker, picture, first_stamp, stor
             bag.write("/image", IMAGE, maker.image(stamp, picture(index)), stamp)
             bag.write_serialised("/note", TEXT, maker.serialise(maker.text("x")), stamp)
     assert names(tmp_path) == {"out"}
-    assert [frame.stamp for frame in BagSource(path).frames()] == [
+    assert [frame.stamp for frame in open_source(path).frames()] == [
         first_stamp + k for k in range(3)
     ]
     with Reader(path) as reader:
@@ -91,7 +91,7 @@ def test_an_empty_bag_is_valid(tmp_path, storage):
     with Reader(tmp_path / "out") as reader:
         assert reader.message_count == 0
     with pytest.raises(RecordingError, match="no topics"):
-        BagSource(tmp_path / "out")
+        open_source(tmp_path / "out")
 
 
 @STORAGES
@@ -114,8 +114,8 @@ def test_an_existing_bag_is_overwritten_on_demand(make_bag, image):
     path = make_bag()
     with BagWriter(path, overwrite=True) as bag:
         bag.write("/image", IMAGE, image, 1)
-        assert BagSource(path).frame_count == 5
-    assert BagSource(path).frame_count == 1
+        assert open_source(path).frame_count == 5
+    assert open_source(path).frame_count == 1
     assert names(path.parent) == {"bag"}
 
 
@@ -123,7 +123,7 @@ def test_the_old_bag_stays_when_the_new_one_fails(make_bag):
     path = make_bag()
     with pytest.raises(ValueError, match="x"), BagWriter(path, overwrite=True):
         raise ValueError("x")
-    assert BagSource(path).frame_count == 5
+    assert open_source(path).frame_count == 5
 
 
 def test_leftovers_of_a_killed_process_do_not_disturb(tmp_path):

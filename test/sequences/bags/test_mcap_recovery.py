@@ -9,8 +9,8 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.mcap_recovery import is_closed, read_messages
+from cable_tracker.sequences.source import open_source
 
 FRAMES = 30
 COMPRESSIONS = [CompressionType.NONE, CompressionType.LZ4, CompressionType.ZSTD]
@@ -57,7 +57,7 @@ def cut(path: Path, share: float) -> Path:
 
 def frames_until_damage(path: Path) -> int:
     count = 0
-    with BagSource(path) as source, pytest.raises(RecordingError, match="damaged after"):
+    with open_source(path) as source, pytest.raises(RecordingError, match="damaged after"):
         for _ in source.frames():
             count += 1
     return count
@@ -76,7 +76,7 @@ def test_an_intact_file_is_read_whole(make_mcap, compression, chunks):
 def test_a_crashed_recording_ends_normally_with_a_note(make_mcap, compression, share):
     path = cut(make_mcap(compression), share)
     assert not is_closed(path)
-    with BagSource(path) as source:
+    with open_source(path) as source:
         frames = list(source.frames())
     # Noise does not compress: of the last chunk of seven frames nothing may come out.
     assert share * FRAMES - 8 < len(frames) <= share * FRAMES
@@ -96,7 +96,7 @@ def test_without_compression_no_whole_frame_is_lost(make_mcap, chunks, share):
 def test_only_the_footer_is_missing(make_mcap):
     path = make_mcap()
     os.truncate(path, path.stat().st_size - 8)
-    assert len(list(BagSource(path).frames())) == FRAMES
+    assert len(list(open_source(path).frames())) == FRAMES
 
 
 def test_a_tail_of_zeros_is_no_damage(make_mcap):
@@ -136,14 +136,14 @@ def test_not_one_frame_is_an_error(make_mcap):
     path = make_mcap()
     os.truncate(path, 300)
     with pytest.raises(RecordingError, match=r"dive\.mcap: .*before the first message"):
-        BagSource(path)
+        open_source(path)
 
 
 def test_a_folder_of_a_crashed_recorder(make_bag):
     path = make_bag(frames=20, size=(64, 48))
     (path / "metadata.yaml").unlink()
     cut(path / "bag.mcap", 0.5)
-    source = BagSource(path)
+    source = open_source(path)
     frames = list(source.frames())
     assert 8 <= len(frames) <= 10
     assert source.has_truth
@@ -154,7 +154,7 @@ def test_the_last_file_of_a_split_recording_may_be_empty(make_bag):
     path = make_bag(frames=5)
     (path / "metadata.yaml").unlink()
     (path / "bag_1.mcap").touch()
-    assert len(list(BagSource(path).frames())) == 5
+    assert len(list(open_source(path).frames())) == 5
 
 
 def test_of_a_split_recording_only_the_last_file_is_cut(make_bag):
@@ -163,14 +163,14 @@ def test_of_a_split_recording_only_the_last_file_is_cut(make_bag):
     whole = (path / "bag.mcap").read_bytes()
     (path / "bag.mcap").rename(path / "bag_0.mcap")
     (path / "bag_1.mcap").write_bytes(whole[: len(whole) // 2])
-    assert 28 <= len(list(BagSource(path).frames())) <= 30
+    assert 28 <= len(list(open_source(path).frames())) <= 30
 
 
 @pytest.mark.parametrize("beside", [("jsonschema", "json"), ("protobuf", "protobuf")])
 @pytest.mark.parametrize("share", [1.0, 0.9])
 def test_what_is_of_ros2_is_read_beside_other_messages(make_mcap, beside, share):
     path = cut(make_mcap(beside=[beside]), share)
-    with BagSource(path) as source:
+    with open_source(path) as source:
         count = len(list(source.frames()))
         assert source.storage.topics.keys() == {"/image"}
     assert count == FRAMES if share == 1.0 else 0 < count < FRAMES
@@ -178,7 +178,7 @@ def test_what_is_of_ros2_is_read_beside_other_messages(make_mcap, beside, share)
 
 
 def test_an_mcap_that_does_not_say_what_it_holds_is_not_damaged(make_mcap):
-    with BagSource(make_mcap(profile="")) as source:
+    with open_source(make_mcap(profile="")) as source:
         assert len(list(source.frames())) == FRAMES
         assert "does not say that it is" in source.note
 
@@ -195,4 +195,4 @@ def test_damage_beside_other_messages_is_told(make_mcap):
 def test_an_mcap_of_ros1_is_refused_in_words(make_mcap):
     path = make_mcap(profile="ros1")
     with pytest.raises(RecordingError, match=r"holds ROS 1 messages, .* convert it"):
-        BagSource(path)
+        open_source(path)

@@ -10,7 +10,6 @@ from contextlib import closing, suppress
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.bags.storage_files import storage_files
@@ -29,21 +28,21 @@ def folder(request, tmp_path):
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
 def test_a_bag_is_read_whatever_characters_its_path_has(make_bag, folder, storage):
     bag = shutil.copytree(make_bag(f"{folder.name}/b #2?", storage=storage), folder / "copy")
-    assert len(list(BagSource(bag).frames())) == 5
+    assert len(list(open_source(bag).frames())) == 5
     (file,) = storage_files(bag)
     assert not open_storage(bag).note
-    assert len(list(BagSource(file).frames())) == 5
+    assert len(list(open_source(file).frames())) == 5
 
 
 @pytest.mark.parametrize("compression", ["file", "message"])
 def test_so_is_a_compressed_one(make_bag, folder, compression):
     bag = make_bag(f"{folder.name}/b #2?", storage="sqlite3", compression=compression)
-    assert len(list(BagSource(bag).frames())) == 5
+    assert len(list(open_source(bag).frames())) == 5
 
 
 def test_so_is_a_ros1_bag(make_ros1_bag, folder):
     bag = make_ros1_bag(f"{folder.name}/b #2?.bag")
-    assert len(list(BagSource(bag).frames())) == 5
+    assert len(list(open_source(bag).frames())) == 5
 
 
 @pytest.mark.parametrize("storage", list(StorageFormat))
@@ -119,9 +118,9 @@ def run_without_utf8(program, *paths):
 READ = """
 import sys
 from pathlib import Path
-from cable_tracker.sequences.bags.bag import BagSource
+from cable_tracker.sequences.source import open_source
 for path in sys.argv[1:]:
-    print(len(list(BagSource(Path(path)).frames())))
+    print(len(list(open_source(Path(path)).frames())))
 """
 
 WRITE = """

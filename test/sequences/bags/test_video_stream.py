@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_storage import FFMPEG, FOXGLOVE
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.open_bag import open_bag
@@ -16,6 +15,7 @@ from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.bags.video_stream import DECODERS
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.headers import make_header, make_time
+from cable_tracker.sequences.source import open_source
 
 FACTORY = RosbagsMessages()
 COUNT, KEY_EVERY = 12, 4
@@ -103,7 +103,7 @@ def bag_of(path, coded, coding="h264", kind=FOXGLOVE, first_stamp=FIRST):
 
 def shown(path, **options):
     """Stamp and mean grey level of each frame; None where there is no picture."""
-    with BagSource(path, **options) as source:
+    with open_source(path, **options) as source:
         return [
             (
                 frame.stamp,
@@ -115,7 +115,7 @@ def shown(path, **options):
 
 def pictures(path, **options):
     """Stamp and grey levels of each frame that has a picture."""
-    with BagSource(path, **options) as source:
+    with open_source(path, **options) as source:
         return [
             (frame.stamp, decode_grey(frame.image)) for frame in source.frames() if frame.image.data
         ]
@@ -145,7 +145,7 @@ def test_a_picture_was_received_when_its_packet_was_whatever_the_clock_of_the_ca
     coded = packets("libx264", **options)
     path = bag_of(tmp_path / "bag", coded, "h264", kind, first_stamp=100_000_000_000)
     received = {index: FIRST + number * STEP for number, (index, _) in enumerate(coded)}
-    with BagSource(path) as source:
+    with open_source(path) as source:
         frames = list(source.frames())
     assert [frame.stamp for frame in frames] == [
         100_000_000_000 + index * STEP for index in range(COUNT)
@@ -213,7 +213,7 @@ def test_a_packet_that_cannot_be_unpacked_has_the_time_of_its_header(tmp_path, k
         for number, each in enumerate(whole.messages(list(whole.topics))):
             data = each.data[:40] if number == 5 else each.data
             bag.write_serialised(each.topic, each.msgtype, data, each.time)
-    with BagSource(tmp_path / "torn", skip_bad_frames=True) as torn:
+    with open_source(tmp_path / "torn", skip_bad_frames=True) as torn:
         frames = {frame.stamp: frame for frame in torn.frames()}
     unreadable = frames[clock + 5 * STEP]
     assert (unreadable.has_image, unreadable.frame_id) == (False, "eye")

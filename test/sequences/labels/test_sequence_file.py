@@ -15,10 +15,10 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.labels.sequence_file import (
     APART,
     Label,
-    SequenceFileSource,
     read_labels,
     write_labels,
 )
+from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import FIRST_STAMP
 
 numbers = st.floats(-1e6, 1e6)
@@ -118,7 +118,7 @@ def test_any_file_is_read_or_refused(tmp_path, content):
     path = tmp_path / "x.txt"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     try:
-        list(SequenceFileSource(path).frames())
+        list(open_source(path).frames())
     except RecordingError as error:
         assert "\n" not in str(error)
 
@@ -159,7 +159,7 @@ def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
     for index in range(3):
         cv2.imwrite(str(tmp_path / "in" / f"{index}.png"), picture(index))
     path = write(*(f"{index} 0 30 0 # in/{index}.png" for index in (2, 0, 1)))
-    with SequenceFileSource(path, rate=10.0) as source:
+    with open_source(path, rate=10.0) as source:
         frames = list(source.frames())
     assert [frame.stamp - FIRST_STAMP for frame in frames] == [0, 100_000_000, 200_000_000]
     assert [frame.index for frame in frames] == [0, 1, 2]
@@ -172,7 +172,7 @@ def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
 def test_frames_of_a_video_are_picked(write, make_video):
     make_video("dive.avi")
     path = write(*(f"{number} 0 30 0 # dive.avi:{number}" for number in (1, 4, 9, 3, 3)))
-    frames = list(SequenceFileSource(path).frames())
+    frames = list(open_source(path).frames())
     assert [frame.stamp - FIRST_STAMP for frame in frames] == [
         n * 50_000_000 for n in (1, 4, 9, 3, 3)
     ]
@@ -183,21 +183,21 @@ def test_frames_of_a_video_are_picked(write, make_video):
 
 def test_frames_of_a_video_have_the_times_they_have_in_it(write, write_video):
     write_video("dive.mkv", [0, 40, 80, 8080, 8120])
-    source = SequenceFileSource(write("0 0 30 0 # dive.mkv:1", "0 0 30 0 # dive.mkv:4"))
+    source = open_source(write("0 0 30 0 # dive.mkv:1", "0 0 30 0 # dive.mkv:4"))
     assert [frame.stamp - FIRST_STAMP for frame in source.frames()] == [40_000_000, 8_120_000_000]
 
 
 def test_a_note_names_a_video_whose_times_are_not_used(write, write_video):
     path = write_video("dive.ts", [40 * index for index in range(30)])
     path.write_bytes(path.read_bytes() * 2)
-    source = SequenceFileSource(write("0 0 30 0 # dive.ts:40"))
+    source = open_source(write("0 0 30 0 # dive.ts:40"))
     assert next(source.frames()).stamp - FIRST_STAMP == 1_600_000_000
     assert source.note.startswith("dive.ts: its times repeat")
 
 
 def test_a_video_is_read_in_one_pass(write, make_video, monkeypatch):
     make_video("dive.avi")
-    source = SequenceFileSource(write(*(f"0 0 30 0 # dive.avi:{n}" for n in range(10))))
+    source = open_source(write(*(f"0 0 30 0 # dive.avi:{n}" for n in range(10))))
     opened = []
     av_open = av.open
     monkeypatch.setattr(av, "open", lambda *a, **k: opened.append(a) or av_open(*a, **k))
@@ -209,16 +209,14 @@ def test_pictures_and_videos_may_be_mixed(write, make_video, tmp_path, picture):
     make_video("dive.avi")
     cv2.imwrite(str(tmp_path / "a.png"), picture(1))
     path = write("0 0 30 0 # dive.avi:2", "1 0 30 0 # a.png", "2 0 30 0 # dive.avi:3")
-    frames = list(SequenceFileSource(path).frames())
+    frames = list(open_source(path).frames())
     assert [frame.truth.distance for frame in frames] == [0, 1, 2]
 
 
 def test_one_recording_of_a_list_is_not_followed_into_another(write, make_video):
     make_video("a.avi")
     make_video("b.avi")
-    source = SequenceFileSource(
-        write(*(f"0 0 30 0 # {name}.avi:{k}" for name in "ab" for k in (3, 4)))
-    )
+    source = open_source(write(*(f"0 0 30 0 # {name}.avi:{k}" for name in "ab" for k in (3, 4))))
     steps = np.diff([frame.stamp for frame in source.frames()])
     assert steps.tolist() == [50_000_000, APART - 50_000_000, 50_000_000]
     assert "several recordings" in source.note
@@ -227,7 +225,7 @@ def test_one_recording_of_a_list_is_not_followed_into_another(write, make_video)
 def test_pictures_keep_the_times_of_their_numbers(write, picture, tmp_path):
     for number in (1, 2, 3, 7):
         cv2.imwrite(str(tmp_path / f"frame_{number}.png"), picture(1))
-    source = SequenceFileSource(write(*(f"0 0 30 0 # frame_{k}.png" for k in (1, 2, 3, 7))))
+    source = open_source(write(*(f"0 0 30 0 # frame_{k}.png" for k in (1, 2, 3, 7))))
     stamps = [frame.stamp - FIRST_STAMP for frame in source.frames()]
     assert stamps == [0, 40_000_000, 80_000_000, 240_000_000]
     assert "numbered with gaps" in source.note
@@ -236,14 +234,14 @@ def test_pictures_keep_the_times_of_their_numbers(write, picture, tmp_path):
 def test_pictures_in_any_order_follow_each_other(write, picture, tmp_path):
     for number in (1, 2, 7):
         cv2.imwrite(str(tmp_path / f"frame_{number}.png"), picture(1))
-    source = SequenceFileSource(write(*(f"0 0 30 0 # frame_{k}.png" for k in (7, 1, 2))))
+    source = open_source(write(*(f"0 0 30 0 # frame_{k}.png" for k in (7, 1, 2))))
     stamps = [frame.stamp - FIRST_STAMP for frame in source.frames()]
     assert stamps == [0, 40_000_000, 80_000_000]
 
 
 def test_a_frame_beyond_the_end_of_the_video_is_damage(write, make_video):
     make_video("dive.avi")
-    source = SequenceFileSource(write("0 0 30 0 # dive.avi:2", "0 0 30 0 # dive.avi:10"))
+    source = open_source(write("0 0 30 0 # dive.avi:2", "0 0 30 0 # dive.avi:10"))
     frames = source.frames()
     next(frames)
     with pytest.raises(RecordingError, match=r"after 1 frames \(dive.avi has only 10 frames\)"):
@@ -271,7 +269,7 @@ def test_a_name_that_cannot_be_used_is_refused(write, make_video, tmp_path, line
     (tmp_path / "loop.png").symlink_to(tmp_path / "loop.png")
     (tmp_path / "a.png").write_bytes(b"x")
     with pytest.raises(RecordingError, match=reason):
-        SequenceFileSource(write(line))
+        open_source(write(line))
 
 
 @pytest.mark.parametrize("name", ["{outside}/far.png", "../{parent}/far.png", "link.png"])
@@ -282,22 +280,22 @@ def test_a_file_that_is_trusted_may_name_others_outside_its_folder(write, tmp_pa
     (tmp_path / "link.png").symlink_to(outside / "far.png")
     path = write(f"0 0 30 0 # {name.format(outside=outside, parent=outside.name)}")
     with pytest.raises(RecordingError, match=r"--allow-outside \(node: allow_outside\)"):
-        SequenceFileSource(path)
-    with SequenceFileSource(path, allow_outside=True) as source:
+        open_source(path)
+    with open_source(path, allow_outside=True) as source:
         assert [frame.image.width for frame in source.frames()] == [6]
 
 
 def test_a_long_name_outside_the_folder_does_not_cut_off_what_to_do(write):
     path = write(f"0 0 30 0 # /{'x' * 180}.png")
     with pytest.raises(RecordingError, match="--allow-outside"):
-        SequenceFileSource(path)
+        open_source(path)
 
 
 def test_the_real_labels(footage):
     labels = read_labels(footage / "strip.txt")
     assert len(labels) == 138
     assert labels[0] == Label(CableState(199.97, -0.44943, 118.35, 0.00114), "strip.mp4", 0)
-    with SequenceFileSource(footage / "strip.txt") as source:
+    with open_source(footage / "strip.txt") as source:
         frames = list(source.frames())
     assert len(frames) == source.frame_count == 138
     assert frames[-1].stamp - FIRST_STAMP == 238 * 40_000_000
@@ -313,6 +311,6 @@ def test_a_label_knows_its_line_behind_comments_and_empty_lines(tmp_path):
 def test_a_picture_that_cannot_be_read_keeps_its_label(write, tmp_path):
     (tmp_path / "torn.png").write_bytes(b"garbage")
     path = write("-12.5 0.25 40 0.01 # torn.png")
-    with SequenceFileSource(path, skip_bad_frames=True) as source:
+    with open_source(path, skip_bad_frames=True) as source:
         (frame,) = source.frames()
     assert frame.truth == CableState(-12.5, 0.25, 40.0, 0.01)

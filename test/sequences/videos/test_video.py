@@ -13,7 +13,7 @@ from av.video.reformatter import Colorspace
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
-from cable_tracker.sequences.videos.video import VideoSource
+from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import FIRST_STAMP, stamp_of_frame
 
 SUFFIXES = [".avi", ".mp4", ".mkv", ".webm"]
@@ -21,7 +21,7 @@ SUFFIXES = [".avi", ".mp4", ".mkv", ".webm"]
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_all_frames_are_read_in_order(make_video, suffix):
-    source = VideoSource(make_video(f"dive{suffix}"))
+    source = open_source(make_video(f"dive{suffix}"))
     frames = list(source.frames())
     assert [frame.index for frame in frames] == list(range(10))
     assert [frame.stamp - FIRST_STAMP for frame in frames] == [
@@ -32,23 +32,23 @@ def test_all_frames_are_read_in_order(make_video, suffix):
 
 
 def test_frames_are_colour(make_video):
-    image = next(VideoSource(make_video()).frames()).image
+    image = next(open_source(make_video()).frames()).image
     assert (image.encoding, image.width, image.height) == ("bgr8", 64, 48)
 
 
 def test_the_source_says_what_it_holds(make_video):
-    source = VideoSource(make_video(rate=30.0))
+    source = open_source(make_video(rate=30.0))
     assert source.frame_count == 10
     assert not source.has_truth
     assert not source.compressed
 
 
 def test_a_container_without_frame_count_does_not_promise_any(make_video):
-    assert VideoSource(make_video("dive.webm")).frame_count is None
+    assert open_source(make_video("dive.webm")).frame_count is None
 
 
 def test_frames_begin_anew_each_time(make_video):
-    source = VideoSource(make_video())
+    source = open_source(make_video())
     with source:
         next(source.frames())
         assert len(list(source.frames())) == 10
@@ -62,31 +62,31 @@ def test_a_video_that_players_turn_is_read_as_it_is_stored(write_video):
     upright, turned = (
         write_video(name, [0, 40], turn=turn) for name, turn in (("a.mp4", 0), ("b.mp4", 90))
     )
-    pictures = [decode_grey(next(VideoSource(path).frames()).image) for path in (upright, turned)]
+    pictures = [decode_grey(next(open_source(path).frames()).image) for path in (upright, turned)]
     np.testing.assert_array_equal(*pictures)
-    assert VideoSource(upright).note == ""
-    assert "read as it is stored" in VideoSource(turned).note
+    assert open_source(upright).note == ""
+    assert "read as it is stored" in open_source(turned).note
 
 
 def test_a_video_whose_name_is_not_utf_8_is_refused(make_video):
     # FFmpeg takes names in UTF-8.
     path = make_video().rename(os.fsdecode(os.fsencode(make_video()) + b"\xe4.mp4"))
     with pytest.raises(RecordingError, match=r"not UTF-8 .*rename"):
-        VideoSource(path)
+        open_source(path)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_time_of_day_in_a_name_is_no_protocol(monkeypatch, make_video, suffix):
     video = make_video(f"2026-11-27T12:30:00{suffix}")
     monkeypatch.chdir(video.parent)
-    source = VideoSource(Path(video.name))
+    source = open_source(Path(video.name))
     assert len(list(source.frames())) == 10
     assert source.note == ""
 
 
 def test_a_missing_video_is_refused(tmp_path):
     with pytest.raises(RecordingError, match=r"x\.mp4"):
-        VideoSource(tmp_path / "x.mp4")
+        open_source(tmp_path / "x.mp4")
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -95,7 +95,7 @@ def test_garbage_is_refused(tmp_path, suffix, length):
     path = tmp_path / f"x{suffix}"
     path.write_bytes(np.random.default_rng(0).bytes(length))
     with pytest.raises(RecordingError, match=rf"x\{suffix}") as caught:
-        list(VideoSource(path).frames())
+        list(open_source(path).frames())
     assert "\n" not in str(caught.value)
 
 
@@ -103,13 +103,13 @@ def test_a_video_cut_before_its_index_is_refused(make_video):
     path = make_video("dive.mp4")
     os.truncate(path, path.stat().st_size // 2)
     with pytest.raises(RecordingError, match="truncated"):
-        VideoSource(path)
+        open_source(path)
 
 
 def test_frames_before_the_cut_are_delivered(make_video):
     path = make_video("dive.avi", frames=50)
     os.truncate(path, path.stat().st_size // 2)
-    source = VideoSource(path)
+    source = open_source(path)
     frames = []
     if source.frame_count is None:
         pytest.skip("this OpenCV does not know the number of frames of a cut avi")
@@ -127,8 +127,8 @@ def test_ffmpeg_does_not_write_to_the_terminal(make_video):
     path.write_bytes(data)
     code = (
         "from pathlib import Path\n"
-        "from cable_tracker.sequences.videos.video import VideoSource\n"
-        f"try:\n    list(VideoSource(Path({str(path)!r})).frames())\n"
+        "from cable_tracker.sequences.source import open_source\n"
+        f"try:\n    list(open_source(Path({str(path)!r})).frames())\n"
         "except Exception: pass\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
@@ -140,7 +140,7 @@ def test_ffmpeg_does_not_write_to_the_terminal(make_video):
 
 
 def test_the_real_footage_has_240_frames(footage):
-    source = VideoSource(footage / "strip.mp4")
+    source = open_source(footage / "strip.mp4")
     assert source.frame_count == 240
     frames = source.frames()
     first = next(frames)
@@ -152,15 +152,15 @@ def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(monkeypatch,
     path = make_video()
     monkeypatch.setattr("cable_tracker.sequences.videos.video_frames.MAX_PIXELS", 100)
     with pytest.raises(RecordingError, match="more than the 100 allowed"):
-        VideoSource(path)
+        open_source(path)
 
 
 def test_a_frame_of_too_many_pixels_is_a_bad_frame(monkeypatch, make_video):
     path = make_video()
     monkeypatch.setattr("cable_tracker.sequences.encodings.MAX_PIXELS", 100)
     with pytest.raises(RecordingError, match="skip-bad-frames"):
-        next(VideoSource(path).frames())
-    frame = next(VideoSource(path, skip_bad_frames=True).frames())
+        next(open_source(path).frames())
+    frame = next(open_source(path, skip_bad_frames=True).frames())
     with pytest.raises(FrameError):
         decode_grey(frame.image)
 
@@ -185,18 +185,18 @@ def write_matroska(path, frames, *, seconds_of_sound=0):
 
 def test_a_matroska_file_that_is_cut_says_so_after_the_frames_before_the_cut(tmp_path):
     path = write_matroska(tmp_path / "dive.mkv", 100)
-    assert len(list(VideoSource(path).frames())) == 100
+    assert len(list(open_source(path).frames())) == 100
     os.truncate(path, path.stat().st_size // 2)
     frames = []
     with pytest.raises(RecordingError, match=r"damaged after \d+ frames .* promises 4\.0 s"):
-        for frame in VideoSource(path).frames():
+        for frame in open_source(path).frames():
             frames.append(frame)
     assert 30 < len(frames) < 70
 
 
 def test_sound_that_lasts_longer_than_the_pictures_is_no_damage(tmp_path):
     path = write_matroska(tmp_path / "dive.mkv", 25, seconds_of_sound=4)
-    assert len(list(VideoSource(path).frames())) == 25
+    assert len(list(open_source(path).frames())) == 25
 
 
 def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
@@ -213,7 +213,7 @@ def test_frames_that_an_edit_list_leaves_out_are_not_missing(tmp_path):
         for packet in packets:
             packet.pts, packet.dts = packet.pts - before, packet.dts - before
             container.mux(packet)
-    assert len(list(VideoSource(path).frames())) == 20
+    assert len(list(open_source(path).frames())) == 20
 
 
 PAUSED = [40 * number for number in (*range(30), *range(150, 180))]
@@ -222,14 +222,14 @@ PAUSED = [40 * number for number in (*range(30), *range(150, 180))]
 
 def test_the_empty_frames_of_an_avi_whose_recorder_paused_are_not_missing(write_video):
     path = write_video("dive.avi", PAUSED, codec="mpeg4", ticks=25)
-    assert milliseconds(VideoSource(path)) == PAUSED
+    assert milliseconds(open_source(path)) == PAUSED
 
 
 def test_a_paused_avi_that_is_cut_off_after_the_pause_says_so(write_video):
     path = write_video("dive.avi", PAUSED, codec="mpeg4", ticks=25)
     os.truncate(path, path.stat().st_size * 3 // 4)
     with pytest.raises(RecordingError, match=r"damaged after 4\d frames"):
-        list(VideoSource(path).frames())
+        list(open_source(path).frames())
 
 
 @pytest.mark.parametrize("standard", [Colorspace.ITU601, Colorspace.ITU709])
@@ -245,7 +245,7 @@ def test_colours_are_those_of_the_standard_that_the_video_names(tmp_path, standa
         coded = frame.reformat(format="yuv420p", dst_colorspace=standard)
         container.mux(stream.encode(coded))
         container.mux(stream.encode(None))
-    picture = decode_bgr(next(VideoSource(path).frames()).image)
+    picture = decode_bgr(next(open_source(path).frames()).image)
     np.testing.assert_allclose(picture, colour, atol=4)
 
 
@@ -260,7 +260,7 @@ def test_frames_end_before_the_first_that_cannot_be_decoded(tmp_path, name):
     path.write_bytes(data)
     frames = []
     with pytest.raises(RecordingError, match=r"damaged after \d+ frames"):
-        for frame in VideoSource(path).frames():
+        for frame in open_source(path).frames():
             frames.append(frame)
     assert 40 < len(frames) <= 55
 
@@ -276,7 +276,7 @@ def test_frames_of_a_variable_rate_have_the_times_of_the_container(
     write_video, suffix, b_frames, first
 ):
     times = [first + time for time in VARIABLE]
-    source = VideoSource(write_video(f"dive{suffix}", times, b_frames=b_frames))
+    source = open_source(write_video(f"dive{suffix}", times, b_frames=b_frames))
     assert milliseconds(source) == VARIABLE
     assert milliseconds(source, start=7) == VARIABLE[7:]
     assert not source.note
@@ -289,34 +289,34 @@ def test_stamps_of_a_constant_rate_are_exact_in_spite_of_b_frames(write_video, s
     if suffix != ".mkv":
         times = [index * 1000 / rate for index in range(50)]
     path = write_video(f"dive{suffix}", times, b_frames=3, rate=rate)
-    stamps = [frame.stamp for frame in VideoSource(path).frames()]
+    stamps = [frame.stamp for frame in open_source(path).frames()]
     assert stamps == [stamp_of_frame(index, float(rate)) for index in range(50)]
 
 
 def test_frames_without_times_after_the_last_key_frame_of_an_avi_are_steady(write_video):
     times = [40 * index for index in range(30)]
     path = write_video("dive.avi", times, codec="mpeg4", b_frames=2, ticks=25)
-    assert milliseconds(VideoSource(path)) == times
+    assert milliseconds(open_source(path)) == times
 
 
 def test_a_clock_that_begins_anew_leaves_the_steady_rate_and_a_note(write_video):
     path = write_video("dive.ts", [0, 40, 80, *(8000 + 40 * index for index in range(27))])
     path.write_bytes(path.read_bytes() * 2)
-    source = VideoSource(path)
+    source = open_source(path)
     assert milliseconds(source) == [40 * index for index in range(60)]
     assert "repeat or run backwards" in source.note
 
 
 def test_a_program_stream_in_which_some_frames_have_no_time_is_steady(write_video):
     times = [40 * index for index in range(60)]
-    source = VideoSource(write_video("dive.mpg", times, codec="mpeg2video", ticks=25))
+    source = open_source(write_video("dive.mpg", times, codec="mpeg2video", ticks=25))
     assert milliseconds(source) == times
 
 
 def test_a_clock_that_begins_anew_later_goes_on_at_the_steady_rate(write_video):
     path = write_video("dive.ts", [40 * index for index in range(300)])
     path.write_bytes(path.read_bytes() * 2)
-    stamps = milliseconds(VideoSource(path))
+    stamps = milliseconds(open_source(path))
     assert stamps == [40 * index for index in range(600)]
 
 

@@ -12,6 +12,7 @@ from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
+from cable_tracker.sequences.source import open_chosen
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet
@@ -20,7 +21,7 @@ from cable_tracker.tracking.parameter_table import ParameterSet
 def open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
     """Open a recording; labels of a target are none of a cable, and are read by its follower."""
     is_target = isinstance(parameters, TargetParameters)
-    return (replace(request, truth=None) if is_target else request).open()
+    return open_chosen(replace(request, truth=None) if is_target else request)
 
 
 def make_follower(
