@@ -25,8 +25,7 @@ from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.bags.frame_messages import FrameMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.cable import cloud_of
-from cable_tracker.sequences.messages.cable_messages import cable_messages, messages_without_cable
+from cable_tracker.sequences.messages.cable import cable_messages, cloud_of, messages_without_cable
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status import REFUSED

@@ -22,7 +22,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.frame_messages import FrameMessages
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.target_messages import (
+from cable_tracker.sequences.messages.target import (
     messages_without_target,
     target_messages,
 )

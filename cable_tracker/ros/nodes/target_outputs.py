@@ -16,7 +16,7 @@ from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageMakers
-from cable_tracker.sequences.messages.target_messages import messages_without_target
+from cable_tracker.sequences.messages.target import messages_without_target
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.estimate import TargetEstimate

@@ -27,8 +27,7 @@ from cable_tracker.ros.nodes.target_outputs import TargetOutputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.target import read_start
-from cable_tracker.sequences.messages.target_messages import target_messages
+from cable_tracker.sequences.messages.target import read_start, target_messages
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart

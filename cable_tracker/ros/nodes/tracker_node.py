@@ -35,8 +35,7 @@ from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable import read_prior
-from cable_tracker.sequences.messages.cable_messages import cable_messages
+from cable_tracker.sequences.messages.cable import cable_messages, read_prior
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 

@@ -11,8 +11,7 @@ from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable import cloud_of
-from cable_tracker.sequences.messages.cable_messages import messages_without_cable
+from cable_tracker.sequences.messages.cable import cloud_of, messages_without_cable
 from cable_tracker.sequences.messages.factory import Message, MessageMakers
 from cable_tracker.visualisation.overlay import draw_estimate
 

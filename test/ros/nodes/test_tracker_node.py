@@ -17,7 +17,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
-from cable_tracker.sequences.messages import cable_messages
+from cable_tracker.sequences.messages import cable as cable_messages
 from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.trackers import make_tracker
