@@ -25,7 +25,8 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_writer import write_target_bag, write_target_pictures
 from cable_tracker.sequences.pictures.image_writer import write_sequence
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.instrument_writer import write_ticks
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
@@ -279,9 +280,11 @@ def _write_cable(written: _Written, cable: _CableFrames, seed: int) -> None:
         elif cable.dive is None:
             count = write_bag(folder, frames, storage=storage, overwrite=force).count
         else:
-            count = write_instrumented_bag(
-                folder, frames, *cable.dive, seed, storage=storage, overwrite=force
-            )
+            dive, rate = cable.dive
+            ticks, height = dive_ticks(frames, dive, rate, seed), dive.tube.height
+            count = write_ticks(
+                folder, ticks, dive.camera, height, storage=storage, overwrite=force
+            ).frames
     print_notes(folder, kept)
     console.print(f"{count} frames: {folder}", soft_wrap=True)
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.state import CableState
+from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_writer import BagWriter
+from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
+from cable_tracker.sequences.bags.convert import write_frame
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
@@ -72,12 +75,8 @@ class Tick:
         Reading of the altimeter, with each picture [m].
     fix : FloatArray or None
         Acoustic fix, once a second: x, y in the world, shape (2,) [m].
-    picture : Image or None
-        Grey picture, uint8, shape (H, W).
-    truth : CableState or None
-        True state of the cable in the picture; None where nothing of it can be seen.
-    visibility : float
-        Share of the borders inside the picture that nothing hides, 0 to 1.
+    frame : Frame or None
+        Picture, and where the cable is in it; no truth where nothing of it can be seen.
     """
 
     seconds: float
@@ -86,8 +85,7 @@ class Tick:
     imu: ImuReading
     altitude: float | None = None
     fix: FloatArray | None = None
-    picture: Image | None = None
-    truth: CableState | None = None
+    frame: Frame | None = None
 
 
 def to_east_north(places: FloatArray) -> FloatArray:
@@ -116,6 +114,56 @@ def vehicle_text(cable_height: float) -> str:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class WrittenDive:
+    """Size of the dive that was written.
+
+    Attributes
+    ----------
+    frames : int
+        Pictures in the bag.
+    seconds : float
+        Length of the dive.
+    """
+
+    frames: int
+    seconds: float
+
+
+def write_ticks(
+    path: Path,
+    ticks: Iterable[Tick],
+    camera: Camera,
+    cable_height: float,
+    *,
+    storage: StorageFormat = StorageFormat.MCAP,
+    overwrite: bool = False,
+) -> WrittenDive:
+    """Write a dive into a bag with a `vehicle.yaml`, which says what no topic says.
+
+    Parameters
+    ----------
+    cable_height : float
+        Height of the cable's axis above the bottom [m].
+    overwrite : bool
+        Replace a bag that lies at the path.
+
+    Raises
+    ------
+    OutputError
+        The bag cannot be written.
+    """
+    frames, seconds = 0, 0.0
+    vehicle = vehicle_text(cable_height).encode()
+    with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
+        writer = InstrumentWriter(bag, camera)
+        for tick in ticks:
+            writer.write(tick)
+            seconds = tick.seconds
+            frames += tick.frame is not None
+    return WrittenDive(frames, seconds)
+
+
 class InstrumentWriter:
     """Writes what the instruments of a simulated vehicle say, and where it really is.
 
@@ -125,30 +173,33 @@ class InstrumentWriter:
         Bag to write to; gets the mounting of camera and altimeter at once.
     """
 
-    def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:
+    def __init__(self, bag: BagWriter, camera: Camera) -> None:
         self._bag = bag
         self._camera = camera
-        self._errors = errors
         self._factory = RosbagsMessages()
         self._frame = LocalFrame(*ORIGIN)
         transforms = make_static_transforms(self._factory, FIRST_STAMP, camera.mounting)
         bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
 
     def write(self, tick: Tick) -> None:
-        """Write everything about an instant but its picture."""
+        """Write everything about an instant."""
         stamp = stamp_at(tick.seconds)
-        factory, errors = self._factory, self._errors
+        factory = self._factory
         in_odom = make_header(factory, stamp, ODOM)
         at_base = make_header(factory, stamp, BASE)
         odometry = make_odometry(factory, in_odom, tick.odometry)
         self._write(node_topics.ODOMETRY, odometry, stamp)
-        self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, errors), stamp)
+        self._write(
+            node_topics.IMU, make_imu(factory, at_base, tick.imu, InstrumentErrors()), stamp
+        )
         if tick.fix is not None:
             height = float(tick.state.position[2]) - DEPTH
             fix = make_fix(factory, at_base, fix_at(self._frame, tick.fix, height))
             self._write(node_topics.FIX, fix, stamp)
         if tick.altitude is not None:
             self._write_altitude(tick, tick.altitude, stamp)
+        if tick.frame is not None:
+            write_frame(self._bag, tick.frame)
 
     def _write_altitude(self, tick: Tick, altitude: float, stamp: int) -> None:
         factory = self._factory

@@ -7,56 +7,30 @@ says how it was: the cable's course, and what stands out along it.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
+from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.messages.cable import make_state
-from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.messages.images import make_image
-from cable_tracker.simulation.instruments.instrument_messages import (
-    CAMERA,
-)
 from cable_tracker.simulation.instruments.instrument_writer import (
     BEARING,
     ORIGIN,
-    InstrumentWriter,
     Tick,
+    WrittenDive,
     to_east_north,
-    vehicle_text,
+    write_ticks,
 )
 from cable_tracker.simulation.instruments.survey_dive import (
     SurveyDive,
     SurveyDiveSettings,
 )
 from cable_tracker.simulation.seen_cable import cable_course
-from cable_tracker.stamps import stamp_at
 
 COURSE_STEP = 0.25
 """Distance between two points of the true course [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class WrittenDive:
-    """Size of the dive that was written.
-
-    Attributes
-    ----------
-    frames : int
-        Pictures in the bag.
-    seconds : float
-        Length of the dive.
-    """
-
-    frames: int
-    seconds: float
 
 
 def write_survey_bag(
@@ -82,18 +56,20 @@ def write_survey_bag(
         The bag cannot be written.
     """
     dive = SurveyDive(settings)
-    frames, seconds = 0, 0.0
-    vehicle = vehicle_text(dive.cable_height).encode()
-    with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
-        writer = _Writer(bag, dive.camera, dive.errors)
-        for tick in dive.ticks():
-            writer.write(tick)
-            seconds = tick.seconds
-            if tick.picture is not None:
-                frames += 1
-                advance(float(tick.state.position[0]))
+    ticks = _told(dive.ticks(), advance)
+    written = write_ticks(
+        path, ticks, dive.camera, dive.cable_height, storage=storage, overwrite=overwrite
+    )
     write_bytes(path / TRUTH_FILE, json.dumps(truth_of(settings)).encode())
-    return WrittenDive(frames, seconds)
+    return written
+
+
+def _told(ticks: Iterable[Tick], advance: Callable[[float], None]) -> Iterator[Tick]:
+    """Yield instants, and tell after each picture how far along the course the vehicle is [m]."""
+    for tick in ticks:
+        yield tick
+        if tick.frame is not None:
+            advance(float(tick.state.position[0]))
 
 
 def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
@@ -110,18 +86,3 @@ def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
         "crossings": list(settings.crossings),
         "excursions": [[each.start, each.end] for each in settings.excursions],
     }
-
-
-class _Writer(InstrumentWriter):
-    """Writes the pictures of a survey too."""
-
-    def write(self, tick: Tick) -> None:
-        super().write(tick)
-        if tick.picture is None:
-            return
-        stamp = stamp_at(tick.seconds)
-        factory = self._factory
-        at_camera = make_header(factory, stamp, CAMERA)
-        self._write(node_topics.GROUND_TRUTH, make_state(factory, at_camera, tick.truth), stamp)
-        image = make_image(factory, raw_from_array(tick.picture, "mono8"), at_camera)
-        self._write(node_topics.IMAGE, image, stamp)

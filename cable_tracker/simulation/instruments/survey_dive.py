@@ -16,7 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.instruments.instrument_messages import CAMERA
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
 from cable_tracker.simulation.instruments.instruments import (
     InstrumentErrors,
@@ -39,6 +42,7 @@ from cable_tracker.simulation.seen_cable import (
     nearest_along,
 )
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
+from cable_tracker.stamps import stamp_at
 
 TICKS = 4
 """Odometry and imu speak so often in the time of one frame."""
@@ -169,8 +173,6 @@ class SurveyDive:
         The cable with all that lies about it.
     camera : Camera
         The vehicle's camera; base_link is at its centre.
-    errors : InstrumentErrors
-        How wrong the instruments are.
     cable_height : float
         Height of the cable's axis above the bottom [m].
     """
@@ -192,8 +194,8 @@ class SurveyDive:
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(current, self._start(), motion_rng)
-        self.errors = InstrumentErrors()
-        self._instruments = InstrumentSet(self.errors, self._vehicle.state(), reading_rng)
+        start = self._vehicle.state()
+        self._instruments = InstrumentSet(InstrumentErrors(), start, reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
 
@@ -217,11 +219,10 @@ class SurveyDive:
                 yield Tick(number * period, state, odometry, imu, fix=fix)
                 continue
             self._altitude = self._instruments.altitude(state)
-            picture = self.scene.picture(state, number * period)
-            yield Tick(
-                number * period, state, odometry, imu, self._altitude, fix,
-                picture, self.scene.seen(state),
-            )  # fmt: skip
+            image = raw_from_array(self.scene.picture(state, number * period), "mono8")
+            stamp, truth = stamp_at(number * period), self.scene.seen(state)
+            frame = Frame(number // TICKS, stamp, image, CAMERA, truth)
+            yield Tick(number * period, state, odometry, imu, self._altitude, fix, frame)
             if along >= settings.length:
                 return
 

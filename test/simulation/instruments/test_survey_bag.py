@@ -10,8 +10,12 @@ from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.instruments.instrument_writer import ORIGIN, to_east_north
-from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.instrument_writer import (
+    ORIGIN,
+    to_east_north,
+    write_ticks,
+)
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.scenarios.scenario_dive import (
@@ -56,7 +60,9 @@ def _write_survey(path: Path) -> None:
 
 def _write_instrumented(path: Path) -> None:
     settings = SimulationSettings(frame_count=1, image_size=(64, 48))
-    write_instrumented_bag(path, simulate(settings), simulated_dive(settings), 25.0, 0)
+    dive = simulated_dive(settings)
+    ticks = dive_ticks(simulate(settings), dive, 25.0, 0)
+    write_ticks(path, ticks, dive.camera, dive.tube.height)
 
 
 @pytest.mark.parametrize("write", [_write_survey, _write_instrumented])

@@ -19,8 +19,8 @@ SMALL = SurveyDiveSettings(seed=3, length=4.0, image_size=(64, 48), rate=5.0)
 
 def test_every_manieth_tick_has_a_picture_and_an_altitude():
     ticks = list(islice(SurveyDive(SMALL).ticks(), 3 * TICKS))
-    assert [tick.picture is not None for tick in ticks] == ([True] + [False] * (TICKS - 1)) * 3
-    assert all((tick.altitude is None) == (tick.picture is None) for tick in ticks)
+    assert [tick.frame is not None for tick in ticks] == ([True] + [False] * (TICKS - 1)) * 3
+    assert all((tick.altitude is None) == (tick.frame is None) for tick in ticks)
 
 
 def test_the_vehicle_stays_over_the_cable_to_its_end():
@@ -35,7 +35,7 @@ def test_the_vehicle_stays_over_the_cable_to_its_end():
 
 def test_the_rates_of_the_truth_are_the_slope_of_its_places():
     dive = SurveyDive(replace(SMALL, length=1.5, rate=25.0))
-    truths = [tick.truth for tick in dive.ticks() if tick.truth is not None]
+    truths = [tick.frame.truth for tick in dive.ticks() if tick.frame is not None]
     states = np.array([truth.to_array() for truth in truths])
     slopes = (states[2:, :4] - states[:-2, :4]) * 12.5
     # The vehicle is pushed in between, too.

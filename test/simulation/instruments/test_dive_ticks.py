@@ -8,7 +8,8 @@ from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.instruments.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.instrument_writer import write_ticks
 from cable_tracker.simulation.motion.flight import flight_at
 from cable_tracker.simulation.scenarios.scenario_dive import (
     SimulationSettings,
@@ -20,13 +21,16 @@ from cable_tracker.tracking.status import TrackingStatus
 SETTINGS = SimulationSettings(frame_count=12, rate=10.0, image_size=(160, 120), clutter=0.0, seed=4)
 
 
+def write_dive(path):
+    dive = simulated_dive(SETTINGS)
+    ticks = dive_ticks(simulate(SETTINGS), dive, SETTINGS.rate, SETTINGS.seed)
+    return write_ticks(path, ticks, dive.camera, dive.tube.height)
+
+
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
     path = tmp_path_factory.mktemp("plain") / "dive"
-    count = write_instrumented_bag(
-        path, simulate(SETTINGS), simulated_dive(SETTINGS), SETTINGS.rate, SETTINGS.seed
-    )
-    assert count == SETTINGS.frame_count
+    assert write_dive(path).frames == SETTINGS.frame_count
     return path
 
 
@@ -63,9 +67,7 @@ def test_the_true_cable_lies_in_metres_where_the_vehicle_has_it(bag):
 
 def test_the_same_seed_gives_the_same_instruments(bag, tmp_path):
     again = tmp_path / "again"
-    write_instrumented_bag(
-        again, simulate(SETTINGS), simulated_dive(SETTINGS), SETTINGS.rate, SETTINGS.seed
-    )
+    write_dive(again)
     topics = ("/odometry", "/imu", "/altitude", "/fix")
     first, second = (
         [each.data for each in open_storage(path).messages(topics)] for path in (bag, again)
