@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -17,7 +18,6 @@ from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.pictures.picture_header import (
     MAX_PIXELS,
     PICTURE_KINDS,
@@ -203,6 +203,17 @@ def _float_to_255(pixels: Image) -> NDArray[np.float32]:
     return np.clip(pixels * scale, np.float32(0.0), np.float32(255.0))
 
 
+@cache
+def _silence_opencv() -> None:
+    """Switch off OpenCV's own messages; what goes wrong is said in our exceptions."""
+    # OpenCV 4 has cv2.setLogLevel, OpenCV 5 only cv2.utils.logging.
+    opencv = cast("Any", cv2)
+    if hasattr(opencv, "setLogLevel"):
+        opencv.setLogLevel(0)
+    else:
+        opencv.utils.logging.setLogLevel(0)
+
+
 def decode_picture_file(
     data: memoryview, flags: int, kinds: Sequence[str] = PICTURE_KINDS
 ) -> Image:
@@ -227,7 +238,7 @@ def decode_picture_file(
     """
     header = read_picture_header(data, kinds)
     kind = header.kind
-    silence_opencv()
+    _silence_opencv()
     try:
         # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.
         flags |= cv2.IMREAD_IGNORE_ORIENTATION

@@ -11,7 +11,7 @@ from typing import Self, TypeAlias
 Job: TypeAlias = Callable[[], None]
 
 CAPACITY = 8
-"""Jobs that may wait; each holds a frame."""
+"""Jobs that may wait, so that memory stays bounded: each holds a frame."""
 
 
 class DrawingThread:
@@ -19,15 +19,10 @@ class DrawingThread:
 
     When the block ends well, all jobs have been done. When it ends with an exception, those that
     wait are left out.
-
-    Parameters
-    ----------
-    capacity : int
-        How many jobs may wait; `do` waits where there are more, so that memory stays bounded.
     """
 
-    def __init__(self, capacity: int = CAPACITY) -> None:
-        self._jobs: Queue[Job | None] = Queue(capacity)
+    def __init__(self) -> None:
+        self._jobs: Queue[Job | None] = Queue(CAPACITY)
         self._thread = Thread(target=self._work, name="drawing", daemon=True)
         self._error: BaseException | None = None
         self._abandoned = False

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 import tracemalloc
 from dataclasses import replace
 from itertools import product
@@ -341,3 +343,16 @@ def test_an_array_that_does_not_fit_the_encoding_is_refused():
     for encoding in ("bgr8", "mono16", "nonsense"):
         with pytest.raises(FrameError):
             raw_from_array(np.zeros((4, 4), np.uint8), encoding)
+
+
+def test_opencv_says_nothing_of_a_picture_that_it_cannot_read(tmp_path):
+    path = tmp_path / "missing.png"
+    code = (
+        "import sys; sys.path[:] = " + repr(sys.path) + "\n"
+        "import cv2\n"
+        "from cable_tracker.sequences.encodings import _silence_opencv\n"
+        "_silence_opencv()\n"
+        f"assert cv2.imread({str(path)!r}) is None\n"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stderr == ""

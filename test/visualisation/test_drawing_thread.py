@@ -3,12 +3,12 @@ from threading import Event, current_thread
 import pytest
 
 from cable_tracker.errors import OutputError
-from cable_tracker.visualisation.drawing_thread import DrawingThread
+from cable_tracker.visualisation.drawing_thread import CAPACITY, DrawingThread
 
 
 def test_jobs_are_done_in_order_in_another_thread():
     done = []
-    with DrawingThread(capacity=2) as thread:
+    with DrawingThread() as thread:
         for number in range(20):
             thread.do(lambda number=number: done.append((number, current_thread().name)))
     assert done == [(number, "drawing") for number in range(20)]
@@ -21,11 +21,11 @@ def test_no_more_jobs_wait_than_the_capacity():
         begun.set()
         assert go_on.wait(300)
 
-    with DrawingThread(capacity=2) as thread:
+    with DrawingThread() as thread:
         thread.do(hold)
         assert begun.wait(300)
-        thread.do(lambda: None)
-        thread.do(lambda: None)
+        for _ in range(CAPACITY):
+            thread.do(lambda: None)
         assert thread._jobs.full()
         go_on.set()
 
@@ -37,7 +37,7 @@ def test_an_error_is_told_at_a_later_job_or_at_the_end():
     done = []
     with pytest.raises(OutputError, match="disk is full"), DrawingThread() as thread:
         thread.do(fail)
-    with pytest.raises(OutputError, match="disk is full"), DrawingThread(capacity=1) as thread:
+    with pytest.raises(OutputError, match="disk is full"), DrawingThread() as thread:
         thread.do(fail)
         for _ in range(1000):
             thread.do(lambda: done.append(1))

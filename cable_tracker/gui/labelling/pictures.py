@@ -44,17 +44,11 @@ class Picture:
 
 
 class Pictures:
-    """Makes pictures of the frames of a recording; from any thread.
+    """Makes pictures of the frames of a recording; from any thread."""
 
-    Parameters
-    ----------
-    kept_bytes : int
-        Capacity of the cache of JPEG files [bytes].
-    """
-
-    def __init__(self, access: FrameAccess, kept_bytes: int = KEPT_BYTES) -> None:
+    def __init__(self, access: FrameAccess) -> None:
         self._access = access
-        self._kept: RecentlyUsed[Picture] = RecentlyUsed(kept_bytes)
+        self._kept: RecentlyUsed[Picture] = RecentlyUsed(KEPT_BYTES)
         self._lock = threading.Lock()
 
     def picture(self, frame: int) -> Picture:

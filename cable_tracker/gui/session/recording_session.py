@@ -6,17 +6,26 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import CableTrackerError, RecordingError
-from cable_tracker.gui.session.followers.choice import make_follower, open_for
+from cable_tracker.gui.session.followers.cable_follower import CableFollower
+from cable_tracker.gui.session.followers.follower import Follower
+from cable_tracker.gui.session.followers.target_follower import TargetFollower
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.session import AnyStart, Session
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
-from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
+from cable_tracker.sequences.source import open_chosen
+from cable_tracker.sequences.source_base import Source
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 LONGEST_PAUSE = 1.0
@@ -59,10 +68,10 @@ class RecordingSession(Session):
         self.request = request
         self._resources = ExitStack()
         with ExitStack() as stack:
-            source = stack.enter_context(open_for(request, parameters))
+            source = stack.enter_context(_open_for(request, parameters))
             self._frames = FrameAccess(source)
             vehicle = recorded_vehicle(source, request.choice, request.vehicle)
-            follower = make_follower(source, request, parameters, vehicle)
+            follower = _make_follower(source, request, parameters, vehicle)
             try:
                 self._frames.frame(0)
             except IndexError as error:
@@ -278,3 +287,27 @@ class RecordingSession(Session):
     def _is_interrupted(self, is_target: bool) -> bool:
         """Tell whether another frame is wanted by now than the one on the way."""
         return self._thread.is_closing or (self._target is not None and not is_target)
+
+
+def _open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
+    """Open a recording; labels of a target are none of a cable, and are read by its follower."""
+    is_target = isinstance(parameters, TargetParameters)
+    return open_chosen(replace(request, truth=None) if is_target else request)
+
+
+def _make_follower(
+    source: Source,
+    request: RecordingRequest,
+    parameters: ParameterSet,
+    vehicle: RecordedVehicle,
+) -> Follower:
+    """Return what follows what the parameters are for.
+
+    Instruments tell metres of a cable, and turns of the camera for a target.
+    """
+    if isinstance(parameters, TargetParameters):
+        truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
+        sight = RecordedSight(vehicle) if vehicle.has_instruments else None
+        return TargetFollower(request.init, parameters, truth, sight)
+    assert isinstance(parameters, TrackerParameters)
+    return CableFollower(source, request.init, parameters, vehicle.metres())

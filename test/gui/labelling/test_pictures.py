@@ -2,6 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
+from cable_tracker.gui.labelling import pictures as pictures_module
 from cable_tracker.gui.labelling.pictures import Pictures
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.pictures.shown_levels import STAND_IN_SIZE
@@ -27,8 +28,9 @@ def test_a_picture_of_a_camera_of_ten_bits_is_not_black(tmp_path):
     assert np.ptp(shown) > 25
 
 
-def test_few_are_kept(folder):
-    made = Pictures(FrameAccess(open_source(folder)), kept_bytes=1)
+def test_few_are_kept(folder, monkeypatch):
+    monkeypatch.setattr(pictures_module, "KEPT_BYTES", 1)
+    made = Pictures(FrameAccess(open_source(folder)))
     first = made.picture(0)
     assert made.picture(0) is first
     made.picture(1)
