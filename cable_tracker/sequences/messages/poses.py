@@ -26,10 +26,17 @@ def make_vector(factory: MessageFactory, values: FloatArray) -> Message:
     return factory.make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
 
 
-def make_quaternion_of_yaw(factory: MessageFactory, yaw: float) -> Message:
-    """Pack a rotation about z [rad] as a Quaternion."""
+def make_quaternion(factory: MessageFactory, roll: float, pitch: float, yaw: float) -> Message:
+    """Pack a rotation by roll, pitch, yaw [rad] as a Quaternion."""
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
     return factory.make(
-        "geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)
+        "geometry_msgs/msg/Quaternion",
+        x=sr * cp * cy - cr * sp * sy,
+        y=cr * sp * cy + sr * cp * sy,
+        z=cr * cp * sy - sr * sp * cy,
+        w=cr * cp * cy + sr * sp * sy,
     )
 
 
@@ -48,7 +55,7 @@ def make_pose(
 def make_pose_at_origin(factory: MessageFactory) -> Message:
     """Pack no translation and no rotation as a Pose."""
     # Said in full: rosbags knows no default values, and its zero quaternion is no rotation.
-    return make_pose(factory, (0.0, 0.0, 0.0), make_quaternion_of_yaw(factory, 0.0))
+    return make_pose(factory, (0.0, 0.0, 0.0), make_quaternion(factory, 0.0, 0.0, 0.0))
 
 
 def make_uncertain_pose(factory: MessageFactory, pose: Message, covariance: FloatArray) -> Message:
@@ -81,7 +88,7 @@ def make_stamped_pose(
     Message
         A PoseWithCovarianceStamped.
     """
-    pose = make_pose(factory, place, make_quaternion_of_yaw(factory, yaw))
+    pose = make_pose(factory, place, make_quaternion(factory, 0.0, 0.0, yaw))
     return factory.make(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header,

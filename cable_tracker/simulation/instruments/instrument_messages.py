@@ -7,10 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.messages.poses import make_pose, make_uncertain_pose, make_vector
+from cable_tracker.sequences.messages.poses import (
+    make_pose,
+    make_quaternion,
+    make_uncertain_pose,
+    make_vector,
+)
 from cable_tracker.simulation.instruments.instruments import (
     LEAST_RANGE,
     MOST_RANGE,
@@ -73,7 +77,7 @@ def make_imu(
     return factory.make(
         "sensor_msgs/msg/Imu",
         header=header,
-        orientation=make_quaternion(factory, reading.angles),
+        orientation=make_quaternion(factory, *reading.angles),
         orientation_covariance=spread(errors.attitude),
         angular_velocity=make_vector(factory, reading.turn),
         angular_velocity_covariance=spread(errors.turn),
@@ -85,7 +89,7 @@ def make_imu(
 def make_odometry(factory: MessageFactory, header: Message, reading: OdometryReading) -> Message:
     """Pack what odometry says as Odometry."""
     x, y, z = (float(value) for value in reading.position)
-    pose = make_pose(factory, (x, y, z), make_quaternion(factory, reading.angles))
+    pose = make_pose(factory, (x, y, z), make_quaternion(factory, *reading.angles))
     twist = factory.make(
         "geometry_msgs/msg/Twist",
         linear=make_vector(factory, reading.twist[:3]),
@@ -109,18 +113,6 @@ def make_true_odometry(factory: MessageFactory, header: Message, state: VehicleS
     nothing = np.zeros((6, 6))
     reading = OdometryReading(state.position, state.angles, nothing, state.twist, nothing)
     return make_odometry(factory, header, reading)
-
-
-def make_quaternion(factory: MessageFactory, angles: FloatArray) -> Message:
-    """Pack roll, pitch, yaw [rad] as Quaternion."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2), np.sin(angles / 2)
-    return factory.make(
-        "geometry_msgs/msg/Quaternion",
-        x=float(sr * cp * cy - cr * sp * sy),
-        y=float(cr * sp * cy + sr * cp * sy),
-        z=float(cr * cp * sy - sr * sp * cy),
-        w=float(cr * cp * cy + sr * sp * sy),
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,13 +157,13 @@ def make_static_transforms(factory: MessageFactory, stamp: int, mounting: float)
     The camera looks forward by `mounting` from straight down [rad].
     """
     # Roll, pitch and yaw of the optical frame: x to the right, y down in the image.
-    camera = np.array([mounting - math.pi, 0.0, -math.pi / 2])
+    camera = (mounting - math.pi, 0.0, -math.pi / 2)
     transforms = []
-    for child, angles in ((CAMERA, camera), (ALTIMETER, np.zeros(3))):
+    for child, angles in ((CAMERA, camera), (ALTIMETER, (0.0, 0.0, 0.0))):
         transform = factory.make(
             "geometry_msgs/msg/Transform",
             translation=make_vector(factory, np.zeros(3)),
-            rotation=make_quaternion(factory, angles),
+            rotation=make_quaternion(factory, *angles),
         )
         transforms.append(
             factory.make(

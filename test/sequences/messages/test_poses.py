@@ -4,29 +4,40 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from message_parts import FACTORY
 
+from cable_tracker.metric.frames import roll_and_pitch
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
     UNKNOWN_VARIANCE,
     YAW,
     Y,
     make_pose_at_origin,
-    make_quaternion_of_yaw,
+    make_quaternion,
     make_stamped_pose,
     pose_covariance,
     unit_quaternion,
     yaw_of,
 )
 
+ANGLES = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0))
+
 
 def quaternion(x, y, z, w):
     return FACTORY.make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
 
 
+@given(ANGLES)
+def test_a_quaternion_holds_the_angles(angles):
+    q = make_quaternion(FACTORY, *angles)
+    assert yaw_of(q) == pytest.approx(angles[2], abs=1e-9)
+    assert roll_and_pitch(q.x, q.y, q.z, q.w) == pytest.approx(angles[:2], abs=1e-9)
+
+
 @pytest.mark.parametrize("yaw", [-3.0, -0.2, 0.0, 1.4])
-def test_a_yaw_is_read_back_whatever_the_length_of_its_quaternion(yaw):
-    assert yaw_of(make_quaternion_of_yaw(FACTORY, yaw)) == pytest.approx(yaw)
+def test_a_yaw_is_read_whatever_the_length_of_its_quaternion(yaw):
     assert yaw_of(
         quaternion(0.0, 0.0, 3.0 * math.sin(yaw / 2), 3.0 * math.cos(yaw / 2))
     ) == pytest.approx(yaw)

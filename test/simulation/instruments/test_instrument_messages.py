@@ -2,10 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.metric.frames import roll_and_pitch
 from cable_tracker.metric.messages import (
     read_attitude,
     read_camera_info,
@@ -14,12 +12,10 @@ from cable_tracker.metric.messages import (
 )
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.simulation.instruments.instrument_messages import (
     make_camera_info,
     make_imu,
     make_odometry,
-    make_quaternion,
     make_range,
 )
 from cable_tracker.simulation.instruments.instruments import (
@@ -32,13 +28,6 @@ from cable_tracker.simulation.rendering.camera import Camera
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_000_000_000, "base_link")
 ANGLES = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0))
-
-
-@given(ANGLES)
-def test_a_quaternion_holds_the_angles(angles):
-    q = make_quaternion(FACTORY, np.array(angles))
-    assert yaw_of(q) == pytest.approx(angles[2], abs=1e-9)
-    assert roll_and_pitch(q.x, q.y, q.z, q.w) == pytest.approx(angles[:2], abs=1e-9)
 
 
 def test_the_tracker_reads_the_camera_as_it_is():
