@@ -34,6 +34,9 @@ BAND_SIGMAS = 1.96
 
 MILLIMETRES, DEGREE_DIGITS = 3, 8
 
+EVERY_METRE = "every_metre"
+"""Layer of points with what is known of the cable there; a property of the route in GeoJSON."""
+
 EVENT_COLUMNS = (
     "route", "kind", "kp_from_m", "kp_to_m", "length_m", "latitude", "longitude", "x_m", "y_m",
     "stamp", "recording", "frame", "picture", "detail",
@@ -170,26 +173,81 @@ def write_events(path: Path, survey: SurveyMap) -> None:
     write_csv(path, EVENT_COLUMNS, event_rows(survey))
 
 
-def write_geojson(path: Path, survey: SurveyMap) -> None:
-    """Write routes, kilometre points and events as features; one a line."""
-    features: list[dict[str, Any]] = []
-    for name, route in zip(survey.names, survey.routes, strict=True):
-        line = survey.coordinates(route.places).tolist()
-        table = {key: rounded(values, 4) for key, values in at_every_metre(route).items()}
-        own = {"layer": "route", "name": name, "length_m": round(float(route.along[-1]), 3)}
-        own["sigma_median_m"] = round(float(np.median(route.sigmas)), 4)
-        own["recordings"] = ", ".join(route.recordings)
-        features.append(_feature("LineString", line, {**own, "every_metre": table}))
-        outline = survey.coordinates(band(route)).tolist()
-        features.append(_feature("Polygon", [outline], {"layer": "band_95", "name": name}))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Layer:
+    """Shapes of one kind; each column says one thing of each."""
+
+    name: str
+    kind: str
+    shapes: Sequence[Any]
+    columns: dict[str, list[Any]]
+
+
+def _layers(survey: SurveyMap) -> list[_Layer]:
+    """Return the layers of a map: its routes first, one shape each."""
+    routes = list(zip(survey.names, survey.routes, strict=True))
+    names = {"name": [name for name, _ in routes]}
+    lines = [shapely.LineString(survey.coordinates(route.places)) for _, route in routes]
+    bands = [shapely.Polygon(survey.coordinates(band(route))) for _, route in routes]
+    placed = [(name, event) for name, route in routes for event in route.events]
+    points = [shapely.Point(survey.coordinates(np.array([event.place]))[0]) for _, event in placed]
+    table = [_event_row(survey, name, event) for name, event in placed]
+    of_route: dict[str, list[Any]] = {
+        "length_m": [float(route.along[-1]) for _, route in routes],
+        "sigma_median_m": [float(np.median(route.sigmas)) for _, route in routes],
+        "recordings": [", ".join(route.recordings) for _, route in routes],
+    }
+    of_events = {column: [row[k] for row in table] for k, column in enumerate(EVENT_COLUMNS)}
+    return [
+        _Layer("route", "LineString", lines, names | of_route),
+        _Layer("band_95", "Polygon", bands, names),
+        _metre_layer(survey, routes),
+        _kp_layer(survey, routes),
+        _Layer("events", "Point", points, of_events),
+    ]
+
+
+def _metre_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> _Layer:
+    points: list[Any] = []
+    columns: dict[str, list[Any]] = {}
+    for name, route in routes:
+        table = at_every_metre(route)
+        places = survey.coordinates(np.column_stack((table.pop("x_m"), table.pop("y_m"))))
+        points += list(shapely.points(places))
+        columns.setdefault("name", []).extend([name] * len(places))
+        for key, values in table.items():
+            columns.setdefault(key, []).extend(values.tolist())
+    return _Layer(EVERY_METRE, "Point", points, columns)
+
+
+def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> _Layer:
+    points: list[Any] = []
+    columns: dict[str, list[Any]] = {"name": [], "kp_m": [], "label": []}
+    for name, route in routes:
         along, places = kilometre_points(route)
-        for way, place in zip(along, survey.coordinates(places), strict=True):
-            own = {"layer": "kp", "name": name, "kp_m": float(way), "label": kp_label(way)}
-            features.append(_feature("Point", place.tolist(), own))
-        for event in route.events:
-            values = dict(zip(EVENT_COLUMNS, _event_row(survey, name, event), strict=True))
-            place = survey.coordinates(np.array([event.place]))[0].tolist()
-            features.append(_feature("Point", place, {"layer": "events", **values}))
+        points += list(shapely.points(survey.coordinates(places)))
+        columns["name"] += [name] * len(along)
+        columns["kp_m"] += along.tolist()
+        columns["label"] += [kp_label(way) for way in along]
+    return _Layer("kp", "Point", points, columns)
+
+
+def write_geojson(path: Path, survey: SurveyMap) -> None:
+    """Write the layers as features, one a line; every metre is a property of its route."""
+    features: list[dict[str, Any]] = []
+    for layer in _layers(survey):
+        if layer.name == EVERY_METRE:
+            continue
+        for number, shape in enumerate(layer.shapes):
+            own = {column: values[number] for column, values in layer.columns.items()}
+            if layer.name == "route":
+                table = at_every_metre(survey.routes[number])
+                own["length_m"] = round(own["length_m"], MILLIMETRES)
+                own["sigma_median_m"] = round(own["sigma_median_m"], 4)
+                own[EVERY_METRE] = {key: rounded(values, 4) for key, values in table.items()}
+            properties = {"layer": layer.name, **own}
+            geometry = shapely.geometry.mapping(shape)
+            features.append({"type": "Feature", "geometry": geometry, "properties": properties})
     content: dict[str, Any] = {"type": "FeatureCollection", "name": "cable"}
     if survey.frame is None:
         # RFC 7946 knows WGS 84 only: what is written is said in a member of our own.
@@ -205,98 +263,30 @@ def rounded(values: FloatArray, digits: int) -> list[float | None]:
     return [round(float(value), digits) if np.isfinite(value) else None for value in values]
 
 
-def _feature(kind: str, coordinates: object, properties: dict[str, Any]) -> dict[str, Any]:
-    geometry = {"type": kind, "coordinates": coordinates}
-    return {"type": "Feature", "geometry": geometry, "properties": properties}
-
-
 def write_geopackage(path: Path, survey: SurveyMap) -> None:
-    """Write the layers route, band_95, every_metre, kp and events."""
-    routes = list(zip(survey.names, survey.routes, strict=True))
-    write = _LayerWriter(path, survey.crs)
-    write(
-        "route",
-        "LineString",
-        [shapely.LineString(survey.coordinates(route.places)) for _, route in routes],
-        {
-            "name": [name for name, _ in routes],
-            "length_m": [float(route.along[-1]) for _, route in routes],
-            "sigma_median_m": [float(np.median(route.sigmas)) for _, route in routes],
-            "recordings": [", ".join(route.recordings) for _, route in routes],
-        },
-    )
-    write(
-        "band_95",
-        "Polygon",
-        [shapely.Polygon(survey.coordinates(band(route))) for _, route in routes],
-        {"name": [name for name, _ in routes]},
-    )
-    for layer, gather in (("every_metre", _metre_layer), ("kp", _kp_layer)):
-        points, columns = gather(survey, routes)
-        write(layer, "Point", points, columns)
-    placed = [(name, event) for name, route in routes for event in route.events]
-    table = [_event_row(survey, name, event) for name, event in placed]
-    columns = {column: [row[k] for row in table] for k, column in enumerate(EVENT_COLUMNS)}
-    points = [shapely.Point(survey.coordinates(np.array([event.place]))[0]) for _, event in placed]
-    write("events", "Point", points, columns)
+    """Write the layers that hold anything."""
+    path.unlink(missing_ok=True)
+    for layer in _layers(survey):
+        if layer.shapes:
+            _add_layer(path, layer, survey.crs)
 
 
-Layer = tuple[list[Any], dict[str, list[Any]]]
-
-
-def _metre_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> Layer:
-    points: list[Any] = []
-    columns: dict[str, list[Any]] = {}
-    for name, route in routes:
-        table = at_every_metre(route)
-        places = survey.coordinates(np.column_stack((table.pop("x_m"), table.pop("y_m"))))
-        points += list(shapely.points(places))
-        columns.setdefault("name", []).extend([name] * len(places))
-        for key, values in table.items():
-            columns.setdefault(key, []).extend(values.tolist())
-    return points, columns
-
-
-def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> Layer:
-    points: list[Any] = []
-    columns: dict[str, list[Any]] = {"name": [], "kp_m": [], "label": []}
-    for name, route in routes:
-        along, places = kilometre_points(route)
-        points += list(shapely.points(survey.coordinates(places)))
-        columns["name"] += [name] * len(along)
-        columns["kp_m"] += along.tolist()
-        columns["label"] += [kp_label(way) for way in along]
-    return points, columns
-
-
-class _LayerWriter:
-    """Adds layers to one file."""
-
-    def __init__(self, path: Path, crs: str) -> None:
-        self._path = path
-        self._crs = crs
-        path.unlink(missing_ok=True)
-
-    def __call__(
-        self, layer: str, kind: str, shapes: Sequence[Any], columns: dict[str, list[Any]]
-    ) -> None:
-        if not shapes:
-            return
-        try:
-            pyogrio.raw.write(
-                str(self._path),
-                geometry=shapely.to_wkb(np.array(shapes, dtype=object)),
-                field_data=[_column(values) for values in columns.values()],
-                fields=np.array(list(columns), dtype=object),
-                geometry_type=kind,
-                crs=self._crs,
-                layer=layer,
-                driver="GPKG",
-                append=self._path.exists(),
-            )
-        # A full disk is one of these too.
-        except (DataSourceError, DataLayerError) as error:
-            raise OSError(one_line(error)) from error
+def _add_layer(path: Path, layer: _Layer, crs: str) -> None:
+    try:
+        pyogrio.raw.write(
+            str(path),
+            geometry=shapely.to_wkb(np.array(layer.shapes, dtype=object)),
+            field_data=[_column(values) for values in layer.columns.values()],
+            fields=np.array(list(layer.columns), dtype=object),
+            geometry_type=layer.kind,
+            crs=crs,
+            layer=layer.name,
+            driver="GPKG",
+            append=path.exists(),
+        )
+    # A full disk is one of these too.
+    except (DataSourceError, DataLayerError) as error:
+        raise OSError(one_line(error)) from error
 
 
 def _column(values: list[Any]) -> Any:  # noqa: ANN401  Of any type that a column may have.
