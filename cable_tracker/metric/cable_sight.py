@@ -18,9 +18,8 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
-from cable_tracker.metric.odometry.motion import Odometry
+from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry, Unaided
 from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
-from cable_tracker.metric.odometry.unaided import SWITCHED_OFF, Unaided
 from cable_tracker.metric.settings import instrument_settings
 from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.withheld import Withheld

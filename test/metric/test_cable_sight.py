@@ -11,7 +11,7 @@ from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.odometry.unaided import SWITCHED_OFF
+from cable_tracker.metric.odometry.motion import SWITCHED_OFF
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.odometry.unaided import CABLE_DISAGREES, NOT_PROVED, Unaided
+from cable_tracker.metric.odometry.motion import CABLE_DISAGREES, NOT_PROVED, Unaided
 
 WINDOW = 12
 """Frames over which predicted and observed motion are compared."""

@@ -20,14 +20,14 @@ from cable_tracker.metric.odometry.homography import (
     move_states,
     prediction_covariance,
 )
-from cable_tracker.metric.odometry.motion import Odometry
-from cable_tracker.metric.odometry.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
-from cable_tracker.metric.odometry.unaided import (
+from cable_tracker.metric.odometry.motion import (
     FIRST_FRAME,
     NO_FRAME,
     TEXTURE_DISAGREES,
+    Odometry,
     Unaided,
 )
+from cable_tracker.metric.odometry.sea_bed_texture import SeaBedTexture, TextureGate, TextureMotion
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale

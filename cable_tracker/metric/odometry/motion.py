@@ -10,7 +10,6 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.history import History
-from cable_tracker.metric.odometry.unaided import Unaided
 from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_HOLD = 0.2
@@ -36,6 +35,32 @@ more than a vehicle under water does, and instruments say so by a huge variance.
 
 TWIST = 6
 """Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unaided:
+    """Stands for a motion that is unknown, or that the filter is not told of.
+
+    Attributes
+    ----------
+    why : str
+        In words.
+    disagrees : bool
+        Whether odometry has come and contradicts what the camera sees.
+    """
+
+    why: str
+    disagrees: bool = False
+
+
+SWITCHED_OFF = Unaided("the parameter motion_aid is false")
+NO_FRAME = Unaided("no frame has come")
+FIRST_FRAME = Unaided("no frame has come before")
+NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
+CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)
+TEXTURE_DISAGREES = Unaided(
+    "odometry disagrees with how the sea bed moves in the image", disagrees=True
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,7 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
-from cable_tracker.metric.odometry.unaided import Unaided
+from cable_tracker.metric.odometry.motion import Unaided
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments

@@ -15,8 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.odometry.motion import UNKNOWN_TURN, Odometry, PoseChange
-from cable_tracker.metric.odometry.unaided import Unaided
+from cable_tracker.metric.odometry.motion import UNKNOWN_TURN, Odometry, PoseChange, Unaided
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
     TargetSighting,

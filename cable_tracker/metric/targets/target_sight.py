@@ -10,8 +10,7 @@ from collections.abc import Sequence
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
-from cable_tracker.metric.odometry.motion import PoseChange
-from cable_tracker.metric.odometry.unaided import FIRST_FRAME, SWITCHED_OFF, Unaided
+from cable_tracker.metric.odometry.motion import FIRST_FRAME, SWITCHED_OFF, PoseChange, Unaided
 from cable_tracker.metric.settings import target_settings
 from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.targets.target_metres import (

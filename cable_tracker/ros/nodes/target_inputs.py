@@ -8,7 +8,7 @@ from functools import partial
 from rclpy.node import Node
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.odometry.unaided import Unaided
+from cable_tracker.metric.odometry.motion import Unaided
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.metric.odometry.agreement_gate import CALM_FRAMES, FEWEST, AgreementGate
-from cable_tracker.metric.odometry.unaided import CABLE_DISAGREES, NOT_PROVED
+from cable_tracker.metric.odometry.motion import CABLE_DISAGREES, NOT_PROVED
 
 UNKNOWN = np.array([0.36, 1e-5])
 OBSERVED = np.array([1.0, 1e-4])

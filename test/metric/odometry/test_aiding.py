@@ -11,9 +11,13 @@ from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.odometry.agreement_gate import CALM_FRAMES, FEWEST
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.homography import PlaneMotion
-from cable_tracker.metric.odometry.motion import Odometry
+from cable_tracker.metric.odometry.motion import (
+    CABLE_DISAGREES,
+    NOT_PROVED,
+    TEXTURE_DISAGREES,
+    Odometry,
+)
 from cable_tracker.metric.odometry.sea_bed_texture import CALM_PICTURES, SeaBedTexture
-from cable_tracker.metric.odometry.unaided import CABLE_DISAGREES, NOT_PROVED, TEXTURE_DISAGREES
 from cable_tracker.tracking.status import TrackingStatus
 
 SECOND = 1_000_000_000

@@ -8,8 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.metric.odometry.motion import FROZEN_COUNT, Odometry, PoseChange, rotations_by
-from cable_tracker.metric.odometry.unaided import Unaided
+from cable_tracker.metric.odometry.motion import (
+    FROZEN_COUNT,
+    Odometry,
+    PoseChange,
+    Unaided,
+    rotations_by,
+)
 
 SECOND = 1_000_000_000
 STEP = SECOND // 50

@@ -5,8 +5,7 @@ import pytest
 
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
-from cable_tracker.metric.odometry.unaided import Unaided
+from cable_tracker.metric.odometry.motion import PoseChange, Unaided, rotations_by
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import (
     TargetRange,
