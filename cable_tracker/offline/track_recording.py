@@ -173,30 +173,24 @@ def track_picture(
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
-    output = FrameMessages(results.bag, frame) if results.wanted.bag else None
-    if output is not None:
-        write_truth(results.bag, frame)
+    output = FrameMessages(results.bag, frame)
+    write_truth(results.bag, frame)
     try:
         grey = decode_grey(frame.image)
         estimate, ms, known = track_picture(frame, grey, tracker, metres)
     except FrameError as error:
-        if output is not None:
-            output.write_all(
-                messages_without_cable(output.factory, output.header, REFUSED, str(error))
-            )
+        output.write_all(messages_without_cable(output.factory, output.header, REFUSED, str(error)))
         results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
-    if output is not None:
-        factory, header = output.factory, output.header
-        facts = {} if known is None else cable_facts(known)
-        particles = tracker.particles
-        output.write_all(
-            cable_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
-        )
-        output.write_overlay(node_topics.OVERLAY, draw_estimate(grey, estimate, cloud))
-        if metres is not None and isinstance(known, CrossTrack):
-            output.write_all(cross_track_messages(factory, header, metres.base_frame, known))
+    factory, header, particles = output.factory, output.header, tracker.particles
+    facts = {} if known is None else cable_facts(known)
+    output.write_all(
+        cable_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
+    )
+    output.write_overlay(node_topics.OVERLAY, lambda: draw_estimate(grey, estimate, cloud))
+    if metres is not None and isinstance(known, CrossTrack):
+        output.write_all(cross_track_messages(factory, header, metres.base_frame, known))
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])

@@ -106,20 +106,19 @@ def follow_picture(
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
-    output = FrameMessages(results.bag, frame) if results.wanted.bag else None
+    output = FrameMessages(results.bag, frame)
     try:
         image = decode_bgr_levels(frame.image)
         estimate, ms, metres = follow_picture(frame, image, tracker, sight)
     except FrameError as error:
-        if output is not None:
-            output.write_all(
-                messages_without_target(output.factory, output.header, REFUSED, str(error))
-            )
+        output.write_all(
+            messages_without_target(output.factory, output.header, REFUSED, str(error))
+        )
         if sight is not None:
             results.metres.append(refused_metres_row(frame, str(error)))
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
-    particles = tracker.particles
+    factory, header, particles = output.factory, output.header, tracker.particles
     poses = particles.states if particles is not None else None
     picture = draw_target(shown_levels(image), estimate, poses)
     facts: dict[str, str] = {}
@@ -127,15 +126,9 @@ def _follow(
         place = sight.settings.mounting.position
         facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))
-        if output is not None:
-            output.write_all(
-                relative_messages(output.factory, output.header, sight.base_frame, metres, place)
-            )
-    if output is not None:
-        output.write_all(
-            target_messages(
-                output.factory, output.header, estimate, particles, ms=ms, metres=lambda: facts
-            )
-        )
-        output.write_overlay(node_topics.TARGET_OVERLAY, picture)
+        output.write_all(relative_messages(factory, header, sight.base_frame, metres, place))
+    output.write_all(
+        target_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
+    )
+    output.write_overlay(node_topics.TARGET_OVERLAY, lambda: picture)
     results.add(frame, row_of(frame, estimate, ms), picture)

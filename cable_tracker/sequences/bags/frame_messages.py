@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cable_tracker.arrays import Image
-from cable_tracker.sequences.bags.bag_writer import MessageSink
+from cable_tracker.sequences.bags.bag_writer import MessageSink, NoMessages
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message, MessageMakers
@@ -14,7 +16,7 @@ from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 
 class FrameMessages:
-    """Writes messages about one frame.
+    """Writes messages about one frame; those that would be forgotten are not made.
 
     Attributes
     ----------
@@ -35,10 +37,13 @@ class FrameMessages:
 
     def write_all(self, makers: MessageMakers) -> None:
         """Write all messages that the node would publish, in their order."""
+        if isinstance(self._bag, NoMessages):
+            return
         for topic, make in makers.items():
             self.write(topic, make())
 
-    def write_overlay(self, topic: NodeTopic, picture: Image) -> None:
+    def write_overlay(self, topic: NodeTopic, draw: Callable[[], Image]) -> None:
         """Write a picture, blue-green-red, shape (H, W, 3), uint8, as JPEG."""
-        jpeg = encode_jpeg(picture)
-        self.write(topic, make_compressed_image(self.factory, jpeg, self.header))
+        self.write_all(
+            {topic: lambda: make_compressed_image(self.factory, encode_jpeg(draw()), self.header)}
+        )
