@@ -45,9 +45,9 @@ from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight, node_values
-from cable_tracker.offline.results import WantedResults
+from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.track_target import parse_start, track_target
+from cable_tracker.offline.track_target import follow_frame, parse_start
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -143,7 +143,9 @@ def target(  # noqa: PLR0917
                 tracker.initialise(start)
             sight = RecordedSight(described, target_size) if described.has_instruments else None
             with sight or nullcontext():
-                damage = track_target(frames, tracker, results, sight)
+                damage = follow_all(
+                    frames, lambda frame: follow_frame(frame, tracker, results, sight)
+                )
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())
     _print(results)

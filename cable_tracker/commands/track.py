@@ -65,8 +65,8 @@ from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_erro
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.offline.advice import advice
 from cable_tracker.offline.result_folder import ResultFolder
-from cable_tracker.offline.results import WantedResults
-from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_recording
+from cable_tracker.offline.results import WantedResults, follow_all
+from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_frame
 from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.trackers import make_tracker
 
@@ -144,7 +144,9 @@ def track(  # noqa: PLR0917
             if given is not None:
                 tracker.initialise(given)
             with metres or nullcontext():
-                damage = track_recording(frames, tracker, results, metres)
+                damage = follow_all(
+                    frames, lambda frame: track_frame(frame, tracker, results, metres)
+                )
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, [*described.remarks(), *(metres.remarks() if metres is not None else ())])
     _print_results(results, wants_metres=described.wants_metres)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,10 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.atomic_output import output_folder
+from cable_tracker.errors import RecordingError
 from cable_tracker.offline.target_table import METRES
 from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink, NoMessages
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -47,6 +50,16 @@ class WantedResults:
 
 
 EVERYTHING = WantedResults()
+
+
+def follow_all(frames: Iterable[Frame], follow: Callable[[Frame], None]) -> RecordingError | None:
+    """Follow what is tracked through all frames; return why the recording broke off, if it did."""
+    try:
+        for frame in frames:
+            follow(frame)
+    except RecordingError as error:
+        return error
+    return None
 
 
 class Results(ABC):

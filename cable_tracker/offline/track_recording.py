@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -116,36 +115,6 @@ def row_of(
     )
 
 
-def track_recording(
-    frames: Iterable[Frame],
-    tracker: CableTracker,
-    results: ResultFolder,
-    metres: RecordedMetres | None,
-) -> RecordingError | None:
-    """Track all frames of a recording and collect the results.
-
-    Parameters
-    ----------
-    frames : iterable of Frame
-        Those of the recording.
-    tracker : CableTracker
-        The tracker, initialised as wanted.
-    metres : RecordedMetres or None
-        The recording's instruments; None: everything stays in pixels.
-
-    Returns
-    -------
-    RecordingError or None
-        Where the recording broke off; the frames before that are in the results.
-    """
-    try:
-        for frame in frames:
-            _track_frame(frame, tracker, results, metres)
-    except RecordingError as error:
-        return error
-    return None
-
-
 def track_picture(
     frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedMetres | None
 ) -> tuple[CableEstimate, float, CrossTrack | Withheld | None]:
@@ -170,9 +139,10 @@ def track_picture(
     return estimate, ms, metres.measure(estimate)
 
 
-def _track_frame(
+def track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
+    """Track a frame, and add it to the results; without `metres` everything stays in pixels."""
     output = FrameMessages(results.bag, frame)
     write_truth(results.bag, frame)
     try:

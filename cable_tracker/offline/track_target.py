@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
 from cable_tracker.metric.targets.target_facts import target_facts
@@ -51,36 +50,6 @@ def parse_start(init: str) -> TargetStart | None:
         raise ParameterError(f"{error}; give {DETECT} or a box") from error
 
 
-def track_target(
-    frames: Iterable[Frame],
-    tracker: TargetTracker,
-    results: TargetFolder,
-    sight: RecordedSight | None,
-) -> RecordingError | None:
-    """Follow the target through a recording, and collect the results.
-
-    Parameters
-    ----------
-    frames : iterable of Frame
-        Those of the recording.
-    tracker : TargetTracker
-        Ready to begin.
-    sight : RecordedSight or None
-        Instruments of the recording; None: everything stays in pixels.
-
-    Returns
-    -------
-    RecordingError or None
-        Why the recording ended early.
-    """
-    try:
-        for frame in frames:
-            _follow(frame, tracker, results, sight)
-    except RecordingError as error:
-        return error
-    return None
-
-
 def follow_picture(
     frame: Frame, image: Image, tracker: TargetTracker, sight: RecordedSight | None
 ) -> tuple[TargetEstimate, float, TargetMetres | None]:
@@ -103,9 +72,10 @@ def follow_picture(
     return estimate, ms, sight.take(estimate) if sight is not None else None
 
 
-def _follow(
+def follow_frame(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
+    """Follow a target into a frame, and add it to the results; without `sight` all in pixels."""
     output = FrameMessages(results.bag, frame)
     try:
         image = decode_bgr_levels(frame.image)

@@ -14,10 +14,10 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.offline.result_folder import ResultFolder
-from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults
+from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults, follow_all
 from cable_tracker.offline.track_recording import (
     given_state_for,
-    track_recording,
+    track_frame,
 )
 from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -46,7 +46,9 @@ def track(tmp_path):
         if given is not None:
             tracker.initialise(given)
         with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
-            damage = track_recording(recording.frames(), tracker, results, None)
+            damage = follow_all(
+                recording.frames(), lambda frame: track_frame(frame, tracker, results, None)
+            )
         return results.path, damage
 
     return run

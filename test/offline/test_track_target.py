@@ -9,10 +9,10 @@ from chase_bag import write_chase_bag
 
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
-from cable_tracker.offline.results import ESTIMATES, WantedResults
+from cable_tracker.offline.results import ESTIMATES, WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import METRES
-from cable_tracker.offline.track_target import track_target
+from cable_tracker.offline.track_target import follow_frame
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.source import open_source
 from cable_tracker.target.model.start import TargetStart
@@ -35,7 +35,7 @@ def refused_in_the_middle(tmp_path):
             RecordedSight(recorded_vehicle(source)) as sight,
             TargetFolder(tmp_path / "out", wanted=TABLES_ALONE) as results,
         ):
-            track_target(frames, tracker, results, sight)
+            follow_all(frames, lambda frame: follow_frame(frame, tracker, results, sight))
     return results.path
 
 

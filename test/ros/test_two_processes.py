@@ -21,11 +21,11 @@ from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, pair_limits
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.offline.result_folder import ResultFolder
-from cable_tracker.offline.results import BAG, ESTIMATES
+from cable_tracker.offline.results import BAG, ESTIMATES, follow_all
 from cable_tracker.offline.track_recording import (
     TRUTH,
     given_state_for,
-    track_recording,
+    track_frame,
 )
 from cable_tracker.ros.clients.track_recording import cable_nodes, track_recording_over_ros
 from cable_tracker.sequences.bags.bag_writer import BagWriter
@@ -85,7 +85,9 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:
                     tracker.initialise(given)
-                damage = track_recording(source.frames(), tracker, results, None)
+                damage = follow_all(
+                    source.frames(), lambda frame: track_frame(frame, tracker, results, None)
+                )
         return Outcome(results.rows, results.truths, folder / BAG, damage)
 
     return tracked

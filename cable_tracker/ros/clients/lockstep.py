@@ -13,6 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.errors import EXIT_USER_ERROR, RecordingError, RosError
 from cable_tracker.node_parameter_tables import RELIABLE
+from cable_tracker.offline.results import follow_all
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
@@ -231,12 +232,7 @@ class _Run:
 
     def record_all(self, frames: Iterable[Frame]) -> RecordingError | None:
         """Record every frame of the recording."""
-        try:
-            for frame in frames:
-                self._record(frame)
-        except RecordingError as error:
-            return error
-        return None
+        return follow_all(frames, self._record)
 
     def _record(self, frame: Frame) -> None:
         taken: list[RecordedFrame] = []

@@ -21,10 +21,10 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.result_folder import ResultFolder
-from cable_tracker.offline.results import ESTIMATES, WantedResults
+from cable_tracker.offline.results import ESTIMATES, WantedResults, follow_all
 from cable_tracker.offline.track_recording import (
     given_state_for,
-    track_recording,
+    track_frame,
 )
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.pictures.shown_levels import DARK
@@ -82,7 +82,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source.frames(), tracker, results, None)
+            follow_all(source.frames(), lambda frame: track_frame(frame, tracker, results, None))
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch().play_to_the_end()
     assert [row.state for row in rows[1:]] == [played[row.frame].state for row in rows[1:]]
@@ -98,7 +98,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
         start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()
         with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            track_recording(source.frames(), tracker, results, metres)
+            follow_all(source.frames(), lambda frame: track_frame(frame, tracker, results, metres))
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()
     shown = [played[row.frame] for row in rows[1:]]

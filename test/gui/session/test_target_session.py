@@ -15,9 +15,9 @@ from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.gui.tracking.desk import TrackingDesk, start_with_box
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
-from cable_tracker.offline.results import WantedResults
+from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.track_target import track_target
+from cable_tracker.offline.track_target import follow_frame
 from cable_tracker.sequences.source import open_chosen
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -92,7 +92,7 @@ def rows_of_command(path, box, folder):
         RecordedSight(recorded_vehicle(source)) as sight,
         TargetFolder(folder, timing=False, wanted=TABLE_ONLY) as results,
     ):
-        track_target(source.frames(), tracker, results, sight)
+        follow_all(source.frames(), lambda frame: follow_frame(frame, tracker, results, sight))
         return list(results.rows)
 
 
