@@ -152,7 +152,7 @@ def add_rates(
         state[POSE_SIZE + column] = predicted.rates[ancestor, column] + spread
 
 
-@compiled_loop
+@compiled_inside
 def _fill_densities_of(
     state: FloatArray, row: int, predicted: PredictedDensity, densities: DensityValues
 ) -> None:

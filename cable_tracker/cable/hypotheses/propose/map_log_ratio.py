@@ -11,8 +11,14 @@ import math
 from typing import NamedTuple
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.map.cable_map import CableMap, is_worked_out, map_overlap
-from cable_tracker.compilation import compiled_part
+from cable_tracker.cable.measure.map.cable_map import (
+    CableMap,
+    bounded_log_odds,
+    is_worked_out,
+    map_match,
+    map_overlap,
+)
+from cable_tracker.compilation import compiled_inside
 
 SLACK = 1.0
 """How much less than that of the expected strip an overlap with a kept map may be that is as good
@@ -69,14 +75,14 @@ def overlap_of_expected(
     return ExpectedOverlap(enough=math.inf, expected=overlap)
 
 
-@compiled_part
+@compiled_inside
 def map_log_ratio(
     state: FloatArray, cable_map: CableMap, against: ExpectedOverlap, weights: MapWeights
 ) -> float:
     """Return what a map adds to the log-likelihood ratio of a strip (8,), 0 for `NO_MAP` [nats]."""
     if not is_worked_out(cable_map):
         return 0.0
-    overlap = map_overlap(state, cable_map)
+    overlap = bounded_log_odds(map_match(state, cable_map).overlap)
     lacking = max(against.expected - overlap, 0.0)
     log_ratio: float = weights.overlap * min(overlap, against.enough) - weights.lacking * lacking
     return log_ratio

@@ -166,14 +166,16 @@ def _reversed_stretches(stretches: Float32Array, own: int, other: int, each: np.
 
     `own` and `other` are the columns of both polarities, `each` is the cost at each border [nats].
     """
-    found, reversals, in_view = 0, 0, 0
+    # In the width of the ratios and without branches, the processor looks at many at a time.
+    found, reversals, in_view = np.int32(0), np.int32(0), np.int32(0)
     for stretch in range(STRETCHES):
         plain = stretches[0, own, stretch] + stretches[1, own, stretch]
         turned = (stretches[0, other, stretch] - each) + (stretches[1, other, stretch] - each)
-        in_view += 1 if plain != np.float32(0.0) else 0
-        if turned > plain:
-            found, reversals = found | (1 << stretch), reversals + 1
-    return -1 if 2 * reversals > in_view else found
+        is_turned = np.int32(turned > plain)
+        found = np.int32(found | (is_turned << np.int32(stretch)))
+        reversals = np.int32(reversals + is_turned)
+        in_view = np.int32(in_view + np.int32(plain != np.float32(0.0)))
+    return -1 if 2 * reversals > in_view else int(found)
 
 
 @compiled_fast_loop
