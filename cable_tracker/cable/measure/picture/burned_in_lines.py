@@ -13,7 +13,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import (
+    compiled,
+    compiled_inside,
+    compiled_loop,
+    compiled_part,
+)
 
 LEAST_HEIGHT = 8.0
 """How far a thin line stands out from what is beside it, at least [grey levels]."""
@@ -95,13 +100,14 @@ def standing_lines(
     thickness = round(THICKNESS * scale)
     if thickness < THINNEST:
         return None
-    rows, columns = picture[::SPACING], np.ascontiguousarray(picture[:, ::SPACING].T)
+    rows = picture[::SPACING].astype(np.float32)
+    columns = np.ascontiguousarray(picture[:, ::SPACING].T).astype(np.float32)
     if before is None or before.down.shape[1:] != rows.shape:
-        down, across = (np.zeros((2, *each.shape), np.float32) for each in (rows, columns))
+        down = np.zeros((2, *rows.shape), np.float32)
+        across = np.zeros((2, *columns.shape), np.float32)
     else:
         down, across = before.down.copy(), before.across.copy()
-    for levels, times in ((rows, down), (columns, across)):
-        _add_time(levels.astype(np.float32), thickness, min(dt, LONGEST_STEP), times)
+    _add_times(rows, columns, thickness, min(dt, LONGEST_STEP), down, across)
     return StandingLines(down, across, scale, thickness)
 
 
@@ -118,15 +124,13 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
         Lines that have stood still for this time are taken out [s].
     """
     least = np.float32(least_time)
-    down, across = lines.down >= least, lines.across >= least
     # Odd, for OpenCV shifts what it opens with an even number of rows.
     length = max(round(LEAST_LENGTH * lines.scale) // SPACING, FEWEST_ROWS) | 1
-    # In the narrowest type that holds the number of rows of any picture, NumPy counts fastest.
-    longest_down = down.sum(axis=1, dtype=np.uint16).max()
-    longest_across = across.sum(axis=1, dtype=np.uint16).max()
-    if max(longest_down, longest_across) < length // (LONGEST_GAP + 1):
+    if _most_in_line(lines.down, lines.across, least) < length // (LONGEST_GAP + 1):
         return picture
-    long_down, long_across = ([_long(kind, length) for kind in each] for each in (down, across))
+    long_down, long_across = (
+        [_long(times >= least, length) for times in each] for each in (lines.down, lines.across)
+    )
     if not any(kind.any() for kind in (*long_down, *long_across)):
         return picture
     bright, dark = (
@@ -143,6 +147,37 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
 
 
 @compiled
+def _most_in_line(down: Image, across: Image, least: np.float32) -> int:
+    """Return how many times of one kind, at the same place of all rows, reach `least`, at most.
+
+    `down` and `across` are those of `StandingLines`.
+    """
+    return max(_most_of_family(down, least), _most_of_family(across, least))
+
+
+@compiled_part
+def _most_of_family(times: Image, least: np.float32) -> int:
+    most = 0
+    for kind in range(2):
+        counts = np.zeros(times.shape[2], np.int32)
+        for row in range(times.shape[1]):
+            for place in range(times.shape[2]):
+                counts[place] += np.int32(times[kind, row, place] >= least)
+        for count in counts:
+            most = max(most, int(count))
+    return most
+
+
+@compiled
+def _add_times(
+    rows: Image, columns: Image, reach: int, step: float, down: Image, across: Image
+) -> None:
+    """Add a step to the times of both families, see `_add_time`."""
+    _add_time(rows, reach, step, down)
+    _add_time(columns, reach, step, across)
+
+
+@compiled_loop
 def _add_time(levels: Image, reach: int, step: float, times: Image) -> None:
     """Add a step to the times (2, n, m) of pixels on a thin line, and take it from the others'.
 
