@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -173,7 +174,9 @@ def draw_and_conclude(
     log_prior = importance_log_weights(sample, drawn.filled, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
     anchors = np.concatenate((inputs.anchors, drawn.candidates))
-    groups = find_groups_about(anchors, states, log_posterior, config.cluster_radii, MOST_CLUSTERS)
+    groups = find_groups_about(
+        anchors, states, log_posterior, config.cluster_radii, MOST_CLUSTERS, -math.inf
+    )
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
     map_log_ratios = sample.map_log_ratios[: len(states)]
@@ -245,7 +248,7 @@ def corrected_clusters(
     clusters = clusters_of(states, weights, groups)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
-        groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS)
+        groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS, -math.inf)
         background, appearances = _background_and_appearances(
             states, log_weights, groups, inputs, config
         )

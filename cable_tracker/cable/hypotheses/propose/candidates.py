@@ -9,6 +9,8 @@ about them weighs what it weighs anyway.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
@@ -51,7 +53,7 @@ def likeliest_strips(
     config : ProposalConfig
         Radii of the clusters.
     """
-    groups = find_groups(states, log_likelihoods, config.cluster_radii, MOST_LOOKED_AT)
+    groups = find_groups(states, log_likelihoods, config.cluster_radii, MOST_LOOKED_AT, -math.inf)
     strips = states[heaviest_members(log_likelihoods, groups)]
     strips = np.concatenate((strips, inputs.predicted.births.map_strips))
     order = np.argsort(-appearances_of(strips, inputs.scan, inputs.model, inputs.cable_map))

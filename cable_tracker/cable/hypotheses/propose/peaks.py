@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -94,7 +95,9 @@ def cluster_peaks(
         Radii of the clusters, and the smallest kernel scales.
     """
     weights = exponentials(log_weights)
-    groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS)
+    # A group about a lighter particle would weigh less than `LEAST_REFINED`.
+    least = math.log(LEAST_REFINED / len(states))
+    groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS, least)
     order, masses, means = group_means(states, weights, groups)
     number = 1
     while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:

@@ -135,18 +135,23 @@ def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Cluste
 
 @compiled_part
 def find_groups(
-    states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int
+    states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int, least: float
 ) -> Groups:
     """Return the groups of particles, each about the heaviest that is left.
 
     The parameters are those of `find_groups_about`.
     """
-    return find_groups_about(states[:0], states, log_weights, radii, most)
+    return find_groups_about(states[:0], states, log_weights, radii, most, least)
 
 
 @compiled_part
 def find_groups_about(
-    anchors: FloatArray, states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int
+    anchors: FloatArray,
+    states: FloatArray,
+    log_weights: FloatArray,
+    radii: FloatArray,
+    most: int,
+    least: float,
 ) -> Groups:
     """Return the groups of particles: about anchors, then each about the heaviest that is left.
 
@@ -160,6 +165,9 @@ def find_groups_about(
         `RADII` for frames of this size, shape (4,) [px, rad].
     most : int
         Maximum number of groups.
+    least : float
+        No group is found about a particle of at most this log-weight; -inf: only about none that
+        weigh nothing.
     """
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     free, left = _possible_rows(log_weights)
@@ -171,7 +179,7 @@ def find_groups_about(
         count += 1 if labelled else 0
         left = _still_free(free, left, labels)
     while count < most:
-        heaviest = _heaviest_of(log_weights, free[:left])
+        heaviest = _heaviest_of(log_weights, free[:left], least)
         if heaviest < 0:
             break
         centre = states[heaviest]
@@ -227,9 +235,9 @@ def _still_free(free: IndexArray, left: int, labels: IndexArray) -> int:
 
 
 @compiled_loop
-def _heaviest_of(log_weights: FloatArray, rows: IndexArray) -> int:
-    """Return the heaviest of some particles; -1 if all of them weigh nothing."""
-    heaviest, most = -1, -math.inf
+def _heaviest_of(log_weights: FloatArray, rows: IndexArray, least: float) -> int:
+    """Return the heaviest of some particles; -1 if none has more than the least log-weight."""
+    heaviest, most = -1, least
     for row in rows:
         if log_weights[row] > most:
             heaviest, most = row, log_weights[row]

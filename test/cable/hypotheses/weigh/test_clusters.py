@@ -39,9 +39,11 @@ def named(clusters) -> list[Found]:
     ]
 
 
-def groups_of(states, log_weights, width, anchors=NOWHERE, most=MOST_CLUSTERS) -> Groups:
+def groups_of(
+    states, log_weights, width, anchors=NOWHERE, most=MOST_CLUSTERS, least=-np.inf
+) -> Groups:
     radii = RADII * pose_units(width / 320)
-    return kernels.find_groups_about(anchors, states, log_weights, radii, most)
+    return kernels.find_groups_about(anchors, states, log_weights, radii, most, least)
 
 
 def grouped(states, weights, width):
@@ -137,6 +139,14 @@ def test_the_lightest_cloud_gathers_too(rng):
     labels, weights = np.repeat([0, 1], 50), np.repeat([1 / 50, 0.0], 50)
     clusters = kernels.clusters_of(states, weights, Groups(labels, 2))
     assert clusters.labels.tolist() == [0] * 50 + [NO_CLUSTER] * 50
+
+
+def test_no_group_is_found_about_a_particle_that_is_too_light(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 50), cloud(rng, 60.0, 0.0, 50)))
+    log_weights = np.repeat([0.0, -50.0], 50)
+    groups = groups_of(states, log_weights, WIDTH, least=-50.0)
+    assert groups.labels.tolist() == [0] * 50 + [NO_CLUSTER] * 50
+    assert groups_of(states, log_weights, WIDTH, least=-51.0).number == 2
 
 
 def test_the_first_group_is_at_the_anchor_however_light(rng):
