@@ -43,12 +43,15 @@ class GroundPatches(NamedTuple):
 
     Attributes
     ----------
+    shape : tuple of int
+        Height and width of the picture [px].
     corners : tuple of (int, int)
         Column and row of their first pixel, the left side of the strip first [px].
     patches : tuple of Image
         Grey levels, float32, square.
     """
 
+    shape: tuple[int, ...]
     corners: tuple[tuple[int, int], ...]
     patches: tuple[Image, ...]
 
@@ -80,7 +83,8 @@ def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatc
         if (inside - middle) @ outwards < 0.5 * pose[WIDTH] + LEAST_BESIDE * side:
             return None
         corners.append((column, row))
-    return GroundPatches(tuple(corners), tuple(_patch(picture, corner, side) for corner in corners))
+    patches = tuple(_patch(picture, corner, side) for corner in corners)
+    return GroundPatches(picture.shape, tuple(corners), patches)
 
 
 def middle_inside(pose: FloatArray, image_size: tuple[int, int]) -> FloatArray | None:
@@ -95,8 +99,10 @@ def middle_inside(pose: FloatArray, image_size: tuple[int, int]) -> FloatArray |
 def ground_shifts(before: GroundPatches, picture: Image) -> FloatArray | None:
     """Return how far the ground of each patch has moved, x to the right, y up, shape (2, 2) [px].
 
-    None where that cannot be told of both. The picture (h, w) has the size of the one before.
+    None where that cannot be told of both, or the picture has another size than the one before.
     """
+    if picture.shape != before.shape:
+        return None
     side = len(before.patches[0])
     window = _window(side)
     shifts = []

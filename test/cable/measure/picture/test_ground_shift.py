@@ -66,6 +66,10 @@ def test_a_picture_smaller_than_a_patch_has_no_room():
     assert patches_beside(np.array([0.0, 0.0, 4.0, 0.0]), ground(size=(60, 40)), 1.0) is None
 
 
+def test_nothing_is_told_of_a_picture_of_another_size():
+    assert shifts_of(ground(), ground(size=(200, 150))) is None
+
+
 def test_nothing_is_told_of_other_ground():
     assert shifts_of(ground(), ground(seed=1)) is None
 
