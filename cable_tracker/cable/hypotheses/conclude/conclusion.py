@@ -294,7 +294,7 @@ def _hypotheses(
         clear.clearness[leader] * shown_share(clear.shown[leader]),
         corrected.appearances[leader],
         is_worked_out(inputs.cable_map),
-        map_match(clusters.means[0], inputs.cable_map).overlap,
+        map_match(clusters.means[0], inputs.cable_map).overlap_share,
     )
 
 

@@ -82,7 +82,7 @@ def map_log_ratio(
     """Return what a map adds to the log-likelihood ratio of a strip (8,), 0 for `NO_MAP` [nats]."""
     if not is_worked_out(cable_map):
         return 0.0
-    overlap = bounded_log_odds(map_match(state, cable_map).overlap)
+    overlap = bounded_log_odds(map_match(state, cable_map).overlap_share)
     lacking = max(against.expected - overlap, 0.0)
     log_ratio: float = weights.overlap * min(overlap, against.enough) - weights.lacking * lacking
     return log_ratio

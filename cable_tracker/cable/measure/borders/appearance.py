@@ -139,8 +139,8 @@ def appearances_of(
         found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
         if is_worked_out(cable_map):
             match = map_match(states[row], cable_map)
-            mapped = MAP_OVERLAP * bounded_log_odds(match.overlap)
-            mapped += MAP_INSIDE * bounded_log_odds(match.inside)
+            mapped = MAP_OVERLAP * bounded_log_odds(match.overlap_share)
+            mapped += MAP_INSIDE * bounded_log_odds(match.inside_share)
             found[row] = mapped + MAP_REST * found[row]
     return found
 

@@ -95,15 +95,15 @@ class MapMatch(NamedTuple):
 
     Attributes
     ----------
-    overlap : float
+    overlap_share : float
         Overlap of the strip with what the map takes for cable, 0 to 1: twice what both have in
         common over the sum of both.
-    inside : float
+    inside_share : float
         Mean probability inside the strip.
     """
 
-    overlap: float
-    inside: float
+    overlap_share: float
+    inside_share: float
 
 
 @compiled_fast_loop
@@ -127,7 +127,7 @@ def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
 @compiled
 def map_overlap(state: FloatArray, cable_map: CableMap) -> float:
     """Return the log-odds of the overlap of a strip (4 or more,) with a map [nats]."""
-    return bounded_log_odds(map_match(state, cable_map).overlap)
+    return bounded_log_odds(map_match(state, cable_map).overlap_share)
 
 
 @compiled

@@ -81,7 +81,7 @@ def test_the_strip_that_a_map_shows_matches_it_best(state):
 def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
     whole, half = CableState(0.0, 0.0, 40.0).to_array(), CableState(0.0, 0.0, 20.0).to_array()
     cable_map = map_of(0.9 * strip_shares(whole, EMPTY))
-    inside = [bounded_log_odds(map_match(each, cable_map).inside) for each in (half, whole)]
+    inside = [bounded_log_odds(map_match(each, cable_map).inside_share) for each in (half, whole)]
     assert inside[0] == pytest.approx(inside[1], abs=0.1)
     assert map_overlap(half, cable_map) < map_overlap(whole, cable_map) - 0.5
 
@@ -110,7 +110,7 @@ def test_a_thin_strip_matches_a_sharp_map_of_it_better_than_one_beside_it(width,
 def test_of_half_a_probability_half_is_inside():
     whole = CableState(0.0, 0.0, 40.0).to_array()
     cable_map = map_of(0.5 * strip_shares(whole, EMPTY))
-    assert map_match(whole, cable_map).inside == pytest.approx(0.5, abs=1e-6)
+    assert map_match(whole, cable_map).inside_share == pytest.approx(0.5, abs=1e-6)
     # Twice a half of the strip over a half of it and the whole.
     assert map_overlap(whole, cable_map) == pytest.approx(
         math.log((2 / 3 + 0.01) / (1 / 3 + 0.01)), abs=1e-6
@@ -122,7 +122,7 @@ def test_a_strip_out_of_the_picture_matches_nothing():
         CableState(500.0, 0.0, 20.0).to_array(),
         map_of(np.full((ROWS, COLUMNS), 0.9)),
     )
-    assert map_match(beyond, everywhere).inside == 0.0
+    assert map_match(beyond, everywhere).inside_share == 0.0
     assert map_overlap(beyond, everywhere) < -4.0
 
 
