@@ -235,6 +235,14 @@ class TrackerParameters(ParameterSet):
         " picture's diagonal, is dark, or one of a dark cable bright, and that a cable has shorter"
         " bands. Large: a cable has no bands.",
     )
+    covered_cost: float = number(
+        3.0,
+        "nats",
+        0.0,
+        1e3,
+        "Likelihood ratio: what it costs that one end of a cable is covered: from some place on,"
+        " borders that do not show say nothing against it. Large: no end is covered.",
+    )
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )

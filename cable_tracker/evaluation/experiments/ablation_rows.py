@@ -132,6 +132,7 @@ TAKEN_AWAY = AblationTable(
         _without("burned_in", "lines of a survey display left in", {"burned_in_time": 0.0}),
         _without("free_outside", "points outside the image cost nothing", {"missing_cost": 0.0}),
         _without("no_bands", "no cable changes between bright and dark", {"reversal_cost": 1e3}),
+        _without("no_covered_ends", "no end of a cable is covered", {"covered_cost": 1e3}),
         _without("hardly_tempered", "points of a border all but independent", {"tempering": 0.3}),
         _without("any_width", "no usual width", ANY_WIDTH),
         _without("evidence_in_full", "evidence counts in full every frame", EVIDENCE_IN_FULL),

@@ -31,7 +31,7 @@ CABLE_GROUPS: Groups = (
             "working_width", "sample_spacing", "filter_sigma", "light_correction",
             "burned_in_time", "epsilon",
             "response_table", "tempering", "missing_cost",
-            "reversal_cost", "polarity_memory", "border_displacement",
+            "reversal_cost", "covered_cost", "polarity_memory", "border_displacement",
         ),
     ),
     ("Limits of a particle", ("distance_limit", "width_minimum", "width_maximum", "skew_limit")),

@@ -123,12 +123,15 @@ class RatioModel(NamedTuple):
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
     reversal_cost : float
         Cost of a stretch of the other polarity [nats].
+    covered_cost : float
+        Cost of a covered end [nats].
     """
 
     ratios: Float32Array
     tempering: float
     missing: FloatArray
     reversal_cost: float
+    covered_cost: float
 
 
 class BorderLikelihoodRatio:
@@ -137,7 +140,7 @@ class BorderLikelihoodRatio:
     Parameters
     ----------
     parameters : TrackerParameters
-        `tempering`, `missing_cost`, `reversal_cost` and `response_table`.
+        `tempering`, `missing_cost`, `reversal_cost`, `covered_cost` and `response_table`.
     table : ResponseTable or None
         Ratios of single points; None: those of the file that the parameters name.
 
@@ -151,7 +154,11 @@ class BorderLikelihoodRatio:
         chosen = table if table is not None else load_table(parameters.response_table)
         self._tempering = parameters.tempering
         self._model = RatioModel(
-            chosen.ratios, 0.0, parameters.missing_cost * chosen.absent, parameters.reversal_cost
+            chosen.ratios,
+            0.0,
+            parameters.missing_cost * chosen.absent,
+            parameters.reversal_cost,
+            parameters.covered_cost,
         )
 
     def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
@@ -236,8 +243,10 @@ def fill_measures(
             )
         measured.visible_lengths[cable] = min(lengths[0], lengths[1])
         longest = max(expected, lengths[0], lengths[1])
-        cost = model.reversal_cost / model.tempering
-        sum_stretches(stretches, striped, cost, sums, measured.reversed[cable])
+        sum_stretches(
+            stretches, striped, model.reversal_cost / model.tempering,
+            model.covered_cost / model.tempering, sums, measured.reversed[cable],
+        )  # fmt: skip
         for border in range(2):
             _add_missing_points(max(expected - lengths[border], 0.0), model, sums[border])
         _combine_borders(sums, model.tempering, longest, shares, measured, cable)

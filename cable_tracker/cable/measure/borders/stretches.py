@@ -21,6 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.measure.borders.border_points import BorderLine
+from cable_tracker.cable.measure.borders.covered_end import leave_out_covered_end
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.state import ANGLE
@@ -118,10 +119,13 @@ def sum_stretches(
     stretches: Float32Array,
     striped: Float32Array,
     cost: float,
+    covered_cost: float,
     sums: Float32Array,
     reversed_ones: IndexArray,
 ) -> None:
     """Add up the ratios of the stretches of a cable.
+
+    None of a cable with reversed stretches is covered.
 
     Parameters
     ----------
@@ -132,6 +136,8 @@ def sum_stretches(
         Sums of both borders of a striped cable by class of strength, shape (2, 4) [nats].
     cost : float
         What it costs that a stretch is reversed, or that the cable is striped, not tempered [nats].
+    covered_cost : float
+        What it costs that an end is covered, see `leave_out_covered_end`, not tempered [nats].
     sums : Float32Array
         Is filled in with those along each border, shape (2, 8).
     reversed_ones : IndexArray
@@ -148,6 +154,8 @@ def sum_stretches(
                 found = max(_reversed_stretches(stretches, own, other, each), 0)
                 if found > 0:
                     _fill_reversed_sums(stretches, own, other, each, found, sums)
+            if found == 0:
+                leave_out_covered_end(stretches, own, covered_cost, sums)
             both = sums[0, own] + sums[1, own]
             either = striped[0, strength] + striped[1, strength] - np.float32(cost)
             if either > both:

@@ -97,7 +97,7 @@ def banded(strip):
 
 
 def test_bands_of_a_cable_cost_less_than_borders_of_the_wrong_polarity(strip, banded):
-    never = BorderLikelihoodRatio(TrackerParameters(reversal_cost=1000.0))
+    never = BorderLikelihoodRatio(TrackerParameters(reversal_cost=1e3, covered_cost=1e3))
     plain = measured(strip, changed()).log_ratios.max()
     with_bands = measured(banded, changed())
     without = never.measure(changed()[None], working(banded)).log_ratios.max()
@@ -283,8 +283,21 @@ def test_a_cable_has_the_sum_of_its_points_ratios(seed):
     state = np.zeros(8)
     state[:4] = rng.uniform([-90, -np.pi / 2, 4, -0.3], [90, np.pi / 2, 70, 0.3])
     expected = literal_log_ratios(state, image, load_table(""), TrackerParameters())
-    found = MODEL.measure(state[None], image).log_ratios[0]
+    uncovered = BorderLikelihoodRatio(TrackerParameters(covered_cost=1e3))
+    found = uncovered.measure(state[None], image).log_ratios[0]
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3)
+
+
+def test_a_cable_that_goes_under_is_one_as_far_as_it_can_be_seen(strip):
+    rng = np.random.default_rng(0)
+    half = strip.copy()
+    half[60:] = rng.normal(80.0, 6.0, half[60:].shape).clip(0, 255)
+    uncovered = BorderLikelihoodRatio(TrackerParameters(covered_cost=1e3))
+    states, image = np.array([changed(), changed(distance=40.0)]), working(half)
+    true, beside = MODEL.measure(states, image).log_ratios.max(axis=1)
+    assert true > uncovered.measure(states, image).log_ratios[0].max() + 3.0
+    assert true > 10.0
+    assert beside < 0.0
 
 
 def test_a_table_that_is_not_there_is_said_at_once(tmp_path):

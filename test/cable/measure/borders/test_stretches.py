@@ -30,13 +30,14 @@ def ratios(seed: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(0.0, 8.0, shape).astype(np.float32)
 
 
+NEVER_COVERED = 1e6
 NO_STRIPES = np.full((2, CLASSES), -1e6, np.float32)
 
 
 def summed(stretches, cost, striped=NO_STRIPES):
     """Sums along the borders, and whether each stretch of a bright and of a dark cable is turned"""
     sums, found = np.empty((2, 2 * CLASSES), np.float32), np.empty(2, np.int64)
-    sum_stretches(stretches, striped, cost, sums, found)
+    sum_stretches(stretches, striped, cost, NEVER_COVERED, sums, found)
     turned = [[is_reversed(int(row), stretch) for stretch in range(STRETCHES)] for row in found]
     return sums, np.array(turned)
 

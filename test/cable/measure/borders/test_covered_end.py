@@ -1,0 +1,86 @@
+"""One end of a cable may be covered: what speaks against it from there on is left out."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.borders.covered_end import LEAST_SHOWN, leave_out_covered_end
+from cable_tracker.cable.measure.borders.response_bins import CLASSES
+from cable_tracker.cable.measure.borders.stretches import STRETCHES
+
+COLUMN = 2
+COST = 6.0
+EACH_STRETCH = st.lists(
+    st.floats(-20.0, 20.0, width=32).filter(lambda ratio: abs(ratio) > 1e-3),
+    min_size=STRETCHES,
+    max_size=STRETCHES,
+)
+
+
+def summed(left, right, cost=COST) -> np.ndarray:
+    """Return the sums of both borders of a cable by stretches of its borders."""
+    stretches = np.zeros((2, 2 * CLASSES, STRETCHES), np.float32)
+    stretches[0, COLUMN], stretches[1, COLUMN] = left, right
+    sums = stretches.sum(axis=2)
+    leave_out_covered_end(stretches, COLUMN, cost, sums)
+    others = np.delete(np.arange(2 * CLASSES), COLUMN)
+    assert not sums[:, others].any()
+    return sums[:, COLUMN]
+
+
+def with_covered(shown, hidden, first) -> np.ndarray:
+    """Return stretches of which those before `first` show nothing."""
+    return np.r_[np.full(first, hidden), np.full(STRETCHES - first, shown)]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_speaks_against_a_cable_from_one_end_on_costs_no_more_than_the_cover(turned):
+    stretches = with_covered(3.0, -5.0, 6)
+    border = stretches[::-1] if turned else stretches
+    np.testing.assert_allclose(summed(border, border), [30.0 - COST / 2] * 2)
+
+
+def test_a_cable_in_full_view_is_summed_as_it_is():
+    border = np.full(STRETCHES, 2.0)
+    np.testing.assert_allclose(summed(border, border), [32.0, 32.0])
+
+
+def test_what_speaks_against_it_by_less_than_the_cost_counts():
+    border = with_covered(3.0, -0.9, 3)
+    np.testing.assert_allclose(summed(border, border), [39.0 - 2.7] * 2, rtol=1e-6)
+
+
+def test_a_gap_between_two_ends_in_view_counts():
+    border = np.full(STRETCHES, 3.0)
+    border[6:9] = -5.0
+    np.testing.assert_allclose(summed(border, border), [39.0 - 15.0] * 2)
+
+
+def test_both_borders_end_at_one_place():
+    left, right = with_covered(3.0, -5.0, 6), np.full(STRETCHES, 3.0)
+    np.testing.assert_allclose(summed(left, right), [30.0 - COST / 2, 30.0 - COST / 2])
+
+
+def test_a_third_of_what_is_in_view_is_left():
+    border = with_covered(3.0, -5.0, STRETCHES - 2)
+    covered = STRETCHES - -(-STRETCHES // LEAST_SHOWN)
+    left_over = border[covered:].sum()
+    np.testing.assert_allclose(summed(border, border), [left_over - COST / 2] * 2)
+
+
+def test_a_short_cable_is_nowhere_covered():
+    border = np.zeros(STRETCHES)
+    border[5:8] = (-9.0, -9.0, 4.0)
+    np.testing.assert_allclose(summed(border, border), [-14.0, -14.0])
+
+
+@given(EACH_STRETCH, EACH_STRETCH, st.floats(0.0, 40.0))
+def test_a_covered_end_is_one_for_which_the_sum_is_the_largest(left, right, cost):
+    both = np.array(left) + np.array(right)
+    most = STRETCHES - -(-STRETCHES // LEAST_SHOWN)
+    best = both.sum()
+    if (both != 0.0).all():
+        for count in range(1, most + 1):
+            best = max(best, both[count:].sum() - cost, both[:-count].sum() - cost)
+        assert summed(left, right, cost).sum() == pytest.approx(best, abs=1e-3)
