@@ -62,6 +62,8 @@ class BeliefSummary:
         the filter cannot tell.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
+    event : str
+        What there is to say of the frame; mostly nothing.
     """
 
     covariance: FloatArray

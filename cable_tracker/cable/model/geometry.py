@@ -327,6 +327,15 @@ def segment_inside(
     )
 
 
+def middle_inside(angle: float, offset: float, image_size: tuple[int, int]) -> FloatArray | None:
+    """Return the middle of what of a line lies inside the image, shape (2,); None if it misses it.
+
+    The arguments are those of `segment_inside`.
+    """
+    ends = segment_inside(angle, offset, image_size)
+    return None if ends is None else np.mean(ends, axis=0)
+
+
 def lengths_inside(
     angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
 ) -> FloatArray:

@@ -12,6 +12,7 @@ from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
     foot_point,
     lengths_inside,
+    middle_inside,
     points_on_lines,
     project_borders,
     relative_direction,
@@ -282,3 +283,8 @@ def test_a_half_turn_does_not_change_whether_borders_meet_inside(skew, length, a
     # Where a tip lies on a limit, rounding decides.
     near = borders_cross_inside(pose, (319.9, 239.9)) != borders_cross_inside(pose, (320.1, 240.1))
     assert near or borders_cross_inside(turned, SIZE) == found
+
+
+def test_the_middle_of_a_line_is_that_of_what_is_in_view():
+    np.testing.assert_allclose(middle_inside(0.0, 50.0, (320, 240)), [50.0, 0.0], atol=1e-9)
+    assert middle_inside(0.0, 500.0, (320, 240)) is None

@@ -20,11 +20,10 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.picture.ground_shift import (
     GroundPatches,
     ground_shifts,
-    middle_inside,
     patches_beside,
 )
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import states_in_chart
+from cable_tracker.cable.model.geometry import middle_inside, states_in_chart
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, STATE_SIZE, pose_units
 
 LOOK_INTERVAL = 0.15
@@ -115,7 +114,7 @@ def fixture_test_after(
         Whether the hypothesis continues the one that led before the frame.
     """
     if not goes_on:
-        return replace(_look(leader, image), fixture=before.fixture)
+        return FixtureTest(0.0, leader, _patches(leader, image), fixture=before.fixture)
     if before.seconds + dt < LOOK_INTERVAL:
         return replace(before, seconds=before.seconds + dt)
     shifts = None if before.patches is None else ground_shifts(before.patches, image.pixels)
@@ -128,14 +127,14 @@ def fixture_test_after(
             fixture = leader
         elif abs(told.strip) >= 2.0 * STILL * abs(told.ground):
             fixture = None
-    now = _look(leader, image)
-    return replace(told, seconds=0.0, state=leader, patches=now.patches, fixture=fixture)
+    patches = _patches(leader, image)
+    return replace(told, seconds=0.0, state=leader, patches=patches, fixture=fixture)
 
 
-def _look(leader: FloatArray, image: WorkingImage) -> FixtureTest:
-    """Return a test with a first look at a hypothesis, shape (8,)."""
+def _patches(leader: FloatArray, image: WorkingImage) -> GroundPatches | None:
+    """Return the ground beside a hypothesis, shape (8,); None where there is no room for it."""
     pose = leader[:POSE_SIZE] * pose_units(image.reduction)
-    return FixtureTest(0.0, leader, patches_beside(pose, image.pixels, image.scale))
+    return patches_beside(pose, image.pixels, image.scale)
 
 
 def _travelled(
@@ -147,7 +146,7 @@ def _travelled(
     left, right = shifts @ normal
     # Where the two sides do not go the same way, the ground goes nowhere.
     across = min(left, right, key=abs) if left * right > 0.0 else 0.0
-    middle = middle_inside(leader, image_size)
+    middle = middle_inside(float(leader[ANGLE]), float(leader[DISTANCE]), image_size)
     strip = 0.0 if middle is None else float(normal @ middle - then[DISTANCE])
     return replace(
         before,

@@ -13,10 +13,10 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Float32Array
-from cable_tracker.compilation import compiled_loop
+from cable_tracker.compilation import compiled_inside, compiled_loop
 
-LEAST_SHOWN = 3
-"""Stretches that are left at least, and the part of those in view: a third."""
+LEAST_SHOWN, SHOWN_PART = 3, 3
+"""Stretches that are left at least; and one in so many of those in view."""
 
 
 @compiled_loop
@@ -36,29 +36,62 @@ def leave_out_covered_end(
     sums : Float32Array
         Those along each border, shape (2, 8).
     """
-    count = stretches.shape[2]
+    most = _most_covered(stretches, column)
+    from_first, ratio = _covered_from(stretches, column, 1, most, np.float32(-cost))
+    from_last, _ = _covered_from(stretches, column, -1, most, ratio)
+    # The last ones are covered only if they speak against the cable by more than the first ones.
+    step, covered = (-1, from_last) if from_last else (1, from_first)
+    if covered == 0:
+        return
+    for border in range(2):
+        for number in range(covered):
+            sums[border, column] -= stretches[border, column, _nth(number, step)]
+        sums[border, column] -= np.float32(0.5 * cost)
+
+
+@compiled_loop
+def _covered_from(
+    stretches: Float32Array, column: int, step: int, most: int, least: np.float32
+) -> tuple[int, np.float32]:
+    """Return how many stretches from one end on are covered, and their sum [nats].
+
+    That speaks against the cable by the most, and is below `least`; else none are, and `least` is
+    returned. `step`: 1 from the first stretch on, -1 from the last. `most`: how many of those in
+    view may be.
+    """
+    covered, seen, total = 0, 0, np.float32(0.0)
+    for number in range(stretches.shape[2]):
+        both = _of_both_borders(stretches, column, _nth(number, step))
+        seen += 1 if both != np.float32(0.0) else 0
+        if seen > most:
+            break
+        total += both
+        if total < least:
+            covered, least = number + 1, total
+    return covered, least
+
+
+@compiled_loop
+def _most_covered(stretches: Float32Array, column: int) -> int:
+    """Return how many of the stretches in view may be covered."""
     in_view = 0
-    for stretch in range(count):
-        both = stretches[0, column, stretch] + stretches[1, column, stretch]
+    for stretch in range(stretches.shape[2]):
+        both = _of_both_borders(stretches, column, stretch)
         in_view += 1 if both != np.float32(0.0) else 0
-    most = in_view - max((in_view + LEAST_SHOWN - 1) // LEAST_SHOWN, LEAST_SHOWN)
-    least, step, covered = np.float32(-cost), 0, 0
-    for direction in (1, -1):
-        first = 0 if direction == 1 else count - 1
-        total, seen = np.float32(0.0), 0
-        for number in range(count):
-            stretch = first + direction * number
-            both = stretches[0, column, stretch] + stretches[1, column, stretch]
-            seen += 1 if both != np.float32(0.0) else 0
-            if seen > most:
-                break
-            total += both
-            if total < least:
-                least, step, covered = total, direction, number + 1
-    first = 0 if step == 1 else count - 1
-    for number in range(covered):
-        for border in range(2):
-            sums[border, column] -= stretches[border, column, first + step * number]
-    if covered:
-        for border in range(2):
-            sums[border, column] -= np.float32(0.5 * cost)
+    return in_view - max((in_view + SHOWN_PART - 1) // SHOWN_PART, LEAST_SHOWN)
+
+
+@compiled_inside
+def _of_both_borders(stretches: Float32Array, column: int, stretch: int) -> np.float32:
+    """Return the sum of both borders in a stretch [nats]."""
+    both: np.float32 = stretches[0, column, stretch] + stretches[1, column, stretch]
+    return both
+
+
+@compiled_inside
+def _nth(number: int, step: int) -> int:
+    """Return the index of the n-th stretch from the first on, or from the last for a step of -1.
+
+    From behind it is negative, as in Python.
+    """
+    return number if step == 1 else -1 - number

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.geometry import segment_inside
+from cable_tracker.cable.model.geometry import middle_inside
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, WIDTH
 
 SIDE = 64
@@ -70,7 +70,7 @@ def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatc
     """
     height, width = picture.shape
     side = round(SIDE * scale)
-    middle = middle_inside(pose, (width, height))
+    middle = middle_inside(float(pose[ANGLE]), float(pose[DISTANCE]), (width, height))
     if middle is None or side > min(width, height):
         return None
     normal = np.array([np.cos(pose[ANGLE]), np.sin(pose[ANGLE])])
@@ -85,15 +85,6 @@ def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatc
         corners.append((column, row))
     patches = tuple(_patch(picture, corner, side) for corner in corners)
     return GroundPatches(picture.shape, tuple(corners), patches)
-
-
-def middle_inside(pose: FloatArray, image_size: tuple[int, int]) -> FloatArray | None:
-    """Return the middle (2,) of what of a centreline lies inside the image; None: nothing does.
-
-    `pose`: d, alpha and more [px, rad]; `image_size`: width and height [px].
-    """
-    ends = segment_inside(float(pose[ANGLE]), float(pose[DISTANCE]), image_size)
-    return None if ends is None else np.mean(ends, axis=0)
 
 
 def ground_shifts(before: GroundPatches, picture: Image) -> FloatArray | None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.borders.covered_end import LEAST_SHOWN, leave_out_covered_end
+from cable_tracker.cable.measure.borders.covered_end import SHOWN_PART, leave_out_covered_end
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import STRETCHES
 
@@ -60,7 +60,7 @@ def test_both_borders_end_at_one_place():
 
 def test_a_third_of_what_is_in_view_is_left():
     border = with_covered(3.0, -5.0, STRETCHES - 2)
-    covered = STRETCHES - -(-STRETCHES // LEAST_SHOWN)
+    covered = STRETCHES - -(-STRETCHES // SHOWN_PART)
     left_over = border[covered:].sum()
     np.testing.assert_allclose(summed(border, border), [left_over - COST / 2] * 2)
 
@@ -76,6 +76,6 @@ def test_a_covered_end_is_one_for_which_the_sum_is_the_largest(seed, cost):
     left, right = np.random.default_rng(seed).normal(0.0, 10.0, (2, STRETCHES)).astype(np.float32)
     both = left + right
     best = both.sum()
-    for count in range(1, STRETCHES - -(-STRETCHES // LEAST_SHOWN) + 1):
+    for count in range(1, STRETCHES - -(-STRETCHES // SHOWN_PART) + 1):
         best = max(best, both[count:].sum() - cost, both[:-count].sum() - cost)
     assert summed(left, right, cost).sum() == pytest.approx(best, abs=1e-3)

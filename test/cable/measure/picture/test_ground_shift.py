@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from cable_tracker.cable.measure.picture.ground_shift import (
     SIDE,
     ground_shifts,
-    middle_inside,
     patches_beside,
 )
 
@@ -86,8 +85,3 @@ def test_nothing_is_told_of_ground_that_has_left_most_of_its_patch():
 def test_a_picture_of_twice_the_width_has_patches_twice_as_large():
     patches = patches_beside(2.0 * UPRIGHT, ground(size=(640, 480)), 2.0)
     assert [patch.shape for patch in patches.patches] == [(2 * SIDE, 2 * SIDE)] * 2
-
-
-def test_the_middle_of_a_centreline_is_that_of_what_is_in_view():
-    np.testing.assert_allclose(middle_inside(np.array([50.0, 0.0]), SIZE), [50.0, 0.0])
-    assert middle_inside(np.array([500.0, 0.0]), SIZE) is None
