@@ -56,7 +56,7 @@ class FixtureTest:
     patches : GroundPatches or None
         Ground beside it then; None: there is no room for it, or no hypothesis.
     looks : int
-        Number of looks that have told a shift.
+        Number of looks in which both sides have shifted the same way.
     ground, strip : float
         How far ground and hypothesis have travelled across the hypothesis, less of what is long ago
         [px].
@@ -144,14 +144,17 @@ def _travelled(
     (then,) = states_in_chart(before.state[None], float(leader[ANGLE]))
     normal = np.array([np.cos(then[ANGLE]), np.sin(then[ANGLE])])
     left, right = shifts @ normal
-    # Where the two sides do not go the same way, the ground goes nowhere.
-    across = min(left, right, key=abs) if left * right > 0.0 else 0.0
     middle = middle_inside(float(leader[ANGLE]), float(leader[DISTANCE]), image_size)
-    strip = 0.0 if middle is None else float(normal @ middle - then[DISTANCE])
+    across, strip, looks = 0.0, 0.0, before.looks
+    # Where the two sides do not go the same way, the strip is held against nothing.
+    if middle is not None and left * right > 0.0:
+        across = float(min(left, right, key=abs))
+        strip = float(normal @ middle - then[DISTANCE])
+        looks += 1
     return replace(
         before,
-        looks=before.looks + 1,
-        ground=KEPT * before.ground + float(across),
+        looks=looks,
+        ground=KEPT * before.ground + across,
         strip=KEPT * before.strip + strip,
         way=KEPT * before.way + float(np.hypot(*shifts.T).mean()),
     )

@@ -11,6 +11,8 @@ thing, and three numbers say most of it:
 * *Length in view.* Of what has one border in a corner of the picture next to nothing is known.
 
 With a map of the frame (`cable_map`), how well the strip matches it says more than all of these.
+Then a cable one end of which is covered (`covered_end`) is looked at without that end, too, at a
+cost, and the larger of both counts; without a map, whatever ends in the picture would pass for one.
 
 The weights were fitted on simulated worlds to tune on (`tune_*`, seeds 0 to 39): a conditional
 logit model of which of the strips of a frame is the cable, or none. With these, neither the
@@ -46,7 +48,7 @@ from cable_tracker.cable.measure.borders.polarity_prior import BRIGHT, DARK
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     fill_by_stretch,
-    is_reversed,
+    has_stretch,
     stretch_axis,
     stretch_scale,
 )
@@ -101,6 +103,11 @@ beams on the real ground all."""
 UNDECIDED = -12.3
 """Added to the sum of the weighted numbers, so that 0 is a strip that may be a cable or not."""
 
+COVERED_END = 4.0
+"""What it costs that a covered end of a cable is not looked at [nats]: the less, the more strips
+that are none pass for cables. Chosen on the worlds to tune on and three simulators written apart
+from this project."""
+
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
 """With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make
 [nats per nat]. Chosen by what is found and claimed on the worlds to tune on and on two simulators
@@ -127,22 +134,47 @@ def appearances_of(
         log_ratios = measured.log_ratios[row]
         polarity, sign = (BRIGHT, 1.0) if log_ratios[BRIGHT] >= log_ratios[DARK] else (DARK, -1.0)
         for stretch in range(STRETCHES):
-            turned = is_reversed(measured.reversed[row, polarity], stretch)
+            turned = has_stretch(measured.reversed[row, polarity], stretch)
             stretch_signs[stretch] = -sign if turned else sign
         in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
-        looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
-        for border in range(2):
-            more, continuous = border_appearance(
-                states[row], border_side(border), stretch_signs, scan, crossings, profile, along
-            )
-            looks, continuity = looks + more, continuity + continuous
-        found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
+        looks = _looks(states[row], in_view, stretch_signs, scan, crossings, profile, along)
         if is_worked_out(cable_map):
+            if measured.covered[row, polarity]:
+                for stretch in range(STRETCHES):
+                    if has_stretch(measured.covered[row, polarity], stretch):
+                        stretch_signs[stretch] = 0.0
+                shown = _looks(states[row], in_view, stretch_signs, scan, crossings, profile, along)
+                looks = max(looks, shown - COVERED_END)
             match = map_match(states[row], cable_map)
             mapped = MAP_OVERLAP * bounded_log_odds(match.overlap_share)
             mapped += MAP_INSIDE * bounded_log_odds(match.inside_share)
-            found[row] = mapped + MAP_REST * found[row]
+            looks = mapped + MAP_REST * looks
+        found[row] = looks
     return found
+
+
+@compiled_part
+def _looks(
+    state: FloatArray,
+    in_view: float,
+    stretch_signs: FloatArray,
+    scan: ScanInputs,
+    crossings: Crossings,
+    profile: FloatArray,
+    along: FloatArray,
+) -> float:
+    """Return how much the borders of a strip look like those of a cable [nats].
+
+    `in_view`: length in view of the shorter one, as a share of a border through the picture. The
+    others are those of `border_appearance`.
+    """
+    looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
+    for border in range(2):
+        more, continuous = border_appearance(
+            state, border_side(border), stretch_signs, scan, crossings, profile, along
+        )
+        looks, continuity = looks + more, continuity + continuous
+    return looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
 
 
 @compiled_part
@@ -166,7 +198,8 @@ def border_appearance(
     side : float
         -1 for the left border, 1 for the right one.
     stretch_signs : FloatArray
-        1 for bright stretches of the cable, -1 for dark ones, shape (`STRETCHES`,).
+        1 for bright stretches of the cable, -1 for dark ones, 0 for those that are not looked at,
+        shape (`STRETCHES`,).
     scan : ScanInputs
         The frame.
     crossings, profile, along : Crossings, FloatArray, FloatArray
@@ -179,20 +212,18 @@ def border_appearance(
     scale = stretch_scale(stretch_axis(state, scan), line, steep)
     signs = np.empty(BLOCK)
     profile[:] = 0.0
-    begin, crossed = 0, 0
+    shown = 0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, line, crossings)
-        begin = first if crossed == 0 else begin
-        crossed += found
         fill_by_stretch(stretch_signs, scale, lines.places[first : first + found], signs)
-        _fill_border_responses(
-            lines, first, found, line, stretch * scan.scale, signs, crossings, along
+        shown += _fill_border_responses(
+            lines, first, found, line, stretch * scan.scale, signs, crossings, along[shown:]
         )
         _add_responses(lines, first, found, line, stretch * scan.scale, signs, crossings, profile)
     half_width = 0.5 * width_across(state, scan.reduction) / scan.scale
-    dominances = _dominances(profile, SMALLEST_SHARE * crossed, half_width)
+    dominances = _dominances(profile, SMALLEST_SHARE * shown, half_width)
     looks = DOMINANCE_OUTSIDE * dominances[0] + DOMINANCE_INSIDE * dominances[1]
-    return looks, _continuity(along[begin : begin + crossed])
+    return looks, _continuity(along[:shown])
 
 
 @compiled_fast_loop
@@ -210,13 +241,16 @@ def _add_responses(
 
     To `profile` (2, `PROFILE`): their sums and numbers, from the outside to the inside. `stretch`
     is the distance along the line per px at the reference width inwards across the border [working
-    px]. `signs`: 1 where the cable is bright, -1 where it is dark, shape (>= `count`,).
+    px]. `signs`: 1 where the cable is bright, -1 where it is dark, 0 where nothing is looked at,
+    shape (>= `count`,).
     """
     last = float(lines.smooth.shape[1] - 1)
     sums, numbers = profile[0], profile[1]
     for index in range(count):
         gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
         sign = signs[index]
+        if sign == 0.0:
+            continue
         # Where the line begins and ends, in steps from the crossing.
         ends = (-middle / stretch, (last + 1.0 - middle) / stretch)
         begin = max(math.ceil(min(ends)) + REACH, 0)
@@ -238,21 +272,26 @@ def _fill_border_responses(
     signs: FloatArray,
     crossings: Crossings,
     along: FloatArray,
-) -> None:
-    """Fill in the response of the border on the lines from `first` on, at least 0.
+) -> int:
+    """Fill in the responses of the border on lines from `first` on, and return their number.
 
-    It is the largest one within a pixel. `stretch` and `signs` as in `_add_responses`.
+    Each is the largest one within a pixel, at least 0. `stretch` and `signs` as in
+    `_add_responses`.
     """
-    last = float(lines.smooth.shape[1] - 1)
+    last, filled = float(lines.smooth.shape[1] - 1), 0
     for index in range(count):
         gradients, middle = lines.gradients[first + index], crossings.positions[index] + 0.5
         sign = signs[index]
+        if sign == 0.0:
+            continue
         largest = 0.0
         for depth in range(-1, 2):
             gradient = gradients[np.uint64(pixel_at(middle + depth * stretch, last))]
             response = border.along * gradient[ALONG] + border.across * gradient[ACROSS]
             largest = max(largest, sign * response)
-        along[first + index] = largest
+        along[filled] = largest
+        filled += 1
+    return filled
 
 
 @compiled_loop

@@ -22,8 +22,10 @@ LEAST_SHOWN, SHOWN_PART = 3, 3
 @compiled_loop
 def leave_out_covered_end(
     stretches: Float32Array, column: int, cost: float, sums: Float32Array
-) -> None:
-    """Take the stretches of a covered end out of the sums, if there is one.
+) -> int:
+    """Take the stretches of a covered end out of the sums, and return them; 0 if there is none.
+
+    Bit k of what is returned is stretch k.
 
     Parameters
     ----------
@@ -42,11 +44,13 @@ def leave_out_covered_end(
     # The last ones are covered only if they speak against the cable by more than the first ones.
     step, covered = (-1, from_last) if from_last else (1, from_first)
     if covered == 0:
-        return
+        return 0
     for border in range(2):
         for number in range(covered):
             sums[border, column] -= stretches[border, column, _nth(number, step)]
         sums[border, column] -= np.float32(0.5 * cost)
+    first_ones: int = (1 << covered) - 1
+    return first_ones if step == 1 else first_ones << (stretches.shape[2] - covered)
 
 
 @compiled_loop

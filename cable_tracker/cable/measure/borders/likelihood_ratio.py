@@ -91,12 +91,15 @@ class CableMeasures(NamedTuple):
     reversed : IndexArray
         Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
         shape (N, 2): bit k is stretch k.
+    covered : IndexArray
+        Those of an end that is covered, see `covered_end`, likewise.
     """
 
     log_ratios: FloatArray
     visible_lengths: FloatArray
     border_means: FloatArray
     reversed: IndexArray
+    covered: IndexArray
 
 
 @compiled_part
@@ -106,6 +109,7 @@ def allocate_measures(count: int) -> CableMeasures:
         np.empty((count, 2)),
         np.empty(count),
         np.empty((count, 2, 2)),
+        np.empty((count, 2), np.int64),
         np.empty((count, 2), np.int64),
     )
 
@@ -245,7 +249,8 @@ def fill_measures(
         longest = max(expected, lengths[0], lengths[1])
         sum_stretches(
             stretches, striped, model.reversal_cost / model.tempering,
-            model.covered_cost / model.tempering, sums, measured.reversed[cable],
+            model.covered_cost / model.tempering, sums,
+            measured.reversed[cable], measured.covered[cable],
         )  # fmt: skip
         for border in range(2):
             _add_missing_points(max(expected - lengths[border], 0.0), model, sums[border])

@@ -99,9 +99,9 @@ def fill_by_stretch(
 
 
 @compiled_inside
-def is_reversed(reversed_ones: int, stretch: int) -> bool:
-    """Tell whether a stretch is one of the reversed ones, see `CableMeasures.reversed`."""
-    return (reversed_ones >> stretch) & 1 == 1
+def has_stretch(stretches: int, stretch: int) -> bool:
+    """Tell whether a stretch is one of some: bit k of them is stretch k."""
+    return (stretches >> stretch) & 1 == 1
 
 
 @compiled_inside
@@ -122,6 +122,7 @@ def sum_stretches(
     covered_cost: float,
     sums: Float32Array,
     reversed_ones: IndexArray,
+    covered_ones: IndexArray,
 ) -> None:
     """Add up the ratios of the stretches of a cable.
 
@@ -143,29 +144,31 @@ def sum_stretches(
     reversed_ones : IndexArray
         Is filled in with the reversed stretches of a bright and of a dark cable, by the class of
         strength that is likeliest for both borders, shape (2,): bit k is stretch k.
+    covered_ones : IndexArray
+        Is filled in with the stretches of a covered end, likewise.
     """
     each = np.float32(0.5 * cost)
     for polarity in range(2):
         most = np.float32(0.0)
         for strength in range(CLASSES):
             own, other = polarity * CLASSES + strength, (1 - polarity) * CLASSES + strength
-            found = 0
+            found, covered = 0, 0
             if _fill_plain_sums(stretches, own, other, sums) > np.float32(cost):
                 found = max(_reversed_stretches(stretches, own, other, each), 0)
                 if found > 0:
                     _fill_reversed_sums(stretches, own, other, each, found, sums)
             if found == 0:
-                leave_out_covered_end(stretches, own, covered_cost, sums)
+                covered = leave_out_covered_end(stretches, own, covered_cost, sums)
             both = sums[0, own] + sums[1, own]
             either = striped[0, strength] + striped[1, strength] - np.float32(cost)
             if either > both:
                 turned = _reversed_stretches(stretches, own, other, np.float32(0.0))
                 if turned >= 0:
-                    both, found = either, turned
+                    both, found, covered = either, turned, 0
                     sums[0, own] = striped[0, strength] - each
                     sums[1, own] = striped[1, strength] - each
             if strength == 0 or both > most:
-                most, reversed_ones[polarity] = both, found
+                most, reversed_ones[polarity], covered_ones[polarity] = both, found, covered
 
 
 @compiled_loop
@@ -220,7 +223,7 @@ def _fill_reversed_sums(
     """
     left, right = np.float32(0.0), np.float32(0.0)
     for stretch in range(STRETCHES):
-        if is_reversed(reversed_ones, stretch):
+        if has_stretch(reversed_ones, stretch):
             left += stretches[0, other, stretch] - each
             right += stretches[1, other, stretch] - each
         else:

@@ -60,15 +60,33 @@ def test_ground_that_stands_still_tells_nothing():
     assert dive((0.0, 0.0)).fixture is None
 
 
+def parted_ground(frame) -> np.ndarray:
+    """Return a ground that goes to the left on one side, and to the right on the other."""
+    picture = ground(-2.0 * frame)
+    picture[:, 170:] = ground(2.0 * frame)[:, 170:]
+    return picture
+
+
 def test_ground_that_goes_apart_to_both_sides_as_in_perspective_tells_nothing():
     test = UNTESTED
     for frame in range(24):
-        picture = ground(-2.0 * frame)
-        picture[:, 170:] = ground(2.0 * frame)[:, 170:]
-        image = plain_image(picture)
+        image = plain_image(parted_ground(frame))
         test = fixture_test_after(test, UPRIGHT, image, FRAME, TRAVEL, goes_on=frame > 0)
-    assert test.looks >= FEWEST_LOOKS
+    assert test.way > TRAVEL
+    assert test.looks == 0
     assert test.fixture is None
+
+
+def test_a_strip_that_goes_one_way_while_the_ground_parts_and_back_with_it_is_none():
+    test = UNTESTED
+    for frame in range(24):
+        back = max(frame - 11, 0)
+        picture = parted_ground(frame) if frame < 12 else ground(-2.0 * back)
+        strip = aside(min(frame, 11) - 2.0 * back)
+        image = plain_image(picture)
+        test = fixture_test_after(test, strip, image, FRAME, TRAVEL, goes_on=frame > 0)
+        assert test.fixture is None
+    assert test.looks >= FEWEST_LOOKS
 
 
 def test_few_looks_suffice_for_nothing():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.borders.covered_end import SHOWN_PART, leave_out_covered_end
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
-from cable_tracker.cable.measure.borders.stretches import STRETCHES
+from cable_tracker.cable.measure.borders.stretches import STRETCHES, has_stretch
 
 COLUMN = 2
 COST = 6.0
@@ -16,13 +16,18 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 def summed(left, right, cost=COST) -> np.ndarray:
     """Return the sums of both borders of a cable by stretches of its borders."""
+    return summed_and_covered(left, right, cost)[0]
+
+
+def summed_and_covered(left, right, cost=COST) -> tuple[np.ndarray, list[int]]:
+    """Return these sums, and the numbers of the stretches that are covered."""
     stretches = np.zeros((2, 2 * CLASSES, STRETCHES), np.float32)
     stretches[0, COLUMN], stretches[1, COLUMN] = left, right
     sums = stretches.sum(axis=2)
-    leave_out_covered_end(stretches, COLUMN, cost, sums)
+    covered = leave_out_covered_end(stretches, COLUMN, cost, sums)
     others = np.delete(np.arange(2 * CLASSES), COLUMN)
     assert not sums[:, others].any()
-    return sums[:, COLUMN]
+    return sums[:, COLUMN], [k for k in range(STRETCHES) if has_stretch(covered, k)]
 
 
 def with_covered(shown, hidden, first) -> np.ndarray:
@@ -35,6 +40,15 @@ def test_what_speaks_against_a_cable_from_one_end_on_costs_no_more_than_the_cove
     stretches = with_covered(3.0, -5.0, 6)
     border = stretches[::-1] if turned else stretches
     np.testing.assert_allclose(summed(border, border), [30.0 - COST / 2] * 2)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_is_covered_is_told(turned):
+    stretches, covered = with_covered(3.0, -5.0, 6), range(6)
+    border = stretches[::-1] if turned else stretches
+    expected = range(STRETCHES - 6, STRETCHES) if turned else covered
+    assert summed_and_covered(border, border)[1] == list(expected)
+    assert summed_and_covered(np.abs(border), np.abs(border))[1] == []
 
 
 def test_a_cable_in_full_view_is_summed_as_it_is():

@@ -11,7 +11,7 @@ from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
     either_log_ratio,
-    is_reversed,
+    has_stretch,
     stretch_at,
     stretch_axis,
     stretch_scale,
@@ -37,8 +37,8 @@ NO_STRIPES = np.full((2, CLASSES), -1e6, np.float32)
 def summed(stretches, cost, striped=NO_STRIPES):
     """Sums along the borders, and whether each stretch of a bright and of a dark cable is turned"""
     sums, found = np.empty((2, 2 * CLASSES), np.float32), np.empty(2, np.int64)
-    sum_stretches(stretches, striped, cost, NEVER_COVERED, sums, found)
-    turned = [[is_reversed(int(row), stretch) for stretch in range(STRETCHES)] for row in found]
+    sum_stretches(stretches, striped, cost, NEVER_COVERED, sums, found, np.empty(2, np.int64))
+    turned = [[has_stretch(int(row), stretch) for stretch in range(STRETCHES)] for row in found]
     return sums, np.array(turned)
 
 
