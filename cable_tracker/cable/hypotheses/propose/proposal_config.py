@@ -32,8 +32,9 @@ WIDENINGS = (1.5, 1.2)
 
 SEARCH_MAP = MapWeights(overlap=11.0, lacking=0.0)
 """Weights of the map in a search. Of strips that share a border the map tells the right one, where
-growth and sand have stronger borders than the cable. Chosen on the worlds to tune on (`tune_*`), as
-are those beside a known cable."""
+growth and sand have stronger borders than the cable; with a weight of 4 the particles of a faint
+cable that the map shows gather at stronger edges beside it. Chosen on the worlds to tune on
+(`tune_*`), as are those beside a known cable."""
 
 KNOWN_MAP = MapWeights(overlap=4.0, lacking=7.0)
 """Weights of the map beside a known cable, whose own borders are the better guide: for what looks

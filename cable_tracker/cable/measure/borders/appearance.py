@@ -15,11 +15,12 @@ Then a cable one end of which is covered (`covered_end`) is looked at without th
 cost, and the larger of both counts; without a map, whatever ends in the picture would pass for one.
 
 The weights were fitted on simulated worlds to tune on (`tune_*`, seeds 0 to 39): a conditional
-logit model of which of the strips of a frame is the cable, or none. With these, neither the
-likelihood ratio of a strip nor the share of points at which its border is the strongest edge adds
-anything. A fourth number, how smooth the inside is, was among them then; it has been left out
-since, and the others kept. The weight of continuity was chosen on pictures of real ground, on which
-a float lies that ends in the picture.
+logit model of which of the strips of a frame, those that the filter held for cables among them, is
+the cable, or none. The right one ranks first in 81 % of the faint frames and 66 % of the hard ones,
+by the likelihood ratio in 72 and 60 %. With these, neither the likelihood ratio of a strip nor the
+share of points at which its border is the strongest edge adds anything. A fourth number, how smooth
+the inside is, was among them then; it has been left out since, and the others kept. The weight of
+continuity was chosen on pictures of real ground, on which a float lies that ends in the picture.
 """
 
 from __future__ import annotations
@@ -110,9 +111,10 @@ from this project."""
 
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
 """With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make
-[nats per nat]. Chosen by what is found and claimed on the worlds to tune on and on two simulators
-that were written apart from this project: of a world that the network does not know it sees
-less."""
+[nats per nat]. A conditional logit model, no cable as one of the choices, gave their kind. They
+were chosen by what is found and claimed on the worlds to tune on and on two simulators that were
+written apart from this project: with more weight on the overlap less is found in a world that the
+network does not know, with a constant above 0 trails of stones are claimed."""
 
 
 @compiled_part

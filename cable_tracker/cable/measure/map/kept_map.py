@@ -2,7 +2,9 @@
 
 The network takes several times as long as the rest of a frame in which the cable is clear. So it
 looks only now and then, and what it said of the strip, of its borders and of what lies beside it
-stays true for a moment, but for how the cable has moved since.
+stays true for a moment, but for how the cable has moved since. Borders alone prefer a bright stripe
+along a pipe, or its lit half, to the whole of it: some time after the last map the filter would go
+over to the stripe.
 """
 
 from __future__ import annotations
