@@ -12,48 +12,13 @@ from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
-from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
 from cable_tracker.sequences.messages import cable as cable_messages
 from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
-from cable_tracker.trackers import make_tracker
 
 FRAMES = 4
-
-
-def stacked(*planes: Any) -> np.ndarray:
-    return np.ascontiguousarray(np.dstack(planes))
-
-
-def in_encoding(grey: np.ndarray, encoding: str) -> np.ndarray:
-    """Write a grey picture in the numbers of an encoding."""
-    full, neutral = np.full_like(grey, 255), np.full_like(grey, 128)
-    if encoding == "32FC1":
-        return grey.astype(np.float32) / np.float32(255.0)
-    if encoding in ("mono8", "bayer_rggb8"):
-        return grey
-    if encoding in ("mono16", "bayer_rggb16"):
-        # Two unlike bytes: swapped, they are another picture.
-        return grey.astype(np.uint16) * np.uint16(256) + np.uint16(128)
-    if encoding == "uyvy":
-        return stacked(neutral, grey)
-    if encoding == "yuyv":
-        return stacked(grey, neutral)
-    if encoding == "rgba8":
-        return stacked(grey, grey, grey, full)
-    return stacked(grey, grey, grey)
-
-
-ENCODINGS = [
-    *(("mono8", False), ("bgr8", False), ("rgba8", False), ("uyvy", False), ("yuyv", False)),
-    *(("bayer_rggb8", False), ("bayer_rggb16", True)),
-    *((name, big) for name in ("mono16", "32FC1") for big in (False, True)),
-]
-"""One of each kind: what else stands in their table is decoded as these are."""
 
 
 @pytest.fixture
@@ -72,71 +37,42 @@ def track_strip(
     return track
 
 
-def assert_same_line(state: CableState | None, other: CableState | None, tolerance: float) -> None:
-    assert state is not None and other is not None
-    assert state.distance == pytest.approx(other.distance, abs=tolerance)
-    assert state.width == pytest.approx(other.width, abs=2 * tolerance)
-    assert math.degrees(state.angle - other.angle) == pytest.approx(0.0, abs=tolerance)
-
-
-@pytest.fixture(scope="module")
-def reference(
-    near: str, strip: Callable[..., np.ndarray], stamp_of_index: Callable[[int], int]
-) -> CableState:
-    """The estimate of the strip by the tracker without a node."""
-    tracker = make_tracker(TrackerParameters())
-    state = parse_initial_state(near)
+def assert_same_line(state: CableState | None, other: CableState) -> None:
     assert state is not None
-    tracker.initialise(GivenState.around(state))
-    for index in range(FRAMES):
-        estimate = tracker.process(strip(), stamp_of_index(index))
-    return estimate.state
+    assert state.distance == pytest.approx(other.distance, abs=2.0)
+    assert state.width == pytest.approx(other.width, abs=4.0)
+    assert math.degrees(state.angle - other.angle) == pytest.approx(0.0, abs=2.0)
 
 
 class TestEncodings:
-    @pytest.mark.parametrize(
-        ("encoding", "bigendian", "padding"),
-        [
-            *((encoding, bigendian, 12) for encoding, bigendian in ENCODINGS),
-            *(("mono8", False, 0), ("mono16", True, 0)),
-        ],
-    )
-    def test_every_encoding_gives_the_estimate_of_mono8(
+    def test_encoding_byte_order_and_padding_are_those_of_the_message(
         self,
         world: Any,
         near: str,
         truth: CableState,
-        reference: CableState,
         strip: Callable[..., np.ndarray],
         track_strip: Callable[..., list[Any]],
-        encoding: str,
-        bigendian: bool,
-        padding: int,
     ) -> None:
         node = world.tracker(initial_state=near)
-        pixels = in_encoding(strip(), encoding)
-        image = {"encoding": encoding, "bigendian": bigendian, "padding": padding}
-        state = read_state(track_strip(node, pixels=pixels, **image)[-1])
-        assert_same_line(state, truth, 2.0)
-        # A Bayer pattern is interpolated, which smoothes the noise; unlike bytes scale the levels.
-        tolerances = {"mono16": 0.2, "bayer_rggb8": 1.0, "bayer_rggb16": 1.0}
-        assert_same_line(state, reference, tolerances.get(encoding, 1e-3))
+        # With their bytes swapped there is but noise.
+        low = np.random.default_rng(0).integers(0, 256, strip().shape, np.uint16)
+        pixels = strip().astype(np.uint16) * np.uint16(256) + low
+        states = track_strip(node, pixels=pixels, encoding="mono16", bigendian=True, padding=12)
+        assert_same_line(read_state(states[-1]), truth)
 
-    @pytest.mark.parametrize("suffix", ["jpeg", "png"])
     def test_compressed_images_are_tracked(
         self,
         world: Any,
         near: str,
         truth: CableState,
         compressed_message: Callable[..., Any],
-        suffix: str,
     ) -> None:
         node = world.tracker(initial_state=near, image_transport="compressed")
         states = world.listen(JointState, "state")
         for index in range(FRAMES):
-            world.show(node, compressed_message(suffix, index=index))
+            world.show(node, compressed_message(index=index))
         world.spin(lambda: len(states) == FRAMES)
-        assert_same_line(read_state(states[-1]), truth, 2.0)
+        assert_same_line(read_state(states[-1]), truth)
 
     @pytest.mark.parametrize(
         ("transport", "topic", "kind"),
@@ -161,16 +97,9 @@ class TestEncodings:
 
 BAD_IMAGES = {
     "unknown encoding": ({"encoding": "mono7"}, "unknown encoding 'mono7'"),
-    "short data": ({"data": b"\x00" * 100}, "too short"),
-    "small step": ({"step": 319}, "step 319 is too small"),
-    "zero height": ({"height": 0}, "no pixels"),
-    "huge": ({"width": 2**32 - 1, "height": 2**32 - 1}, "pixels"),
     "tiny": ({"width": 1, "height": 1, "step": 1, "data": b"\x00"}, "too small"),
-    "not a number": (
-        {"encoding": "32FC1", "step": 1280, "data": b"\xff" * (1280 * 240)},
-        "finite",
-    ),
 }
+"""One that cannot be decoded, and one that cannot be tracked on."""
 
 
 class TestBadFrames:
@@ -220,21 +149,19 @@ class TestBadFrames:
         world.spin(lambda: len(states) == 4)
         assert states[-1].header == message.header and not states[-1].position
 
-    @pytest.mark.parametrize("length", [0, -1000])
     def test_a_truncated_jpeg_is_refused(
-        self, world: Any, compressed_message: Callable[..., Any], length: int
+        self, world: Any, compressed_message: Callable[..., Any]
     ) -> None:
         node = world.tracker(image_transport="compressed")
         states = world.listen(JointState, "state")
-        world.show(node, compressed_message(length=length))
+        world.show(node, compressed_message(length=-1000))
         world.spin(lambda: states)
         assert node.statistics.refused == 1
         assert not states[0].position
         world.show(node, compressed_message(index=1))
         assert node.statistics.tracked == 1
 
-    @pytest.mark.parametrize("sec", [-(2**31), -1, 2**31 - 1])
-    @pytest.mark.parametrize("nanosec", [1, 2**32 - 1])
+    @pytest.mark.parametrize(("sec", "nanosec"), [(-(2**31), 1), (2**31 - 1, 2**32 - 1)])
     def test_no_stamp_stops_the_node(
         self, world: Any, image_message: Callable[..., Any], sec: int, nanosec: int
     ) -> None:
@@ -525,13 +452,7 @@ class TestInitialState:
         "message",
         [
             prior_message(math.nan, 0.0),
-            prior_message(math.inf, 0.0),
             prior_message(1.0, 0.0, quaternion=(0.0, 0.0)),
-            prior_message(1.0, 0.0, quaternion=(math.nan, 1.0)),
-            prior_message(1.0, 0.0, quaternion=(3.0, 4.0)),
-            prior_message(1.0, 0.0, variances=(-1.0, 0.0, 0.0)),
-            prior_message(1.0, 0.0, variances=(0.0, 0.0, -1.0)),
-            prior_message(1.0, 0.0, variances=(0.0, 0.0, math.nan)),
         ],
     )
     def test_a_senseless_one_is_refused_with_a_warning(
