@@ -358,6 +358,60 @@ def complaints_after_signal(world: World, tmp_path: Path) -> Callable[..., str]:
     return run
 
 
+class NodeProcess:
+    """A node in a process of its own, as its executable runs it; its words go to a file."""
+
+    def __init__(self, node: str, arguments: list[str], log: Path, **environment: str) -> None:
+        self._log = log
+        self._file = log.open("w")
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "cable_tracker.ros.entry", node, "--ros-args", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=self._file,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **environment},
+        )
+
+    @property
+    def words(self) -> str:
+        return self._log.read_text()
+
+    def end(self, signal_number: int | None = None) -> int:
+        """Send a signal; return the exit code, which comes before long."""
+        if signal_number is not None:
+            self.process.send_signal(signal_number)
+        return self.process.wait(PATIENCE)
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._file.close()
+
+
+@pytest.fixture
+def start_process(tmp_path: Path, namespace: str) -> Iterator[Callable[..., NodeProcess]]:
+    """Start a node by its name and parameters; it has ended after the test."""
+    processes: list[NodeProcess] = []
+
+    def start(
+        node: str,
+        *parameters: str,
+        ns: str = namespace,
+        image: str = "image",
+        **environment: str,
+    ) -> NodeProcess:
+        given = [word for parameter in parameters for word in ("-p", parameter)]
+        arguments = ["-r", f"__ns:={ns}", "-r", f"image:={image}", *given]
+        log = tmp_path / f"{len(processes)}_{node}.log"
+        processes.append(NodeProcess(node, arguments, log, **environment))
+        return processes[-1]
+
+    yield start
+    for process in processes:
+        process.close()
+
+
 def draw_strip(state: CableState = TRUTH, size: tuple[int, int] = (320, 240)) -> Image:
     """Draw a bright strip on a noisy ground, uint8."""
     return drawn_strip(state, size).copy()

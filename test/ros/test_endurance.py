@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import re
 import signal
-import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
@@ -34,60 +33,6 @@ pytestmark = pytest.mark.slow
 SHARED_MEMORY = Path("/dev/shm")
 LOOPBACK = {"127.0.0.1", "::1"}
 Make = Callable[..., Any]
-
-
-class Process:
-    """A node in a process of its own, whose words go to a file."""
-
-    def __init__(self, node: str, arguments: list[str], log: Path, **environment: str) -> None:
-        self.log = log
-        self._file = log.open("w")
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "cable_tracker.ros.entry", node, "--ros-args", *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=self._file,
-            stderr=subprocess.STDOUT,
-            env={**os.environ, **environment},
-        )
-
-    @property
-    def words(self) -> str:
-        return self.log.read_text()
-
-    def end(self, number: int = signal.SIGINT) -> int:
-        self.process.send_signal(number)
-        return self.process.wait(300.0)
-
-    def close(self) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        self._file.close()
-
-
-@pytest.fixture
-def start(tmp_path: Path, namespace: str) -> Iterator[Make]:
-    processes: list[Process] = []
-
-    def started(
-        node: str,
-        *parameters: str,
-        ns: str = namespace,
-        image: str = "image",
-        **environment: str,
-    ) -> Process:
-        given = [word for parameter in parameters for word in ("-p", parameter)]
-        log = tmp_path / f"{len(processes)}_{node}.log"
-        processes.append(
-            Process(
-                node, ["-r", f"__ns:={ns}", "-r", f"image:={image}", *given], log, **environment
-            )
-        )
-        return processes[-1]
-
-    yield started
-    for process in processes:
-        process.close()
 
 
 class Random:
@@ -194,19 +139,19 @@ class TestParameters:
 class TestProcesses:
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
     def test_a_signal_while_it_compiles_ends_it_with_0(
-        self, start: Make, tmp_path: Path, number: int
+        self, start_process: Make, tmp_path: Path, number: int
     ) -> None:
         # An empty cache: everything is compiled, as at first use on a machine.
-        tracker = start("tracker", NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+        tracker = start_process("tracker", NUMBA_CACHE_DIR=str(tmp_path / "cache"))
         wait(lambda: "warming up" in tracker.words, tracker)
         assert tracker.end(number) == 0
         assert "Traceback" not in tracker.words
 
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
     def test_a_signal_between_services_and_frames_ends_it_with_0(
-        self, start: Make, world: Any, image_message: Make, number: int
+        self, start_process: Make, world: Any, image_message: Make, number: int
     ) -> None:
-        tracker = start("tracker")
+        tracker = start_process("tracker")
         camera = world.me.create_publisher(Image, "image", 5)
         reset = world.me.create_client(Trigger, "tracker/reset")
         enable = world.me.create_client(SetBool, "tracker/enable")
@@ -221,11 +166,11 @@ class TestProcesses:
         assert "Traceback" not in tracker.words
 
     def test_a_killed_tracker_is_replaced_and_a_killed_replay_too(
-        self, start: Make, world: Any, make_dive: Make
+        self, start_process: Make, world: Any, make_dive: Make
     ) -> None:
         states = world.listen(JointState, "state")
         parameters = (f"source:={make_dive(50)}", "loop:=true")
-        first = [start("tracker"), start("replay", *parameters)]
+        first = [start_process("tracker"), start_process("replay", *parameters)]
         world.spin(lambda: len(states) > 3)
         for node, arguments, old in (
             ("tracker", (), first[0]),
@@ -233,22 +178,22 @@ class TestProcesses:
         ):
             old.process.kill()
             assert old.process.wait() == -signal.SIGKILL
-            new = start(node, *arguments)
+            new = start_process(node, *arguments)
             heard = len(states)
             world.spin(lambda heard=heard: len(states) > heard + 3)
             assert new.process.poll() is None
 
     def test_two_trackers_at_one_camera_by_namespace(
-        self, world: Any, start: Make, namespace: str, image_message: Make
+        self, world: Any, start_process: Make, namespace: str, image_message: Make
     ) -> None:
         """One is there before the camera, the other comes after it."""
         topic = f"{namespace}/eye"
         names = [f"{namespace}/{side}" for side in ("port", "starboard")]
         heard = [world.listen(JointState, f"{name}/state") for name in names]
-        first = start("tracker", ns=names[0], image=topic)
+        first = start_process("tracker", ns=names[0], image=topic)
         world.spin(lambda: world.me.count_subscribers(topic) == 1)
         camera = world.me.create_publisher(Image, topic, 5)
-        second = start("tracker", ns=names[1], image=topic)
+        second = start_process("tracker", ns=names[1], image=topic)
         world.spin(lambda: camera.get_subscription_count() == 2)
         indices = count()
 
@@ -258,22 +203,22 @@ class TestProcesses:
             return all(len(states) >= 3 for states in heard)
 
         world.spin(both_answer)
-        assert (first.end(), second.end(signal.SIGTERM)) == (0, 0)
+        assert (first.end(signal.SIGINT), second.end(signal.SIGTERM)) == (0, 0)
 
-    def test_an_orderly_end_leaves_no_shared_memory(self, start: Make, world: Any) -> None:
+    def test_an_orderly_end_leaves_no_shared_memory(self, start_process: Make, world: Any) -> None:
         before = set(SHARED_MEMORY.iterdir())
-        tracker = start("tracker")
+        tracker = start_process("tracker")
         world.spin(lambda: world.me.count_subscribers("image") == 1)
         mine = segments_of(tracker.process.pid) - before
         assert mine
-        assert tracker.end() == 0
+        assert tracker.end(signal.SIGINT) == 0
         assert not [path for path in mine if path.exists()]
 
     def test_what_a_killed_tracker_leaves_is_removed_and_nothing_else(
-        self, start: Make, world: Any
+        self, start_process: Make, world: Any
     ) -> None:
         before = set(SHARED_MEMORY.iterdir())
-        killed, living = start("tracker"), start("tracker")
+        killed, living = start_process("tracker"), start_process("tracker")
         world.spin(lambda: world.me.count_subscribers("image") == 2)
         new = [segments_of(each.process.pid) - before for each in (killed, living)]
         killed.process.kill()
@@ -285,14 +230,14 @@ class TestProcesses:
         remove_dead_segments()
         # A node that starts elsewhere on this machine may have been quicker.
         assert len([segment for segment in set.union(*new) if not segment.exists()]) == 1
-        assert living.end() == 0
+        assert living.end(signal.SIGINT) == 0
         assert "Traceback" not in living.words
 
     def test_a_missing_profile_is_one_line_and_exit_code_2(
-        self, start: Make, tmp_path: Path
+        self, start_process: Make, tmp_path: Path
     ) -> None:
-        tracker = start("tracker", **{PROFILE_VARIABLE: str(tmp_path / "gone.xml")})
-        assert tracker.process.wait(300.0) == 2
+        tracker = start_process("tracker", **{PROFILE_VARIABLE: str(tmp_path / "gone.xml")})
+        assert tracker.end() == 2
         assert len(tracker.words.splitlines()) == 1
         assert tracker.words.startswith("error: the Fast DDS profile")
 
@@ -300,9 +245,9 @@ class TestProcesses:
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 class TestNetwork:
     def test_with_the_shipped_profile_it_listens_on_loopback_alone(
-        self, start: Make, world: Any
+        self, start_process: Make, world: Any
     ) -> None:
-        tracker = start("tracker")
+        tracker = start_process("tracker")
         world.spin(lambda: world.me.count_subscribers("image") == 1)
         addresses = listening(tracker.process.pid)
         assert addresses
@@ -310,11 +255,11 @@ class TestNetwork:
         assert {kind for kind, _ in addresses} == {"udp"}
 
     def test_without_a_profile_it_listens_everywhere_which_the_documentation_says(
-        self, start: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, start_process: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.delenv(PROFILE_VARIABLE)
         monkeypatch.delenv(RANGE_VARIABLE)
-        tracker = start("tracker")
+        tracker = start_process("tracker")
         wait(lambda: "waiting for images" in tracker.words, tracker)
         addresses = {address for _, address in listening(tracker.process.pid)}
         assert "0.0.0.0" in addresses
@@ -322,7 +267,7 @@ class TestNetwork:
         assert "0.0.0.0" in page.read_text(encoding="utf-8")
 
 
-def wait(condition: Callable[[], bool], process: Process, patience: float = 300.0) -> None:
+def wait(condition: Callable[[], bool], process: Any, patience: float = 300.0) -> None:
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline and process.process.poll() is None, process.words

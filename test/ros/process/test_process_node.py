@@ -30,41 +30,13 @@ NO_HASTE = "answer_timeout:=3600.0"
 """How long frames and answers stay away says how busy the machine is."""
 
 
-class Run:
-    """A node that runs as its executable does."""
-
-    def __init__(self, name: str, arguments: list[str], folder: Path) -> None:
-        self._errors = (folder / f"{name}_stderr").open("w+")
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "cable_tracker.ros.entry", name, *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=self._errors,
-        )
-
-    def wait_until_it_listens_to_signals(self) -> None:
-        handled = 1 << (signal.SIGTERM - 1)
-        status = Path(f"/proc/{self.process.pid}/status")
-        deadline = time.monotonic() + LONGEST_END
-        while not _caught(status.read_text()) & handled:
-            assert time.monotonic() < deadline and self.process.poll() is None
-            time.sleep(0.001)
-
-    def end(self, signal_number: int | None = None) -> int:
-        """Send a signal; return the exit code, which comes before long."""
-        if signal_number is not None:
-            self.process.send_signal(signal_number)
-        return self.process.wait(LONGEST_END)
-
-    def errors(self) -> str:
-        self._errors.seek(0)
-        return self._errors.read()
-
-    def close(self) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        self._errors.close()
+def wait_until_it_listens_to_signals(process: subprocess.Popen[bytes]) -> None:
+    handled = 1 << (signal.SIGTERM - 1)
+    status = Path(f"/proc/{process.pid}/status")
+    deadline = time.monotonic() + LONGEST_END
+    while not _caught(status.read_text()) & handled:
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.001)
 
 
 def _caught(status: str) -> int:
@@ -72,73 +44,59 @@ def _caught(status: str) -> int:
     return int(line.split()[1], 16)
 
 
-@pytest.fixture
-def start(tmp_path: Path, namespace: str) -> Iterator[Callable[..., Run]]:
-    runs: list[Run] = []
-
-    def started(name: str, *parameters: str) -> Run:
-        given = [word for parameter in parameters for word in ("-p", parameter)]
-        runs.append(Run(name, ["--ros-args", "-r", f"__ns:={namespace}", *given], tmp_path))
-        return runs[-1]
-
-    yield started
-    for run in runs:
-        run.close()
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 class TestSignals:
     @pytest.mark.parametrize("delay", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
     def test_a_signal_while_it_starts_ends_it(
-        self, start: Callable[..., Run], delay: float
+        self, start_process: Callable[..., Any], delay: float
     ) -> None:
-        run = start("tracker", NO_WATCH)
-        run.wait_until_it_listens_to_signals()
+        run = start_process("tracker", NO_WATCH)
+        wait_until_it_listens_to_signals(run.process)
         time.sleep(delay)
         code = run.end(signal.SIGTERM)
-        unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
+        unexpected = [line for line in run.words.splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
 
     @pytest.mark.parametrize(
         "signal_number", [pytest.param(signal.SIGINT, marks=pytest.mark.slow), signal.SIGTERM]
     )
     def test_a_signal_ends_the_running_tracker(
-        self, start: Callable[..., Run], world: Any, namespace: str, signal_number: int
+        self, start_process: Callable[..., Any], world: Any, namespace: str, signal_number: int
     ) -> None:
-        run = start("tracker", NO_WATCH)
+        run = start_process("tracker", NO_WATCH)
         wait_for(world, "tracker", namespace)
         code = run.end(signal_number)
-        unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
+        unexpected = [line for line in run.words.splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
 
     def test_a_signal_ends_a_tracker_in_the_middle_of_its_frames(
-        self, start: Callable[..., Run], world: Any, make_dive: Callable[..., Path]
+        self, start_process: Callable[..., Any], world: Any, make_dive: Callable[..., Path]
     ) -> None:
         from sensor_msgs.msg import JointState  # noqa: PLC0415
 
         states = world.listen(JointState, "state")
         source = f"source:={make_dive(10)}"
         # So many particles that the signal comes within a callback.
-        tracker = start("tracker", "image_reliability:=reliable", "particle_count:=8000")
-        replay = start("replay", source, "lockstep:=true", "loop:=true", NO_HASTE)
+        tracker = start_process("tracker", "image_reliability:=reliable", "particle_count:=8000")
+        replay = start_process("replay", source, "lockstep:=true", "loop:=true", NO_HASTE)
         world.spin(lambda: len(states) > 2)
         assert tracker.end(signal.SIGINT) == 0
-        assert "Traceback" not in tracker.errors()
+        assert "Traceback" not in tracker.words
         assert replay.end(signal.SIGINT) == 0
-        assert "Traceback" not in replay.errors()
+        assert "Traceback" not in replay.words
 
     def test_a_signal_ends_a_replay_that_waits(
         self,
-        start: Callable[..., Run],
+        start_process: Callable[..., Any],
         world: Any,
         make_dive: Callable[..., Path],
         namespace: str,
     ) -> None:
-        run = start("replay", f"source:={make_dive(3)}", "lockstep:=true", NO_HASTE)
+        run = start_process("replay", f"source:={make_dive(3)}", "lockstep:=true", NO_HASTE)
         wait_for(world, "replay", namespace)
         assert run.end(signal.SIGINT) == 0
-        assert "Traceback" not in run.errors()
-        assert "sent 0 frames" in run.errors()
+        assert "Traceback" not in run.words
+        assert "sent 0 frames" in run.words
 
 
 def wait_for(world: Any, name: str, namespace: str) -> None:
@@ -163,19 +121,19 @@ def run_here(
 
 class TestExitCodes:
     def test_a_replay_at_its_end_exits_with_0(
-        self, start: Callable[..., Run], make_dive: Callable[..., Path]
+        self, start_process: Callable[..., Any], make_dive: Callable[..., Path]
     ) -> None:
         at_once = ("rate:=100.0", "wait_for_tracker:=false")
-        run = start("replay", f"source:={make_dive(3)}", *at_once)
+        run = start_process("replay", f"source:={make_dive(3)}", *at_once)
         assert run.end() == 0
-        assert "sent 3 frames" in run.errors()
+        assert "sent 3 frames" in run.words
 
     def test_what_the_user_must_mend_ends_a_process_with_2_and_without_a_traceback(
-        self, start: Callable[..., Run]
+        self, start_process: Callable[..., Any]
     ) -> None:
-        run = start("tracker", "particle_count:=many")
+        run = start_process("tracker", "particle_count:=many")
         assert run.end() == 2
-        lines = run.errors().splitlines()
+        lines = run.words.splitlines()
         assert len(lines) == 1
         assert lines[0].startswith("error: ") and "particle_count" in lines[0]
 
