@@ -6,6 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import (
@@ -66,9 +68,32 @@ def test_values_are_checked_together():
     assert LampParameters().replaced({"colour": "red", "bulbs": 1}).colour == "red"
 
 
-def test_unknown_names_are_refused():
-    with pytest.raises(ParameterError, match="unknown parameter smell"):
-        LampParameters().replaced({"smell": 1})
+def test_replacing_is_all_or_nothing():
+    before = LampParameters()
+    with pytest.raises(ParameterError, match="bulbs"):
+        before.replaced({"dimmest": 1.0, "bulbs": -1})
+    assert before == LampParameters()
+    after = before.replaced({"dimmest": 1.0, "bulbs": 3})
+    assert (after.dimmest, after.bulbs) == (1.0, 3)
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["dimmest", "bulbs", "colour", "place", "lit"]), st.none() | st.integers()
+    )
+)
+def test_any_set_of_values_is_taken_or_refused_with_a_reason_in_one_line(values):
+    try:
+        replaced = LampParameters().replaced(values)
+    except ParameterError as error:
+        assert "\n" not in str(error)
+    else:
+        assert {name: getattr(replaced, name) for name in values} == values
+
+
+def test_unknown_names_are_refused_and_named():
+    with pytest.raises(ParameterError, match="unknown parameter height, smell;"):
+        LampParameters().replaced({"smell": 1, "bulbs": 2, "height": 1})
 
 
 def test_a_misspelled_name_is_met_with_the_right_one():
@@ -129,6 +154,7 @@ def test_what_is_no_number_is_refused_where_one_is_meant(value):
         ("brightest", 101),
         ("brightest", np.nan),
         ("brightest", np.inf),
+        pytest.param("brightest", 10**400, id="brightest-beyond any float"),
     ],
 )
 def test_a_number_outside_its_range_is_refused(name, value):
@@ -142,9 +168,17 @@ def test_what_is_no_text_is_refused_where_one_is_meant(name, value):
         LampParameters().replaced({name: value})
 
 
-def test_a_word_that_is_none_of_the_choices_is_refused():
-    with pytest.raises(ParameterError, match=r"colour: 'blue' is none of white \| red"):
-        LampParameters(colour="blue")
+@pytest.mark.parametrize("value", ["blue", ""])
+def test_a_word_that_is_none_of_the_choices_is_refused(value):
+    with pytest.raises(ParameterError, match=rf"colour: '{value}' is none of white \| red"):
+        LampParameters(colour=value)
+
+
+@pytest.mark.parametrize("value", [1, 0.0, "true", None])
+def test_a_switch_is_true_or_false_and_nothing_else(value):
+    assert LampParameters(lit=False).lit is False
+    with pytest.raises(ParameterError, match=r"lit: .* not true or false"):
+        LampParameters().replaced({"lit": value})
 
 
 def test_a_name_stands_for_its_entry_and_another_is_refused_with_those_that_are_known():

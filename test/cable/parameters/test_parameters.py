@@ -1,10 +1,6 @@
 from __future__ import annotations
 
-import dataclasses
-
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
@@ -13,7 +9,6 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
-from cable_tracker.tracking.parameter_table import ParameterSpec
 
 NUMBERS = [spec for spec in PARAMETER_TABLE if spec.kind in (int, float)]
 WORDS = [spec for spec in PARAMETER_TABLE if spec.choices]
@@ -37,57 +32,9 @@ def test_both_ends_of_a_range_are_accepted_and_nothing_beyond():
                 spec.coerce(spec.kind(beyond))
 
 
-@pytest.mark.parametrize(
-    "value",
-    [float("nan"), float("inf"), -float("inf"), True, False, "3", "", None, [1], 10**400, 1j],
-    ids=repr,
-)
-def test_what_is_no_finite_number_is_refused_in_one_line(value):
-    for spec in NUMBERS:
-        with pytest.raises(ParameterError, match=spec.name) as caught:
-            spec.coerce(value)
-        assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("value", ["", "other", 1, True, None])
-def test_what_is_no_choice_is_refused(value):
-    for spec in WORDS:
-        with pytest.raises(ParameterError, match=spec.name):
-            spec.coerce(value)
-
-
-@pytest.mark.parametrize("value", [1, True, None, 0.5])
-def test_what_is_no_text_is_refused_where_any_text_will_do(value):
-    spec = PARAMETERS_BY_NAME["response_table"]
-    assert spec.coerce("any.json") == "any.json"
-    with pytest.raises(ParameterError, match="is not a word"):
-        spec.coerce(value)
-
-
-def test_switches_are_true_or_false_and_nothing_else():
-    switch = ParameterSpec("lights", bool, False, "", "Light.", None, None, ())
-    assert switch.coerce(True) is True
-    assert switch.range_text() == "true | false"
-    for value in (1, 0.0, "true", None):
-        with pytest.raises(ParameterError, match="not true or false"):
-            switch.coerce(value)
-
-
 def test_ranges_read_well():
     assert PARAMETERS_BY_NAME["rate_damping"].range_text() == "0 .. 1"
     assert PARAMETERS_BY_NAME["limit_handling"].range_text() == "clip | reflect"
-
-
-def test_a_whole_number_is_accepted_where_a_float_is_meant():
-    value = TrackerParameters(distance_variance=3).distance_variance
-    assert (value, type(value)) == (3.0, float)
-
-
-def test_a_float_without_fraction_is_accepted_where_a_whole_number_is_meant():
-    value = TrackerParameters(particle_count=200.0).particle_count
-    assert (value, type(value)) == (200, int)
-    with pytest.raises(ParameterError, match=r"200\.5 is not a whole number"):
-        TrackerParameters(particle_count=200.5)
 
 
 @pytest.mark.parametrize(
@@ -133,35 +80,10 @@ def test_scan_lines_that_no_border_crosses_three_of_are_refused():
         TrackerParameters(sample_spacing=61.0)
 
 
-def test_replacing_is_all_or_nothing():
-    before = TrackerParameters()
-    with pytest.raises(ParameterError, match="epsilon"):
-        before.replaced({"particle_count": 7, "epsilon": -1.0})
-    assert before == TrackerParameters()
-    after = before.replaced({"particle_count": 7, "epsilon": 1e-6})
-    assert (after.particle_count, after.epsilon) == (7, 1e-6)
-    assert dataclasses.replace(after, particle_count=500, epsilon=1e-3) == before
-
-
-def test_unknown_names_are_refused_and_named():
-    with pytest.raises(ParameterError, match=r"unknown parameter colour, size;"):
-        TrackerParameters().replaced({"size": 1, "colour": 2, "seed": 3})
-
-
 def test_the_mapping_holds_all_in_the_order_of_the_table():
     mapping = TrackerParameters().as_mapping()
     assert list(mapping) == [spec.name for spec in PARAMETER_TABLE] == list(PARAMETERS_BY_NAME)
     assert TrackerParameters(**mapping) == TrackerParameters()
-
-
-@given(st.dictionaries(st.sampled_from(list(PARAMETERS_BY_NAME)), st.none() | st.integers()))
-def test_any_set_of_values_is_taken_or_refused_with_a_reason(values):
-    try:
-        replaced = TrackerParameters().replaced(values)
-    except ParameterError as error:
-        assert "\n" not in str(error)
-    else:
-        assert {name: getattr(replaced, name) for name in values} == values
 
 
 @pytest.mark.parametrize(
