@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from plain_images import plain_image
+from sound_estimates import assert_sound
 
-from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
@@ -66,22 +66,6 @@ PICTURES = {
 }
 
 
-def check(estimate: CableEstimate) -> None:
-    """What is promised of every estimate."""
-    assert estimate.state.is_finite()
-    assert -RIGHT < estimate.state.angle <= RIGHT
-    assert np.isfinite(estimate.covariance).all()
-    assert (estimate.covariance == estimate.covariance.T).all()
-    eigenvalues = np.linalg.eigvalsh(estimate.covariance)
-    assert eigenvalues.min() >= -1e-9 * max(eigenvalues.max(), 1.0)
-    assert np.isfinite(estimate.standard_deviations()).all()
-    assert math.isfinite(estimate.evidence)
-    assert estimate.effective_sample_size >= 1.0
-    assert estimate.presence is None or 0.0 <= estimate.presence <= 1.0
-    for hypothesis in estimate.hypotheses:
-        assert hypothesis.state.is_finite()
-
-
 def stamps() -> Iterator[int]:
     stamp = 1_000_000_000
     while True:
@@ -100,7 +84,7 @@ def test_wherever_the_cable_is_believed_to_be_the_estimate_is_sound(parameters, 
         tracker = CableTracker(parameters)
         tracker.initialise(GivenState.around(state))
         for _, stamp in zip(range(4), stamps(), strict=False):
-            check(tracker.process(picture, stamp))
+            assert_sound(tracker.process(picture, stamp))
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
@@ -116,25 +100,9 @@ def test_any_picture_at_any_time_is_answered_or_refused(name, picture, gaps):
     for gap in gaps:
         stamp += gap
         try:
-            check(tracker.process(picture, stamp))
+            assert_sound(tracker.process(picture, stamp))
         except FrameError as error:
             assert str(error)
-
-
-@pytest.mark.parametrize("name", sorted(PRESETS))
-@given(seed=st.integers(0, 2**31))
-@settings(max_examples=10)
-def test_a_cable_across_the_image_is_followed_over_the_wrap(name, seed):
-    parameters = preset(name).replaced({"particle_count": 300, "seed": seed % 1000})
-    tracker = CableTracker(parameters)
-    tracker.initialise(GivenState.around(CableState(0.0, RIGHT, 20.0)))
-    angles = []
-    for index, stamp in zip(range(8), stamps(), strict=False):
-        angle = RIGHT + math.radians(2.0 * (index - 4))
-        estimate = tracker.process(draw_cable(angle=angle), stamp)
-        check(estimate)
-        angles.append((estimate.state.angle - angle + RIGHT) % math.pi - RIGHT)
-    assert max(abs(angle) for angle in angles) < math.radians(10.0)
 
 
 @given(

@@ -479,14 +479,6 @@ def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):
     assert np.median(back.particles.states[:, 0]) == pytest.approx(12.0, abs=3.0)
 
 
-@pytest.mark.parametrize("scheme", ["multinomial", "stratified", "residual"])
-def test_any_resampling_scheme_follows_the_cable(strip, scheme):
-    cable_filter = make_filter(resampling=scheme)
-    belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 5, FOUND)[-1]
-    assert_sound(belief)
-    np.testing.assert_allclose(mean_of(belief)[[0, 2]], [12.0, 24.0], atol=1.5)
-
-
 KEPT = KeptMap(
     cable_map=cable_map_of(np.zeros((30, 40), np.float32), -78.0, 58.0, 4.0),
     pose=STRIP.to_array()[:4],

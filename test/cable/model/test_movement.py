@@ -227,19 +227,6 @@ def test_whatever_is_limited_ends_inside(limit, states):
     np.testing.assert_array_equal(inside[:, [1, 5, 6, 7]], states[:, [1, 5, 6, 7]])
 
 
-@pytest.mark.parametrize("handling", ["clip", "reflect"])
-@pytest.mark.parametrize("dt", [FRAME, 5.0])
-def test_particles_never_leave_the_limits(handling, dt, rng):
-    parameters = TrackerParameters(limit_handling=handling)
-    box = state_limits(parameters, 320)
-    states = np.tile([210.0, 1.5, 5.0, 0.3, 3000.0, 20.0, -900.0, 9.0], (2000, 1))
-    for _ in range(5):
-        states = moved(parameters, dt, rng, states)
-        assert (states[:, :4] >= box.lower).all()
-        assert (states[:, :4] <= box.upper).all()
-        assert (np.abs(states[:, 1]) <= np.pi / 2).all()
-
-
 def test_reflection_mirrors_and_turns_the_rate_of_the_distance():
     box = state_limits(LIMITED, 320)
     states = np.array(
