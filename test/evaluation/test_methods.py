@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import METHODS
@@ -84,23 +83,14 @@ def test_noise_without_a_cable_is_not_claimed(name):
 
 
 @pytest.mark.parametrize("name", DETECTORS)
-def test_a_strip_that_turns_through_the_wrap_is_followed(name):
+def test_a_strip_that_turns_through_the_wrap_is_followed(draw_strip, name):
     method = METHODS[name].make(0)
     for index, degrees in enumerate(np.arange(80.0, 101.0)):
         state = CableState(15.0, np.deg2rad(degrees), 30.0)
-        estimate = method.process(draw(state), 10**9 + 40_000_000 * index)
+        estimate = method.process(
+            draw_strip(state, strip=180, ground=70), 10**9 + 40_000_000 * index
+        )
     assert estimate.status is TrackingStatus.TRACKING
     errors = np.abs(state_errors(estimate.state, state))
     assert errors[0] < 2.0
     assert errors[1] < np.deg2rad(1.0)
-
-
-def draw(state: CableState) -> Image:
-    """Draw a soft strip, 320x240."""
-    x, y = np.arange(320)[None, :] - 159.5, 119.5 - np.arange(240)[:, None]
-    borders = project_borders(state.to_array()[None, :])
-    inside = 1.0
-    for angle, offset, sign in zip(borders.angles[0], borders.offsets[0], (1, -1), strict=True):
-        across = sign * (x * np.cos(angle) + y * np.sin(angle) - offset)
-        inside = inside * (1 + np.tanh(across)) / 2
-    return np.rint(70 + 110 * inside).astype(np.uint8)
