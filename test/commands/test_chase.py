@@ -1,12 +1,11 @@
 """`cable-tracker chase`: what is asked for, and what is told of it."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
-from typer.testing import CliRunner
 
-from cable_tracker.cli import app
-from cable_tracker.commands import chase as command
+from cable_tracker.commands import chase
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import ChaseSummary
 
@@ -32,18 +31,19 @@ def asked(monkeypatch):
         run_chase=run_chase,
         file_names=lambda: ("chase.csv",),
     )
-    monkeypatch.setattr(command, "need_ros", lambda _name: rig)
+    monkeypatch.setattr(chase, "need_ros", lambda _name: rig)
     return runs
 
 
-def run(*words):
-    return CliRunner().invoke(app, ["chase", *(str(word) for word in words)])
+@pytest.fixture
+def run(command):
+    return partial(command, "chase")
 
 
-def test_options_become_the_world_that_is_run(asked, tmp_path):
+def test_options_become_the_world_that_is_run(run, asked, tmp_path):
     words = ("--duration", 20, "--distance", 4, "--hidden-for", 2, "--seed", 7)
     result = run(*words, "--preset", "docking", "--output", tmp_path / "c", "--force")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     ((request, output, overwrite),) = asked
     world = request.world
     assert (world.duration, world.hidden_for, world.seed) == (20.0, 2.0, 7)
@@ -51,25 +51,25 @@ def test_options_become_the_world_that_is_run(asked, tmp_path):
     assert (output, overwrite) == (tmp_path / "c", True)
 
 
-def test_shares_are_told_in_percent_and_lengths_in_metres(asked, tmp_path):
+def test_shares_are_told_in_percent_and_lengths_in_metres(run, asked, tmp_path):
     result = run("--output", tmp_path / "c")
-    assert "87.5%" in result.output
-    assert "2.61" in result.output
-    assert str(tmp_path / "c" / "chase.csv") in result.output.replace("\n", "")
+    assert "87.5%" in result.out
+    assert "2.61" in result.out
+    assert str(tmp_path / "c" / "chase.csv") in result.out.replace("\n", "")
     assert asked[0][0].preset == "default"
 
 
 @pytest.mark.parametrize(
     "words", [("--duration", 1), ("--distance", 0), ("--seed", -1), ("--preset", "whale")]
 )
-def test_what_cannot_be_run_is_refused(asked, words):
-    assert run(*words).exit_code == 2
+def test_what_cannot_be_run_is_refused(run, asked, words):
+    assert run(*words).code == 2
     assert asked == []
 
 
-def test_without_ros_it_is_said_what_is_missing(monkeypatch, tmp_path):
+def test_without_ros_it_is_said_what_is_missing(run, monkeypatch, tmp_path):
     def missing(_name):
         raise RosError("ROS 2 is not installed")
 
-    monkeypatch.setattr(command, "need_ros", missing)
-    assert isinstance(run("--output", tmp_path / "c").exception, RosError)
+    monkeypatch.setattr(chase, "need_ros", missing)
+    run("--output", tmp_path / "c").assert_refused("ROS 2 is not installed")

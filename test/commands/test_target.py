@@ -1,14 +1,12 @@
 import csv
 import shutil
+from functools import partial
 
 import cv2
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
-from typer.testing import CliRunner
 
-from cable_tracker.cli import app
-from cable_tracker.errors import CableTrackerError
 from cable_tracker.offline.target_table import HEADER
 from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
@@ -27,8 +25,9 @@ def first_box():
     return next(simulate_target("near_surface", 2, 8)).box
 
 
-def run(*arguments):
-    return CliRunner().invoke(app, ["target", *(str(argument) for argument in arguments)])
+@pytest.fixture
+def run(command):
+    return partial(command, "target")
 
 
 def table(path):
@@ -36,11 +35,11 @@ def table(path):
         return list(csv.reader(file))
 
 
-def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
+def test_a_marked_target_is_followed_into_a_folder(run, folder, first_box, tmp_path):
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
-    assert "8 frames: 8 TRACKING" in result.output
+    assert result.code == 0, result.err
+    assert "8 frames: 8 TRACKING" in result.out
     lines = table(tmp_path / "out")
     assert tuple(lines[0]) == HEADER
     assert ",".join(lines[0]) == (
@@ -54,7 +53,7 @@ def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
     }  # fmt: skip
 
 
-def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(first_box, tmp_path):
+def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(run, first_box, tmp_path):
     (tmp_path / "dim").mkdir()
     for index, frame in enumerate(simulate_target("near_surface", 2, 4)):
         # 10 bits that are sent in 16.
@@ -62,12 +61,12 @@ def test_a_target_within_a_few_levels_of_a_deep_camera_is_followed(first_box, tm
     words = ",".join(str(side) for side in first_box)
     options = ("--no-bag", "--no-video", "--output", tmp_path / "out")
     result = run(tmp_path / "dim", "--init", words, *options)
-    assert "4 frames: 4 TRACKING" in result.output
+    assert "4 frames: 4 TRACKING" in result.out
     assert cv2.imread(str(tmp_path / "out" / "overlay.png")).mean() > 60
 
 
 def test_the_table_says_why_a_frame_was_refused_and_why_tracking_started_anew(
-    folder, first_box, tmp_path
+    run, folder, first_box, tmp_path
 ):
     dive = tmp_path / "dive"
     dive.mkdir()
@@ -76,74 +75,72 @@ def test_the_table_says_why_a_frame_was_refused_and_why_tracking_started_anew(
     (dive / "2.png").write_bytes(b"no picture")
     words = ",".join(str(side) for side in first_box)
     result = run(dive, "--init", words, "--skip-bad-frames", "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     events = [line[-1] for line in table(tmp_path / "out")[1:]]
     refusal = "the data is no picture: neither JPEG, PNG, BMP, TIFF nor PNM by its first bytes"
     assert events == ["", "", refusal, "", "", "", "no frame for 7.800 s", ""]
 
 
-def test_without_a_bag_no_messages_are_made(folder, first_box, tmp_path, monkeypatch):
+def test_without_a_bag_no_messages_are_made(run, folder, first_box, tmp_path, monkeypatch):
     def encode_jpeg(picture):
         raise AssertionError("no picture is encoded where no bag is wanted")
 
     monkeypatch.setattr("cable_tracker.sequences.bags.frame_messages.encode_jpeg", encode_jpeg)
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--no-bag", "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "estimates.csv", "overlay.webm", "overlay.png",
     }  # fmt: skip
 
 
-def test_a_table_alone_is_made_and_told_where_no_more_is_wanted(folder, first_box, tmp_path):
+def test_a_table_alone_is_made_and_told_where_no_more_is_wanted(run, folder, first_box, tmp_path):
     words = ",".join(str(side) for side in first_box)
     nothing_else = ("--no-bag", "--no-video", "--no-pictures")
     result = run(folder, "--init", words, *nothing_else, "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["estimates.csv"]
-    assert "estimates.csv" in result.output and "overlay" not in result.output
+    assert "estimates.csv" in result.out and "overlay" not in result.out
 
 
-def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(folder, tmp_path):
+def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(run, folder, tmp_path):
     for name in ("one", "two"):
         result = run(folder, "--init", "detect", "--no-timing", "--output", tmp_path / name)
-        assert result.exit_code == 0, result.output
+        assert result.code == 0, result.err
     assert (tmp_path / "one" / "estimates.csv").read_bytes() == (
         tmp_path / "two" / "estimates.csv"
     ).read_bytes()
     assert [line[2] for line in table(tmp_path / "one")][-1] == "TRACKING"
 
 
-def test_where_nothing_is_claimed_the_state_is_empty(tmp_path):
+def test_where_nothing_is_claimed_the_state_is_empty(run, tmp_path):
     (tmp_path / "water").mkdir()
     for index in range(3):
         picture = np.full((120, 160, 3), (90, 80, 40), np.uint8)
         cv2.imwrite(str(tmp_path / "water" / f"{index}.png"), picture)
     result = run(tmp_path / "water", "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     assert all(line[3:16] == [""] * 13 for line in table(tmp_path / "out")[1:])
 
 
 @pytest.mark.parametrize("init", ["here", "1,2,3", "5,5,5,5", "1,2,nan,4", "900,900,950,950"])
-def test_a_bad_start_is_refused(folder, tmp_path, init):
-    result = run(folder, "--init", init, "--output", tmp_path / "out")
-    assert isinstance(result.exception, CableTrackerError)
-    assert "init" in str(result.exception)
+def test_a_bad_start_is_refused(run, folder, tmp_path, init):
+    run(folder, "--init", init, "--output", tmp_path / "out").assert_refused("init")
     assert not (tmp_path / "out").exists()
 
 
-def test_a_parameter_file_may_name_the_preset(folder, first_box, tmp_path):
+def test_a_parameter_file_may_name_the_preset(run, folder, first_box, tmp_path):
     file = tmp_path / "params.yaml"
     file.write_text("target_tracker:\n  ros__parameters:\n    preset: docking\n    seed: 3\n")
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--params", file, "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
 
 
-def test_the_bag_holds_what_the_node_would_publish(folder, first_box, tmp_path):
+def test_the_bag_holds_what_the_node_would_publish(run, folder, first_box, tmp_path):
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--output", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    assert result.code == 0, result.err
     with AnyReader([tmp_path / "out" / "bag"], default_typestore=typestore()) as reader:
         counts = {each.topic: each.msgcount for each in reader.connections}
         boxes = [
@@ -163,13 +160,13 @@ def test_the_bag_holds_what_the_node_would_publish(folder, first_box, tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--target-size", "--vehicle"])
-def test_what_asks_for_metres_where_there_is_no_calibration_is_told(folder, tmp_path, option):
+def test_what_asks_for_metres_where_there_is_no_calibration_is_told(run, folder, tmp_path, option):
     vehicle = tmp_path / "vehicle.yaml"
     vehicle.write_text("camera_pitch: 10.0\n")
     value = 0.5 if option == "--target-size" else vehicle
     wanted = ("--no-bag", "--no-video", "--no-pictures")
     result = run(folder, option, value, "--output", tmp_path / "out", *wanted)
-    assert result.exit_code == 0, result.output
-    assert f"note: {folder}: no metres: there is no calibration" in result.output
+    assert result.code == 0, result.err
+    assert f"note: {folder}: no metres: there is no calibration" in result.err
     plain = run(folder, "--output", tmp_path / "plain", *wanted)
-    assert "no metres" not in plain.output
+    assert "no metres" not in plain.err

@@ -1,15 +1,12 @@
-from typer.testing import CliRunner
-
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.cli import app
 from cable_tracker.commands.warm_up import variants
 
 
-def test_it_compiles_and_says_so():
-    result = CliRunner().invoke(app, ["warm-up"])
-    assert result.exit_code == 0
-    assert "the inner loops are compiled" in result.output
+def test_it_compiles_and_says_so(command):
+    result = command("warm-up")
+    assert result.code == 0
+    assert "the inner loops are compiled" in result.out
 
 
 def test_every_word_that_a_parameter_may_have_comes():

@@ -1,17 +1,15 @@
 import json
 import sys
 from dataclasses import replace
+from functools import partial
 
 import pytest
-from typer.testing import CliRunner
 
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.plan import QUICK
 from cable_tracker.benchmark.round_robin import SECTIONS, Effort
 from cable_tracker.benchmark.statistics import Percentiles
-from cable_tracker.cli import app
 from cable_tracker.commands.dev import bench
-from cable_tracker.errors import OutputError, ParameterError, RosError
 
 pytestmark = pytest.mark.slow
 
@@ -27,16 +25,15 @@ TINY = replace(
 
 
 @pytest.fixture
-def run(monkeypatch, tmp_path):
+def run(command, monkeypatch):
     """Run a tiny benchmark in an empty folder."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(bench, "PLANS", {False: TINY, True: TINY})
-    return lambda *arguments: CliRunner().invoke(app, ["dev", "bench", *map(str, arguments)])
+    return partial(command, "dev", "bench")
 
 
 def test_numbers_tables_and_page(run, tmp_path):
     result = run("--output", "out.json", "--markdown", "page.md", "--memory", 50)
-    assert result.exit_code == 0, result.exception
+    assert result.code == 0, result.err
     content = json.loads((tmp_path / "out.json").read_text())
     assert list(content) == [
         "format", "circumstances", "measurements", "accuracies", "growths", "profile", "memory",
@@ -57,8 +54,8 @@ def test_numbers_tables_and_page(run, tmp_path):
         "sample point",
     }
     assert content["nodes"] == []
-    assert "Goals" in result.stdout
-    assert "Whole frames" in result.stdout
+    assert "Goals" in result.out
+    assert "Whole frames" in result.out
     assert "## Resident memory" in (tmp_path / "page.md").read_text()
     assert {path.name for path in tmp_path.iterdir()} == {"out.json", "page.md"}
 
@@ -66,10 +63,8 @@ def test_numbers_tables_and_page(run, tmp_path):
 def test_an_earlier_benchmark_is_replaced_only_with_force(run, tmp_path):
     earlier = tmp_path / "bench.json"
     earlier.write_text('{"format": "cable_tracker benchmark 1"}')
-    refused = run()
-    assert isinstance(refused.exception, OutputError)
-    assert "exists already" in str(refused.exception)
-    assert run("--quick", "--force").exit_code == 0
+    run().assert_refused("exists already")
+    assert run("--quick", "--force").code == 0
     assert len(earlier.read_text()) > 1000
 
 
@@ -85,7 +80,7 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
     monkeypatch.setattr(bench, "need_ros", lambda _name: None)
     monkeypatch.setattr(bench, "measure_nodes", measure_nodes)
     result = run("--dds", "--dds-frames", 12, "--markdown", "page.md")
-    assert result.exit_code == 0, result.exception
+    assert result.code == 0, result.err
     assert asked == [(TINY, 12)]
     (written,) = json.loads((tmp_path / "bench.json").read_text())["nodes"]
     assert (written["cpu_share"], written["centreline"]) == (0.125, None)
@@ -97,24 +92,22 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
 def test_without_ros_it_says_how_to_get_it(run, tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "cable_tracker.ros.rigs.node_latency", raising=False)
     monkeypatch.setitem(sys.modules, "rclpy", None)
-    refused = run("--dds")
-    assert isinstance(refused.exception, RosError)
-    assert "pip install '.[ros]'" in str(refused.exception)
+    run("--dds").assert_refused("pip install '.[ros]'")
     assert not any(tmp_path.iterdir())
 
 
 def test_another_file_is_never_replaced(run, tmp_path):
     (tmp_path / "bench.json").write_text("dear")
-    assert isinstance(run("--force").exception, OutputError)
+    run("--force").assert_refused("bench.json: is no earlier output")
     assert (tmp_path / "bench.json").read_text() == "dear"
 
 
 def test_a_page_without_a_place_is_refused_before_anything_is_measured(run, tmp_path):
     (tmp_path / "page.md").write_text("dear")
-    assert isinstance(run("--markdown", "page.md").exception, OutputError)
+    run("--markdown", "page.md").assert_refused("page.md: has no place for the tables")
     assert [path.name for path in tmp_path.iterdir()] == ["page.md"]
 
 
 def test_too_few_frames_for_memory_are_refused_and_nothing_is_left(run, tmp_path):
-    assert isinstance(run("--memory", 3).exception, ParameterError)
+    run("--memory", 3).assert_refused("memory is 3: give 0, or at least 50")
     assert not any(tmp_path.iterdir())
