@@ -1,10 +1,7 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
-
-import pytest
 
 from cable_tracker.ros.rigs.soak.record import (
     LARGEST_GROWTH,
@@ -12,7 +9,6 @@ from cable_tracker.ros.rigs.soak.record import (
     WARM_UP,
     MemorySample,
     SoakRecord,
-    read_memory,
 )
 
 
@@ -22,13 +18,6 @@ def record_of(sizes: Sequence[float], process: int = 1, frames: int = WARM_UP) -
         for index, size in enumerate(sizes)
     ]
     return SoakRecord(memory=samples)
-
-
-def test_steady_memory_has_not_grown():
-    record = record_of([100.0] * 50)
-    record.check_growth()
-    assert record.growth() == 0.0
-    assert record.breaches == []
 
 
 def test_growing_memory_breaks_the_promise():
@@ -96,14 +85,3 @@ def test_breaches_do_not_fill_the_memory():
     for _ in range(2 * MOST_BREACHES):
         record.broken("again")
     assert len(record.breaches) == MOST_BREACHES
-
-
-def test_the_memory_of_a_process_is_read():
-    private, shared = read_memory(os.getpid())
-    assert private > 1.0
-    assert shared >= 0.0
-
-
-def test_a_process_that_is_no_more_has_no_memory():
-    with pytest.raises(OSError, match="No such file"):
-        read_memory(2**22 + 1)
