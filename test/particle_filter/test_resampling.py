@@ -98,12 +98,6 @@ def test_weights_that_were_tiny_before_they_were_normalised(scheme, offset, rng)
     assert set(scheme(weights, 50, rng)) == {0, 2}
 
 
-@SCHEMES
-def test_the_same_seed_draws_the_same(scheme):
-    first, second = (scheme(WEIGHTS, 50, np.random.default_rng(7)) for _ in range(2))
-    assert first.tolist() == second.tolist()
-
-
 def test_the_other_schemes_add_less_variance_than_independent_draws(rng):
     def spread(name: str) -> float:
         drawn = [copies(RESAMPLING_SCHEMES[name], WEIGHTS, 50, rng) for _ in range(500)]

@@ -129,13 +129,6 @@ def test_roll_and_pitch_stay_small_but_not_zero():
     assert 0.002 < np.abs(tilts).max() <= VehicleModel().tilt
 
 
-def test_the_same_seed_goes_the_same_way():
-    first, second = vehicle(0.1, seed=4), vehicle(0.1, seed=4)
-    for craft in (first, second):
-        run(craft, VelocityCommand(surge=0.4, turn=0.05), 3.0)
-    assert np.array_equal(first.pose, second.pose)
-
-
 def test_a_state_that_is_moved_a_little_is_where_its_vehicle_goes():
     craft = vehicle(current=0.4, yaw=0.7)
     command = VelocityCommand(surge=0.4, sway=0.1, turn=0.3)
