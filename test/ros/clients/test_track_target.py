@@ -2,9 +2,7 @@ import cv2
 import pytest
 from chase_bag import write_chase_bag
 from rosbags.highlevel import AnyReader
-from typer.testing import CliRunner
 
-from cable_tracker.cli import app
 from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
 
@@ -19,7 +17,7 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize("start", ["box", pytest.param("detect", marks=pytest.mark.slow)])
-def test_over_dds_the_table_is_the_same(folder, tmp_path, start):
+def test_over_dds_the_table_is_the_same(command, folder, tmp_path, start):
     (folder / "006.png").rename(folder / "206.png")
     box = next(simulate_target("near_surface", 2, 1)).box
     init = ",".join(str(side) for side in box) if start == "box" else start
@@ -27,8 +25,8 @@ def test_over_dds_the_table_is_the_same(folder, tmp_path, start):
     for name, flags in (("plain", []), ("ros", ["--ros"])):
         output = tmp_path / name
         arguments = ["target", folder, "--init", init, "--no-timing", "--output", output, *flags]
-        result = CliRunner().invoke(app, [str(word) for word in arguments])
-        assert result.exit_code == 0, result.output
+        result = command(*arguments)
+        assert result.code == 0, result.err
         tables.append((output / "estimates.csv").read_bytes())
         assert {path.name for path in output.iterdir()} == {
             "estimates.csv", "overlay.webm", "overlay.png", "bag",
@@ -38,14 +36,14 @@ def test_over_dds_the_table_is_the_same(folder, tmp_path, start):
     assert b"no frame for 8.040 s" in tables[0]
 
 
-def test_over_dds_instruments_count_as_they_do_without(tmp_path):
+def test_over_dds_instruments_count_as_they_do_without(command, tmp_path):
     ((box, _), *_) = write_chase_bag(tmp_path / "dive", 9, tiny=5)
     words = ("target", tmp_path / "dive", "--init", ",".join(str(side) for side in box))
     tables, metres, counts = [], [], []
     for name, flags in (("plain", ()), ("ros", ("--ros",))):
         options = ("--target-size", 0.4, "--no-timing", "--output", tmp_path / name, *flags)
-        result = CliRunner().invoke(app, [str(word) for word in (*words, *options)])
-        assert result.exit_code == 0, result.output
+        result = command(*words, *options)
+        assert result.code == 0, result.err
         tables.append((tmp_path / name / "estimates.csv").read_bytes())
         metres.append((tmp_path / name / "metres.csv").read_bytes())
         with AnyReader([tmp_path / name / "bag"], default_typestore=typestore()) as reader:
