@@ -26,8 +26,8 @@ from cable_tracker import arrays
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
-from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
@@ -53,9 +53,7 @@ class Walk:
             return
         if event == "call":
             self.calls.append((str(path.relative_to(PACKAGE)), frame.f_code.co_qualname))
-        self._is_over = (
-            event == "return" and frame.f_code is TrackerOutputs.publish_centreline.__code__
-        )
+        self._is_over = event == "return" and frame.f_code is FrameOutputs.publish_results.__code__
 
 
 def serialised(frame: Frame) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy.duration import Infinite
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from cable_tracker.node_parameter_tables import BEST_EFFORT, RELIABLE
@@ -20,7 +21,10 @@ def _newest(
     durability: DurabilityPolicy = DurabilityPolicy.VOLATILE,
 ) -> QoSProfile:
     """Return the profile that keeps so many messages, the newest."""
+    # What is left at its default is zero here and infinite in the graph, as if it did not fit.
     return QoSProfile(
+        deadline=Infinite,
+        liveliness_lease_duration=Infinite,
         history=HistoryPolicy.KEEP_LAST,
         depth=depth,
         reliability=reliability,

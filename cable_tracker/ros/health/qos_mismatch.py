@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSCompatibility, ReliabilityPolicy, qos_check_compatible
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
 
 from cable_tracker.ros.qos import endpoint_name
 
 OTHERS = "deadline, liveliness or lease duration do not fit: leave these at their defaults there"
 
 
-class InputProfile(NamedTuple):
-    """Quality of service of a subscription of ours.
-
-    Attributes
-    ----------
-    profile : QoSProfile
-        Requested QoS profile of the subscription.
-    reliability_parameter : str
-        The node's parameter that chooses its reliability; empty: none does.
-    """
-
-    profile: Any
-    reliability_parameter: str = ""
-
-
-def input_mismatches(node: Node, topic: str, ours: InputProfile) -> list[str]:
+def input_mismatches(node: Node, topic: str, ours: QoSProfile, parameter: str) -> list[str]:
     """Return a sentence for each publisher on a topic that our subscription cannot hear.
 
     Parameters
@@ -36,18 +27,20 @@ def input_mismatches(node: Node, topic: str, ours: InputProfile) -> list[str]:
         The node that subscribes.
     topic : str
         Full name of the topic.
-    ours : InputProfile
-        QoS profile of our subscription.
+    ours : QoSProfile
+        What our subscription requests.
+    parameter : str
+        The node's parameter that chooses its reliability; empty: none does.
     """
     return [
         f"{endpoint_name(publisher)} publishes {topic}, but"
-        f" {_words_on_publisher(publisher.qos_profile, *ours)}"
+        f" {_words_on_publisher(publisher.qos_profile, ours, parameter)}"
         for publisher in node.get_publishers_info_by_topic(topic)
-        if _is_incompatible(publisher.qos_profile, ours.profile)
+        if _is_incompatible(publisher.qos_profile, ours)
     ]
 
 
-def output_mismatches(node: Node, topic: str, ours: Any) -> list[str]:  # noqa: ANN401
+def output_mismatches(node: Node, topic: str, ours: QoSProfile) -> list[str]:
     """Return a sentence for each subscription to a topic that cannot hear our publisher."""
     return [
         f"{endpoint_name(reader)} subscribes to {topic}, but"

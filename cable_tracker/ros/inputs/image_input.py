@@ -7,12 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
-from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.health.diagnostics import FrameStatistics
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
 from cable_tracker.sequences.frame import RawImage
@@ -148,22 +147,13 @@ class ImageInput:
         """Full name of the topic; empty before the subscription."""
         return str(self._subscription.topic_name) if self.is_open else ""
 
-    @property
-    def profile(self) -> Any:  # noqa: ANN401
-        """The `QoSProfile` of the subscription."""
-        return self._profile
-
-    def subscribe(self, on_image: ImageCallback, on_mismatch: Callable[[Any], None]) -> None:
-        """Begin to listen; `on_mismatch` is called when a camera cannot be heard."""
-        events = SubscriptionEventCallbacks(
-            message_lost=self._on_frames_lost,
-            incompatible_qos=on_mismatch,
-            use_default_callbacks=False,
-        )
+    def subscribe(self, endpoints: WatchedEndpoints, on_image: ImageCallback) -> None:
+        """Begin to listen."""
         # As bytes: a message object would cost two more copies of the pixels.
-        self._subscription = subscription(
-            self._node, self._heard, on_image, self._profile, events=events, raw=True
-        )
+        self._subscription = endpoints.subscription(
+            self._heard, on_image, self._profile, raw=True, on_lost=self._on_frames_lost,
+            reliability_parameter="image_reliability",
+        )  # fmt: skip
 
     def read(self, message: bytes, info: Mapping[str, Any]) -> CameraFrame:
         """Read a serialised message, and count those that are missing before it.

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
 
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
-from cable_tracker.ros.health.mismatch_report import MismatchReport
 from cable_tracker.ros.health.told_readiness import READERS_OF
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.picture_remarks import remark_on
@@ -35,8 +33,8 @@ class CameraDiagnostics:
         Knows the last picture.
     camera : ImageInput
         Knows who publishes its topic.
-    mismatches : MismatchReport
-        Says which endpoints cannot hear which.
+    endpoints : WatchedEndpoints
+        Those of images, starts and results.
 
     Attributes
     ----------
@@ -50,13 +48,13 @@ class CameraDiagnostics:
         statistics: FrameStatistics,
         watch: InputWatch,
         camera: ImageInput,
-        mismatches: MismatchReport,
+        endpoints: WatchedEndpoints,
     ) -> None:
         self._node = node
         self._statistics = statistics
         self._watch = watch
         self._camera = camera
-        self._mismatches = mismatches
+        self._endpoints = endpoints
         self.period = 1.0
         self._since = -math.inf
         self._publisher = publisher(
@@ -77,17 +75,16 @@ class CameraDiagnostics:
         due = self._since + self.period
         self._since = due if now < due + self.period else now
 
-    def publish(self, status: str, figures: dict[str, str], results: Iterable[Publisher]) -> None:
+    def publish(self, status: str, figures: dict[str, str]) -> None:
         """Publish a status of `LEVELS`, the node's own figures, those of its input and readers."""
         now = time.monotonic()
         self._count_from(now)
-        self._mismatches.look()
         values = frame_values(self._statistics, now) | figures
         values["picture"] = remark_on(self._watch.picture)
         values["same picture for [s]"] = f"{self._watch.same_for:.1f}"
-        values["QoS mismatch"] = self._mismatches.words()
+        values["QoS mismatch"] = self._endpoints.mismatches()
         values["several cameras"] = self._camera.several_cameras()
-        for result in results:
+        for result in self._endpoints.publishers:
             readers = result.get_subscription_count()
             values[f"{READERS_OF}{result.topic_name}"] = str(readers)
         header = make_header(MESSAGES, self._node.get_clock().now().nanoseconds, "")

@@ -20,28 +20,21 @@ from cable_tracker.node_parameter_tables import (
     CameraRuntimeParameters,
     CameraStartParameters,
 )
-from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros import node_parameters
 from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
-from cable_tracker.ros.health.mismatch_report import MismatchReport
-from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import (
-    WatchedPublishers,
-    create_watched_subscription,
-)
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
-from cable_tracker.ros.nodes.target_outputs import TargetOutputs
-from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs
 from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import check_stamp, make_header
-from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP, TrackingStatus
@@ -107,7 +100,7 @@ class CameraNode(ProcessNode, ABC):
 
     _instruments: InstrumentInputs[Any, Any]
     _instrument_reliability: str
-    _outputs: TrackerOutputs | TargetOutputs
+    _outputs: FrameOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(name, **node_arguments)
@@ -125,11 +118,9 @@ class CameraNode(ProcessNode, ABC):
         self._input = ImageInput(
             self, start.image_transport, start.image_reliability, self._statistics
         )
-        self._start_profiles: dict[str, InputProfile] = {}
-        self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)
-        self._watched_publishers = WatchedPublishers(self, self._mismatches.on_event)
+        self._endpoints = WatchedEndpoints(self)
         self._diagnostics = CameraDiagnostics(
-            self, self._statistics, self._watch, self._input, self._mismatches
+            self, self._statistics, self._watch, self._input, self._endpoints
         )
 
     # To be implemented by a subclass.
@@ -205,26 +196,6 @@ class CameraNode(ProcessNode, ABC):
         node_parameters.watch(self, table, self._apply_parameters, self._validate_parameters)
         node_parameters.warn_of_unknown_overrides(self)
 
-    def _take_starts(
-        self, topic: NodeTopic, take: Callable[[Message], None], name: str | None = None
-    ) -> None:
-        """Subscribe to where an operator or planner says that something is; it is watched, too."""
-        starts = create_watched_subscription(
-            self, topic, take, qos.RESULTS, self._mismatches.on_event, name=name
-        )
-        self._start_profiles[str(starts.topic_name)] = InputProfile(qos.RESULTS)
-
-    def _input_profiles(self) -> dict[str, InputProfile]:
-        """Return the QoS profiles of the subscriptions, by full name."""
-        if not self._input.is_open:
-            return self._start_profiles
-        camera = {self._input.topic: InputProfile(self._input.profile, "image_reliability")}
-        return camera | self._start_profiles
-
-    def _output_profiles(self) -> dict[str, Any]:
-        profiles = self._watched_publishers.profiles
-        return {each.topic_name: profile for each, profile in profiles.items()}
-
     # For callers and tests.
 
     @property
@@ -294,7 +265,7 @@ class CameraNode(ProcessNode, ABC):
         if not self._input.is_open:
             self._instruments.subscribe(self._instrument_reliability, self._hold.release_if_due)
             self._subscribe_more()
-            self._input.subscribe(self.on_image, self._mismatches.on_event)
+            self._input.subscribe(self._endpoints, self.on_image)
             self.get_logger().info(f"waiting for images on {self._input.topic}")
         self.publish_diagnostics()
 
@@ -522,9 +493,8 @@ class CameraNode(ProcessNode, ABC):
     def publish_diagnostics(self) -> None:
         """Publish status and figures on /diagnostics."""
         self._published_status = self.status
-        publishers = self._watched_publishers.profiles
         figures = self._figures()
         if self.status != self._status:
             # What was found in the last frame that was used is none of now.
             figures = dict.fromkeys(figures, "")
-        self._diagnostics.publish(self.status, figures, publishers)
+        self._diagnostics.publish(self.status, figures)

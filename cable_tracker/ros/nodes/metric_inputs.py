@@ -17,7 +17,7 @@ from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publish_wanted
-from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
@@ -50,7 +50,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         The tracker node.
     parameters : CableVehicleParameters
         How camera and instruments are mounted and read, as the node has it at its start.
-    publishers : WatchedPublishers
+    endpoints : WatchedEndpoints
         Creates its publishers.
     """
 
@@ -58,14 +58,14 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         self,
         node: Node,
         parameters: CableVehicleParameters,
-        publishers: WatchedPublishers,
+        endpoints: WatchedEndpoints,
     ) -> None:
         super().__init__(node, parameters, CableSight, CABLE_INSTRUMENTS, AWAITED)
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = NO_FRAME
         self._stand_in = ""
         self._publishers = {
-            topic: publishers.create(topic, qos.RESULTS)
+            topic: endpoints.publisher(topic, qos.RESULTS)
             for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
         }
 

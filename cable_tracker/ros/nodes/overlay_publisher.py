@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.ros import qos
-from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -19,15 +19,15 @@ class OverlayPublisher:
 
     Parameters
     ----------
-    publishers : WatchedPublishers
+    endpoints : WatchedEndpoints
         Creates the publishers.
     compressed : NodeTopic
         Topic of the JPEG.
     """
 
-    def __init__(self, publishers: WatchedPublishers, compressed: NodeTopic) -> None:
+    def __init__(self, endpoints: WatchedEndpoints, compressed: NodeTopic) -> None:
         self._raw, self._compressed = (
-            publishers.create(topic, qos.PICTURES, topic.of_node("~"))
+            endpoints.publisher(topic, qos.PICTURES, topic.of_node("~"))
             for topic in (node_topics.RAW_OVERLAY, compressed)
         )
 

@@ -17,17 +17,23 @@ from cable_tracker.node_parameter_tables import (
     TargetStartParameters,
     TargetVehicleParameters,
 )
-from cable_tracker.ros import node_parameters
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import target_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs, OutputKind
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
-from cable_tracker.ros.nodes.target_outputs import TargetOutputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.target import read_start, target_messages
+from cable_tracker.sequences.messages.target import (
+    messages_without_target,
+    read_start,
+    target_messages,
+)
+from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
@@ -37,6 +43,15 @@ from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.target.warming import warm_up_target
 from cable_tracker.tracking.parameter_table import parameter_table
 from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.visualisation.target_overlay import draw_target
+
+TARGETS = OutputKind(
+    (
+        node_topics.TARGET, node_topics.BOX, node_topics.CONTOUR, node_topics.BEARING,
+        node_topics.RELATIVE_POSE,
+    ),
+    node_topics.TARGET_OVERLAY, node_topics.TARGET_REPORT, messages_without_target,
+)  # fmt: skip
 
 
 class TargetTrackerNode(CameraNode):
@@ -64,7 +79,7 @@ class TargetTrackerNode(CameraNode):
         self._marks: dict[int, TargetStart] = {}
         self._declare_parameters()
         self._restart()
-        self._outputs: TargetOutputs = TargetOutputs(self._watched_publishers, self._prefixes)
+        self._outputs = FrameOutputs(self._endpoints, TARGETS, self._prefixes)
         self.begin()
 
     @property
@@ -127,7 +142,7 @@ class TargetTrackerNode(CameraNode):
         for number, prefix in enumerate(self._prefixes):
             topic = node_topics.INITIAL_TARGET
             take = partial(self.on_initial_target, number=number)
-            self._take_starts(topic, take, f"{prefix}{topic.name}")
+            self._endpoints.subscription(topic, take, qos.RESULTS, name=f"{prefix}{topic.name}")
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
@@ -150,7 +165,8 @@ class TargetTrackerNode(CameraNode):
         ]
         self._outputs.publish_results(makers)
         self._estimates = estimates
-        rest = partial(self._outputs.publish_rest, makers, header, estimates, clouds, picture)
+        draw = partial(_draw, picture, estimates, clouds)
+        rest = partial(self._outputs.publish_rest, makers, header, draw)
         events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
         return FrameResult(status_of(estimates), "; ".join(events), rest)
 
@@ -221,3 +237,14 @@ def status_of(estimates: Sequence[TargetEstimate]) -> str:
         if status in statuses:
             return str(status.value)
     return str(TrackingStatus.INITIALISING.value)
+
+
+def _draw(
+    picture: Image, estimates: Sequence[TargetEstimate], particles: Sequence[Particles | None]
+) -> Image:
+    """Draw all targets on a frame, blue-green-red, with levels 0..255."""
+    drawn = shown_levels(picture)
+    for line, (estimate, cloud) in enumerate(zip(estimates, particles, strict=True)):
+        states = cloud.states if cloud is not None else None
+        drawn = draw_target(drawn, estimate, states, line=line)
+    return drawn

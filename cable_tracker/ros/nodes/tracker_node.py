@@ -25,19 +25,30 @@ from cable_tracker.node_parameter_tables import (
     TrackerRuntimeParameters,
     TrackerStartParameters,
 )
-from cable_tracker.ros import node_parameters
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import cable_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs, OutputKind
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
-from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.messages.cable import cable_messages, read_prior
+from cable_tracker.sequences.messages.cable import (
+    cable_messages,
+    cloud_of,
+    messages_without_cable,
+    read_prior,
+)
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.visualisation.overlay import draw_estimate
+
+CABLE = OutputKind(
+    (node_topics.CENTRELINE,), node_topics.OVERLAY, node_topics.FRAME_REPORT, messages_without_cable
+)
 
 
 class TrackerNode(CameraNode):
@@ -60,7 +71,7 @@ class TrackerNode(CameraNode):
         self._prior_while_disabled: GivenState | None = None
         self._declare_parameters()
         self._restart()
-        self._outputs: TrackerOutputs = TrackerOutputs(self._watched_publishers)
+        self._outputs = FrameOutputs(self._endpoints, CABLE)
         self.begin()
 
     @property
@@ -74,7 +85,7 @@ class TrackerNode(CameraNode):
         runtime = node_parameters.declare_set(self, TrackerRuntimeParameters())
         vehicle = node_parameters.declare_set(self, CableVehicleParameters())
         self._instrument_reliability = start.instrument_reliability
-        self._instruments: MetricInputs = MetricInputs(self, vehicle, self._watched_publishers)
+        self._instruments: MetricInputs = MetricInputs(self, vehicle, self._endpoints)
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(runtime.initial_state, pair_limits(parameters))
@@ -118,7 +129,7 @@ class TrackerNode(CameraNode):
         return WarmUp(parameters.words(), partial(warm_up, parameters))
 
     def _subscribe_more(self) -> None:
-        self._take_starts(node_topics.INITIAL_STATE, self.on_initial_state)
+        self._endpoints.subscription(node_topics.INITIAL_STATE, self.on_initial_state, qos.RESULTS)
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
@@ -132,13 +143,14 @@ class TrackerNode(CameraNode):
             MESSAGES, header, estimate, particles, ms=milliseconds,
             metres=lambda: cable_facts(self._instruments.result),
         )  # fmt: skip
-        self._outputs.publish_centreline(makers)
+        self._outputs.publish_results([makers])
         self._instruments.observe(estimate)
         self._instruments.publish(header, estimate)
         if estimate.is_claimed:
             self._search.stop()
         self._estimate = estimate
-        rest = partial(self._outputs.publish_rest, makers, header, estimate, particles, picture)
+        draw = partial(_draw, picture, estimate, particles)
+        rest = partial(self._outputs.publish_rest, [makers], header, draw)
         return FrameResult(estimate.status.value, estimate.event, rest)
 
     def _restart(self) -> None:
@@ -187,3 +199,8 @@ class TrackerNode(CameraNode):
 
     def _figures(self) -> dict[str, str]:
         return cable_values(self._estimate) | self._instruments.diagnostics()
+
+
+def _draw(grey: Image, estimate: CableEstimate, particles: Particles | None) -> Image:
+    cloud = cloud_of(particles) if particles is not None else None
+    return draw_estimate(grey, estimate, cloud)

@@ -120,10 +120,10 @@ def test_that_the_watchdog_comes_late_does_not_lengthen_the_period(
     for now in start + 0.26 * np.arange(103):
         clock.monotonic = lambda now=now: now
         if diagnostics.is_due(now):
-            diagnostics.publish("TRACKING", {}, ())
+            diagnostics.publish("TRACKING", {})
             sent.append(now)
         elif len(sent) == 10:
             # As where the status changes.
-            diagnostics.publish("LOST", {}, ())
+            diagnostics.publish("LOST", {})
     assert len(sent) == 27
     assert np.diff(sent).max() < 1.26

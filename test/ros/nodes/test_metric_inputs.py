@@ -302,7 +302,7 @@ def instruments(world: Any, near: str, image_message: Callable[..., Any]) -> Cal
     def make(**parameters: Any) -> Instruments:
         node = world.tracker(initial_state=near, **parameters)
         made = Instruments(world, node, image_message)
-        world.spin(node._outputs._state.get_subscription_count)
+        world.spin(node._outputs._states[0].get_subscription_count)
         return made
 
     return make

@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
+from cable_tracker.ros.nodes import overlay_publisher, tracker_node
 from cable_tracker.sequences.messages import cable as cable_messages
 from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
@@ -286,7 +286,7 @@ class TestTopics:
     ) -> None:
         node = world.tracker()
         builders = {
-            "draw_estimate": tracker_outputs,
+            "draw_estimate": tracker_node,
             "make_particles": cable_messages,
             "make_markers": cable_messages,
             "encode_jpeg": overlay_publisher,
@@ -324,8 +324,8 @@ class TestTopics:
         raw = world.listen(Image, "tracker/overlay")
         compressed = world.listen(CompressedImage, "tracker/overlay/compressed")
         built: list[str] = []
-        drawn = spy(tracker_outputs.draw_estimate, "draw_estimate", built)
-        monkeypatch.setattr(tracker_outputs, "draw_estimate", drawn)
+        drawn = spy(tracker_node.draw_estimate, "draw_estimate", built)
+        monkeypatch.setattr(tracker_node, "draw_estimate", drawn)
         world.show(node, image_message())
         world.spin(lambda: raw and compressed)
         assert built == ["draw_estimate"]

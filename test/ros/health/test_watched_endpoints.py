@@ -7,9 +7,10 @@ import pytest
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CompressedImage, Image, JointState
 
 pytestmark = pytest.mark.slow
 
@@ -57,6 +58,25 @@ def test_a_reader_that_cannot_hear_us_is_named_with_what_to_set(
     )
     world.me.create_subscription(PoseWithCovarianceStamped, topic, lambda message: None, profile)
     words = f"subscribes to {world.namespace}/{topic}, but it asks for durability"
+    world.spin(lambda: words in told(diagnostics, node).get("QoS mismatch", ""))
+
+
+def test_readers_that_hear_us_are_not_named(world: Any, diagnostics: Callable[..., Any]) -> None:
+    node = world.tracker(diagnostics_period=0.1)
+    for topic in ("centreline", "state"):
+        world.listen(PoseWithCovarianceStamped if topic == "centreline" else JointState, topic)
+    readers = f"subscribers of {world.namespace}/state"
+    world.spin(lambda: told(diagnostics, node).get(readers, "0") != "0")
+    assert told(diagnostics, node)["QoS mismatch"] == ""
+
+
+def test_a_reader_that_asks_for_a_deadline_is_named(
+    world: Any, diagnostics: Callable[..., Any]
+) -> None:
+    node = world.tracker(diagnostics_period=0.1)
+    profile = QoSProfile(depth=5, deadline=Duration(seconds=1.0))
+    world.me.create_subscription(JointState, "state", lambda message: None, profile)
+    words = f"subscribes to {world.namespace}/state, but deadline, liveliness"
     world.spin(lambda: words in told(diagnostics, node).get("QoS mismatch", ""))
 
 

@@ -1,0 +1,123 @@
+"""What the node of a tracker publishes of a frame. Pictures are built only for subscribers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.ros import qos
+from cable_tracker.ros.endpoints import publish_wanted
+from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
+from cable_tracker.ros.messages.rclpy_messages import MESSAGES
+from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
+from cable_tracker.sequences.node_topics import NodeTopic
+
+PICTURES = (node_topics.PARTICLES, node_topics.MARKERS)
+"""Topics of what people look at, beside the overlay."""
+
+
+@dataclass(frozen=True, slots=True)
+class OutputKind:
+    """What is published by the kind of what is tracked.
+
+    Attributes
+    ----------
+    results : tuple of NodeTopic
+        Topics of what is claimed, in the order of publishing.
+    overlay, report : NodeTopic
+        Topics of the JPEG and of the report.
+    without_estimate : callable
+        Makes, from header, status and reason, what is published without an estimate.
+    """
+
+    results: tuple[NodeTopic, ...]
+    overlay: NodeTopic
+    report: NodeTopic
+    without_estimate: Callable[[MessageFactory, Message, str, str], MessageMakers]
+
+
+class FrameOutputs:
+    """The node's publishers, but for metres and diagnostics.
+
+    What is published of a frame is handed over as one `MessageMakers` for each prefix.
+
+    Parameters
+    ----------
+    endpoints : WatchedEndpoints
+        Creates them.
+    kind : OutputKind
+        Of what is tracked.
+    prefixes : sequence of str
+        What stands before the names of the topics of each cable or target, such as `target_0/`.
+    """
+
+    def __init__(
+        self, endpoints: WatchedEndpoints, kind: OutputKind, prefixes: Sequence[str] = ("",)
+    ) -> None:
+        self._kind = kind
+        profiles = dict.fromkeys(kind.results, qos.RESULTS) | dict.fromkeys(PICTURES, qos.PICTURES)
+        self._wanted = [
+            {
+                topic: endpoints.publisher(topic, profile, f"{prefix}{topic.name}")
+                for topic, profile in profiles.items()
+            }
+            for prefix in prefixes
+        ]
+        state = node_topics.STATE
+        self._states = [
+            endpoints.publisher(state, qos.LATEST_RESULT, f"{prefix}{state.name}")
+            for prefix in prefixes
+        ]
+        self._overlay = OverlayPublisher(endpoints, kind.overlay)
+        self._report = endpoints.publisher(kind.report, qos.RESULTS, kind.report.of_node("~"))
+
+    def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        """Publish that there is no estimate for this frame; every frame gets an answer."""
+        makers = self._kind.without_estimate(MESSAGES, header, status, reason)
+        self._publish_states([makers] * len(self._states))
+
+    def publish_results(self, makers: Sequence[MessageMakers]) -> None:
+        """Publish what is claimed, if anything is."""
+        self._publish_wanted(makers, self._kind.results)
+
+    def publish_rest(
+        self, makers: Sequence[MessageMakers], header: Message, draw: Callable[[], Picture]
+    ) -> None:
+        """Publish what people look at, and last the states.
+
+        Parameters
+        ----------
+        makers : sequence of dict
+            Make the messages.
+        header : Message
+            Header of the overlay.
+        draw : callable
+            Draws the overlay, blue-green-red, shape (H, W, 3).
+        """
+        self._publish_wanted(makers, PICTURES)
+        if self._overlay.is_wanted:
+            self._overlay.publish(header, draw())
+        self._publish_states(makers)
+
+    def _publish_wanted(
+        self, makers: Sequence[MessageMakers], topics: tuple[NodeTopic, ...]
+    ) -> None:
+        for publishers, own in zip(self._wanted, makers, strict=True):
+            publish_wanted(publishers, own, *topics)
+
+    def _publish_states(self, makers: Sequence[MessageMakers]) -> None:
+        """Publish report and states.
+
+        The report is one message with the entries of all, in their order. The states go last,
+        because a lockstep replay sends the next frame upon one, and always, because a subscriber
+        that joins later may ask for it.
+        """
+        if self._report.get_subscription_count():
+            first, *others = [own[self._kind.report]() for own in makers]
+            first.status = [*first.status, *(entry for each in others for entry in each.status)]
+            self._report.publish(first)
+        for publisher, own in zip(self._states, makers, strict=True):
+            publisher.publish(own[node_topics.STATE]())
