@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, ScenarioSequence
 from cable_tracker.evaluation.methods import Method
@@ -122,7 +123,7 @@ class FrameLoop:
         while True:
             index = shown.index_at(number)
             if number % shown.period == 0:
-                self._method.initialise(shown.truths[0])
+                self._method.initialise(GivenState.around(shown.truths[0]))
             yield shown.images[index], FIRST_STAMP + number * FRAME_STEP
             number += 1
 

@@ -177,14 +177,14 @@ class LibraryMethod:
         self._make_loop = LIBRARY_LOOPS[library]
         self._rng = np.random.default_rng(seed)
         self._global_state = np.random.RandomState(seed).get_state()
-        self._prior: CableState | None = None
+        self._prior: GivenState | None = None
         self._loop: LibraryLoop | None = None
         self._models: CableModels | None = None
         self._stamp = 0
 
-    def initialise(self, state: CableState) -> None:
+    def initialise(self, given: GivenState) -> None:
         """Start from this cable at the next frame."""
-        self._prior, self._loop = state, None
+        self._prior, self._loop = given, None
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account: grey uint8 of shape (H, W), and its time [ns]."""
@@ -201,7 +201,7 @@ class LibraryMethod:
     def _first_states(self, width: int) -> FloatArray:
         if self._prior is None:
             return random_states(self._parameters, width, self._rng)
-        return draw_given_states(GivenState.around(self._prior), self._parameters, width, self._rng)
+        return draw_given_states(self._prior, self._parameters, width, self._rng)
 
     @contextmanager
     def _own_global_state(self) -> Iterator[None]:

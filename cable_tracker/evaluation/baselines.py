@@ -13,6 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
@@ -72,17 +73,19 @@ class DetectorTracker:
         self._misses = 0
         self._frame: FrameMark | None = None
 
-    def initialise(self, state: CableState) -> None:
-        """Start the next frame from a cable; it is claimed at once if the detector finds it there.
+    def initialise(self, given: GivenState) -> None:
+        """Start the next frame from a cable, the middle of what is given.
+
+        It is claimed at once if the detector finds it there.
 
         Raises
         ------
         FrameError
             The state is not finite.
         """
-        if not state.is_finite():
+        if not given.state.is_finite():
             raise FrameError("the initial state must be finite")
-        self._prior = state
+        self._prior = given.state
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take one frame into account.

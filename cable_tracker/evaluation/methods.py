@@ -14,7 +14,6 @@ from typing import Protocol
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.detection.baselines.detectors import DETECTORS
@@ -24,9 +23,9 @@ from cable_tracker.trackers import make_tracker
 
 
 class Method(Protocol):
-    """Tracks one cable through a sequence of frames."""
+    """Tracks one cable through a sequence of frames, as `CableTracker` does."""
 
-    def initialise(self, state: CableState) -> None:
+    def initialise(self, given: GivenState) -> None:
         """Start from this cable at the next frame."""
         ...
 
@@ -58,27 +57,6 @@ class MethodSpec:
     make: Callable[[int], Method]
 
 
-class ParticleFilterMethod:
-    """The tracker of this project as a `Method`.
-
-    Parameters
-    ----------
-    parameters : TrackerParameters
-        All of them, also the seed.
-    """
-
-    def __init__(self, parameters: TrackerParameters) -> None:
-        self._tracker = make_tracker(parameters)
-
-    def initialise(self, state: CableState) -> None:
-        """Start from this cable at the next frame."""
-        self._tracker.initialise(GivenState.around(state))
-
-    def process(self, image: Image, stamp: int) -> CableEstimate:
-        """Take a frame into account; see `CableTracker.process`."""
-        return self._tracker.process(image, stamp)
-
-
 @dataclass(frozen=True, slots=True)
 class ConfiguredFilter:
     """The tracker of this project with parameters of one's own. It is sent to other processes.
@@ -96,7 +74,7 @@ class ConfiguredFilter:
 
     def make(self, seed: int) -> Method:
         """Make a fresh tracker from a seed."""
-        return ParticleFilterMethod(self.parameters.replaced({"seed": seed}))
+        return make_tracker(self.parameters.replaced({"seed": seed}))
 
 
 def _particle_filter(name: str, description: str) -> MethodSpec:

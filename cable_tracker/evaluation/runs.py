@@ -10,6 +10,7 @@ from enum import Enum
 import numpy as np
 
 from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
@@ -136,7 +137,7 @@ class MethodRun:
             self._method = self._make(self._seed + count)
         if self._start is Start.TRUTH and frame.truth is not None:
             # A label file has no rates, so the simulator's are not told either.
-            self._method.initialise(frame.truth.at_rest())
+            self._method.initialise(GivenState.around(frame.truth.at_rest()))
 
     def _add_picture(
         self, sheet: ContactSheet, frame: EvaluationFrame, estimate: CableEstimate

@@ -42,8 +42,8 @@ class Listener:
     def __init__(self):
         self.told, self.stamps = [], []
 
-    def initialise(self, state):
-        self.told.append((len(self.stamps), state))
+    def initialise(self, given):
+        self.told.append((len(self.stamps), given.state))
 
     def process(self, image, stamp):
         self.stamps.append(stamp)

@@ -5,6 +5,7 @@ import pytest
 
 from cable_tracker.benchmark.footage import FRAME_STEP
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.stamps import FIRST_STAMP
 
@@ -20,7 +21,7 @@ def library(request):
 
 def followed(library, shown, seed=0):
     method = LibraryMethod(library, 500, seed)
-    method.initialise(shown.truths[0])
+    method.initialise(GivenState.around(shown.truths[0]))
     return [
         method.process(image, FIRST_STAMP + number * FRAME_STEP)
         for number, image in enumerate(shown.images)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion
@@ -43,7 +44,7 @@ def tracker(*answers, prior=None):
     detector = Script(list(answers))
     method = DetectorTracker(detector, NOISE)
     if prior is not None:
-        method.initialise(prior)
+        method.initialise(GivenState.around(prior))
     return method, detector
 
 
@@ -192,4 +193,4 @@ def test_a_frame_that_is_no_picture_is_refused():
 def test_a_prior_must_be_finite():
     method, _ = tracker()
     with pytest.raises(FrameError, match="must be finite"):
-        method.initialise(CableState(float("nan"), 0.0, 30.0))
+        method.initialise(GivenState.around(CableState(float("nan"), 0.0, 30.0)))

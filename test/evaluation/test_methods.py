@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import METHODS
@@ -28,7 +29,7 @@ def easy_dive() -> list[tuple[Image, int, CableState]]:
 def track(name: str, dive, *, seed=0, from_truth=True):
     method = METHODS[name].make(seed)
     if from_truth:
-        method.initialise(CableState(*dive[0][2].to_array()[:4]))
+        method.initialise(GivenState.around(dive[0][2].at_rest()))
     return [method.process(image, stamp) for image, stamp, _ in dive]
 
 

@@ -14,8 +14,8 @@ class Recorder:
         self.outcome, self.seed = outcome, seed
         self.told, self.seen = [], []
 
-    def initialise(self, state):
-        self.told.append(state)
+    def initialise(self, given):
+        self.told.append(given.state)
 
     def process(self, image, stamp):
         self.seen.append(image)

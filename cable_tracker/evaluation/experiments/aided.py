@@ -10,16 +10,18 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     EXPERIMENT_ERRORS,
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
+from cable_tracker.evaluation.methods import Method
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import Odometry
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.trackers import make_tracker
 
 FAULT_AFTER = 1.0
 """Time after the first twist at which faults begin [s]."""
@@ -82,7 +84,7 @@ def faulty(
     return arrivals, said, values
 
 
-class AidedMethod(ParticleFilterMethod):
+class AidedMethod:
     """The tracker of this project, told the vehicle's motion.
 
     Parameters
@@ -96,13 +98,17 @@ class AidedMethod(ParticleFilterMethod):
     def __init__(
         self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault
     ) -> None:
-        super().__init__(parameters)
+        self._tracker = make_tracker(parameters)
         self._odometry = Odometry()
         self._aiding = MotionAiding(vehicle.instruments, self._odometry)
         self._covariance = vehicle.covariance
         rng = np.random.default_rng([parameters.seed, 21])
         arrivals, stamps, twists = faulty(vehicle.twist_stamps, vehicle.twists, fault, rng)
         self._coming = list(zip(arrivals, stamps, twists, strict=True))[::-1]
+
+    def initialise(self, given: GivenState) -> None:
+        """Start from this cable at the next frame."""
+        self._tracker.initialise(given)
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account, with the odometry that has come until then."""
@@ -144,6 +150,6 @@ class AidedFilter:
         """Make a fresh tracker for the dive of a seed."""
         parameters = self.parameters.replaced({"seed": seed})
         if self.fault is None:
-            return ParticleFilterMethod(parameters)
+            return make_tracker(parameters)
         vehicle = _same_vehicle(self.scenario, seed, EXPERIMENT_ERRORS)
         return AidedMethod(parameters, vehicle, self.fault)

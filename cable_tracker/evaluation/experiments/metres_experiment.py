@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_angles
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
@@ -82,7 +83,7 @@ class _Dive:
         rows = []
         for frame in self.sequence.frames(self.seed):
             if frame.index == 0 and frame.truth is not None:
-                method.initialise(frame.truth)
+                method.initialise(GivenState.around(frame.truth))
             estimate = method.process(frame.image, frame.stamp)
             result = vehicle.instruments.cross_track(estimate)
             advance()

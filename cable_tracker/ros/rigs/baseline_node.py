@@ -70,7 +70,7 @@ class MethodTracker:
 
     def initialise(self, given: GivenState) -> None:
         """Start the next frame from the middle of a given belief."""
-        self._method.initialise(given.state)
+        self._method.initialise(given)
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
         """Take one frame (H, W) into account; `motion` is not used: baselines take no odometry.

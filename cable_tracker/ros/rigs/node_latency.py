@@ -21,6 +21,7 @@ from cable_tracker.arrays import Image as Picture
 from cable_tracker.benchmark.footage import FRAME_STEP, Footage
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.statistics import Percentiles
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import format_initial_state
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RosError
@@ -326,7 +327,7 @@ class _Bench:
         A tracker that is too slow for the pace sees fewer frames, as in a node.
         """
         times: list[float] = []
-        self._method.initialise(self._trial.shown.truths[0])
+        self._method.initialise(GivenState.around(self._trial.shown.truths[0]))
         begin = time.perf_counter()
         for index in range(count):
             image = self._trial.shown.images[self._trial.shown.index_at(index)]

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault, faulty
@@ -73,7 +74,7 @@ def test_the_filter_is_told_sound_odometry_and_no_late_one(fault, least, most, m
     method = AidedFilter("aided", preset("default"), "S3", fault).make(3)
     for frame in ScenarioSequence("S3", 36).frames(3):
         if frame.index == 0:
-            method.initialise(frame.truth)
+            method.initialise(GivenState.around(frame.truth))
         estimate = method.process(frame.image, frame.stamp)
     assert abs(estimate.state.distance - frame.truth.distance) < 10.0
     assert least <= np.mean([each is not None for each in told]) <= most
