@@ -20,10 +20,10 @@ from cable_tracker.commands.learning_sources import (
     count_frames,
     describe_origin,
     labelled_recording,
-    parse_seeds,
     simulated_dives,
     total_of,
 )
+from cable_tracker.commands.options.campaigns import seeds_from
 from cable_tracker.commands.options.common import (
     ForceOption,
     OutsideOption,
@@ -56,9 +56,15 @@ def learn(  # noqa: PLR0917
             " to tune on, also by a pattern such as 'tune_*'; may be given several times."
         ),
     ] = None,
+    first_seed: Annotated[
+        int | None, typer.Option(help="Seed of the first dive of each.  [default: 0]")
+    ] = None,
     seeds: Annotated[
-        str | None,
-        typer.Option(help="Seeds of those dives, such as 0,4-6.  [default: 0]"),
+        int | None,
+        typer.Option(
+            help="Number of dives of each, with the first seed and those that follow it."
+            "  [default: 1]"
+        ),
     ] = None,
     frames: Annotated[
         int | None,
@@ -108,9 +114,9 @@ def learn(  # noqa: PLR0917
         of_recordings = {"--unlabelled-is-empty": unlabelled_is_empty}
         refuse_without_effect(of_recordings, "can only do something for a recording")
     if not scenarios:
-        of_dives = {"--seeds": seeds, "--frames": frames}
+        of_dives = {"--first-seed": first_seed, "--seeds": seeds, "--frames": frames}
         refuse_without_effect(of_dives, "can only do something with --scenario")
-    numbers = parse_seeds(seeds if seeds is not None else "0")
+    numbers = seeds_from(1 if seeds is None else seeds, first_seed or 0)
     _, parameters = chosen_parameters(CABLE, preset_name, params, {}, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -27,11 +26,6 @@ from cable_tracker.simulation.fading import made_harder
 from cable_tracker.simulation.worlds.catalogue import WORLDS
 from cable_tracker.simulation.worlds.split import Split
 from cable_tracker.tracking.frame_check import check_frame
-
-MOST_SEEDS = 1000
-
-SEEDS = re.compile(r"(\d{1,9})(?:-(\d{1,9}))?")
-"""Pattern of one seed, or of the first and the last of several."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,28 +74,6 @@ class LearningPlan:
     limit: int | None = None
     skip_bad_frames: bool = False
     unlabelled_is_empty: bool = False
-
-
-def parse_seeds(text: str) -> tuple[int, ...]:
-    """Read seeds such as 0,4-6, each once, in the order given.
-
-    Raises
-    ------
-    ParameterError
-        The text is of another form, or there are too many.
-    """
-    seeds: list[int] = []
-    for part in text.split(","):
-        match = SEEDS.fullmatch(part.strip())
-        first, last = (int(number) for number in match.groups(match[1])) if match else (1, 0)
-        if first > last:
-            raise ParameterError(
-                f"seeds: {text!r} is not of the form 0,4-6; give numbers and ranges"
-            )
-        seeds += range(first, min(last, first + MOST_SEEDS) + 1)
-    if len(seeds) > MOST_SEEDS:
-        raise ParameterError(f"seeds: {text!r} are more than {MOST_SEEDS}; give fewer")
-    return tuple(dict.fromkeys(seeds))
 
 
 def simulated_dives(

@@ -6,8 +6,7 @@ import pytest
 from estimate_reader import read_estimates
 
 from cable_tracker.cable.measure.borders.response_table import is_table, load_table
-from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
-from cable_tracker.errors import ParameterError
+from cable_tracker.commands.learning_sources import LearningPlan, describe_origin
 from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence
@@ -92,7 +91,7 @@ def test_all_kinds_of_sources_teach_the_same(command, bag, labels, unlabelled):
 
 def test_several_sources_and_scenarios_add_up(command, bag, labels):
     code, printed, _ = command(
-        "learn", bag, labels, "--scenario", "S6", "--scenario", "tune_cl*", "--seeds", "3",
+        "learn", bag, labels, "--scenario", "S6", "--scenario", "tune_cl*", "--first-seed", "3",
         "--frames", 7, "--every", 5, "--harder", 2, "--output", "b.json",
     )  # fmt: skip
     assert code == 0
@@ -222,7 +221,7 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
         (("dive", "--frames", "1"), "--frames can only do something with --scenario"),
         (("--scenario", "S7"), "'S7' is none of S1 | "),
         (("--scenario", "report_clear"), "report_clear is a world to report on"),
-        (("--scenario", "S1", "--seeds", "1-"), "seeds: '1-' is not of the form 0,4-6"),
+        (("--scenario", "S1", "--seeds", "0"), "seeds is 0: give at least 1"),
         (("--scenario", "no_cable", "--frames", "2"), "no labelled frame shows a border"),
         (("dive", "--seed", "-1"), "seed: -1 is outside"),
         (("dive", "--params", "missing.yaml"), "missing.yaml: there is no such file"),
@@ -248,20 +247,6 @@ def test_labels_beside_the_picture_teach_nothing(command, unlabelled):
     assert code == 2
     assert "no labelled frame shows a border" in messages
     assert not Path("t.json").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "seeds"),
-    [("7", (7,)), ("200,204-206", (200, 204, 205, 206)), ("3, 1-3", (3, 1, 2)), ("5-5", (5,))],
-)
-def test_seeds(text, seeds):
-    assert parse_seeds(text) == seeds
-
-
-@pytest.mark.parametrize("text", ["", ",", "1,", "-1", "a", "1.5", "3-1", "²", "0-999999999"])
-def test_what_are_no_seeds(text):
-    with pytest.raises(ParameterError, match="seeds: "):
-        parse_seeds(text)
 
 
 def test_the_origin_names_scenarios_and_seeds():
