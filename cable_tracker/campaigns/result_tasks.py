@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from cable_tracker.campaigns.result_store import fingerprint_of, keep_result, kept_result
-from cable_tracker.campaigns.settings import Workers, campaign_settings
+from cable_tracker.campaigns.settings import HERE, CampaignSettings
 from cable_tracker.errors import ResourceError
 from cable_tracker.libraries import one_thread
 
@@ -22,13 +22,13 @@ Result = TypeVar("Result")
 class ResultTask(Protocol[Result_co]):
     """Unit of work of one worker, with a result. It is pickled to other processes."""
 
-    def run(self, advance: Callable[[], None]) -> Result_co:
-        """Do it; `advance` is to be called after each frame."""
+    def run(self, advance: Callable[[int], None]) -> Result_co:
+        """Do it; `advance` is to be told how many more frames are done."""
         ...
 
 
 def run_and_keep(
-    task: ResultTask[Result], advance: Callable[[], None], store: Path | None
+    task: ResultTask[Result], advance: Callable[[int], None], store: Path | None
 ) -> Result:
     """Do a task, and keep its result if there is a store.
 
@@ -67,8 +67,8 @@ def needing_dask() -> Iterator[None]:
 
 def run_all(
     tasks: Sequence[ResultTask[Result]],
+    settings: CampaignSettings = HERE,
     *,
-    workers: Workers = 1,
     advance: Callable[[int], None] = lambda count: None,
 ) -> list[Result]:
     """Run tasks, and return their results in order; the first error ends it.
@@ -77,22 +77,21 @@ def run_all(
 
     Parameters
     ----------
-    workers : int or CampaignSettings
-        The number of processes, or all settings.
+    settings : CampaignSettings
+        Machines that run the tasks, and the folder of results.
     advance : callable
         Told now and then how many more frames are done; kept results have none.
 
     Raises
     ------
     ParameterError
-        The number of workers is out of range, the cluster cannot be used, or a worker was ended
+        The cluster cannot be used, or a worker was ended
         again and again.
     ResourceError
         Several workers are wanted, and Dask is not installed.
     CableTrackerError
         What stopped the first that failed.
     """
-    settings = campaign_settings(workers)
     done: dict[int, Result] = {}
     if settings.resume:
         for number, task in enumerate(tasks):
@@ -103,7 +102,7 @@ def run_all(
     if settings.cluster.is_here(len(left)):
         with one_thread():
             for number in left:
-                done[number] = run_and_keep(tasks[number], lambda: advance(1), settings.store)
+                done[number] = run_and_keep(tasks[number], advance, settings.store)
     elif left:
         # Dask takes a second to import, which a single process need not wait for.
         with needing_dask():

@@ -51,7 +51,7 @@ class _Teller:
         self._count = 0
         self._last = time.monotonic()
 
-    def __call__(self, count: int = 1) -> None:
+    def __call__(self, count: int) -> None:
         self.total += count
         self._count += count
         if time.monotonic() - self._last >= TELL_EVERY:

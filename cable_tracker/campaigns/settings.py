@@ -73,23 +73,10 @@ class CampaignSettings:
         Take from the store what is there of the same task and version.
     """
 
-    cluster: ClusterSettings
+    cluster: ClusterSettings = field(default_factory=ClusterSettings)
     store: Path | None = None
     resume: bool = False
 
 
-Workers = int | CampaignSettings
-"""Number of worker processes of this machine, or all settings."""
-
-
-def campaign_settings(workers: Workers) -> CampaignSettings:
-    """Return the settings of a campaign; a number is that of its processes on this machine.
-
-    Raises
-    ------
-    ParameterError
-        The number is out of range.
-    """
-    if isinstance(workers, CampaignSettings):
-        return workers
-    return CampaignSettings(ClusterSettings(workers))
+HERE = CampaignSettings()
+"""One worker, which is this process; no result is kept."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -115,7 +116,7 @@ def survey(  # noqa: PLR0917
     with progress_bar("surveying", None) as progress:
         result = run_survey(
             recordings, output, settings, cluster,
-            resume=resume, advance=lambda count: advance(progress, count),
+            resume=resume, advance=partial(advance, progress),
         )  # fmt: skip
     _print(result, output, time.monotonic() - begin)
     if all(row.state != "done" for row in result.rows):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import run_all
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import HERE, CampaignSettings
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all
 from cable_tracker.evaluation.labelled_recording import files_of
@@ -93,7 +93,7 @@ class _Task:
         tables = [file for each in own.filters for file in each.parameters.files]
         return f"{own!r} {fingerprint_of_files(*files_of(self.sequence), *tables)}"
 
-    def run(self, advance: Callable[[], None]) -> list[RunResult]:
+    def run(self, advance: Callable[[int], None]) -> list[RunResult]:
         campaign = self.campaign
         runs = [
             MethodRun(
@@ -112,8 +112,8 @@ class _Task:
 
 def evaluate_methods(
     campaign: Campaign,
+    settings: CampaignSettings = HERE,
     *,
-    workers: Workers = 1,
     advance: Callable[[int], None] = lambda frames: None,
 ) -> list[RunResult]:
     """Run each method on each sequence with each seed.
@@ -124,8 +124,8 @@ def evaluate_methods(
     ----------
     campaign : Campaign
         Methods, sequences and seeds to run.
-    workers : int or CampaignSettings
-        Number of processes, or all settings; with 1, everything happens in this process.
+    settings : CampaignSettings
+        Machines that run it, and the folder of results.
     advance : callable
         Told now and then how many more frames are done.
 
@@ -137,10 +137,10 @@ def evaluate_methods(
     Raises
     ------
     ParameterError
-        The number of workers is out of range.
+        The cluster cannot be used.
     CableTrackerError
         What stopped the first run that failed.
     """
     tasks = [_Task(campaign, s, seed) for s in campaign.sequences for seed in campaign.seeds]
-    runs = run_all(tasks, workers=workers, advance=advance)
+    runs = run_all(tasks, settings, advance=advance)
     return [result for results in runs for result in results]

@@ -198,7 +198,7 @@ def run_together(
     runs: Sequence[MethodRun],
     frames: Iterable[EvaluationFrame],
     sequence: str,
-    advance: Callable[[], None] = lambda: None,
+    advance: Callable[[int], None] = lambda count: None,
 ) -> list[RunResult]:
     """Show every frame to all methods in turn, so that it is made only once and none is kept.
 
@@ -209,10 +209,10 @@ def run_together(
     frames : iterable of EvaluationFrame
         At least one frame.
     advance : callable
-        Called after each frame.
+        Told how many more frames are done.
     """
     for frame in frames:
         for run in runs:
             run.process(frame)
-        advance()
+        advance(1)
     return [run.result(sequence) for run in runs]

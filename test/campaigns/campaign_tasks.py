@@ -90,10 +90,10 @@ class SquareResult:
 
     number: int
 
-    def run(self, advance: Callable[[], None]) -> int:
+    def run(self, advance: Callable[[int], None]) -> int:
         if self.number < 0:
             raise RecordingError("a negative number")
-        advance()
+        advance(1)
         return self.number**2
 
 

@@ -34,7 +34,7 @@ class Counting:
     def run(self, advance):
         with self.notes.open("a") as notes:
             notes.write(f"{self.number} ")
-        advance()
+        advance(1)
         return self.number
 
 
@@ -42,7 +42,7 @@ def test_resuming_does_what_is_missing_or_has_changed(tmp_path):
     notes = tmp_path / "notes"
     settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
     for numbers in ((1, 2), (1, 2, 3)):
-        assert run_all([Counting(n, notes) for n in numbers], workers=settings) == list(numbers)
+        assert run_all([Counting(n, notes) for n in numbers], settings) == list(numbers)
     assert notes.read_text() == "1 2 3 "
 
 
@@ -50,17 +50,17 @@ def test_without_resuming_everything_is_done_again(tmp_path):
     notes = tmp_path / "notes"
     for _ in range(2):
         settings = CampaignSettings(ClusterSettings(), tmp_path / "store")
-        run_all([Counting(1, notes)], workers=settings)
+        run_all([Counting(1, notes)], settings)
     assert notes.read_text() == "1 1 "
 
 
 def test_a_kept_result_that_was_cut_off_is_done_again(tmp_path):
     notes, task = tmp_path / "notes", Counting(1, tmp_path / "notes")
     settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
-    run_all([task], workers=settings)
+    run_all([task], settings)
     kept = tmp_path / "store" / fingerprint_of(task)
     kept.write_bytes(kept.read_bytes()[:-2])
-    assert run_all([task], workers=settings) == [1]
+    assert run_all([task], settings) == [1]
     assert notes.read_text() == "1 1 "
 
 
@@ -70,7 +70,7 @@ def test_a_kept_result_runs_no_code(tmp_path):
     store.mkdir()
     attack = pickle.dumps(Attack(victim))
     (store / fingerprint_of(task)).write_bytes(attack)
-    assert run_all([task], workers=CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
+    assert run_all([task], CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
     assert not victim.exists()
 
 
@@ -84,7 +84,7 @@ def test_a_kept_result_reaches_nothing_that_a_module_imports(tmp_path):
         b"]" + b"(" + pickle_text("touch") + pickle_text(str(victim)) + b"e\x85R."
     )
     (store / fingerprint_of(task)).write_bytes(attack)
-    assert run_all([task], workers=CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
+    assert run_all([task], CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
     assert not victim.exists()
 
 
@@ -139,7 +139,7 @@ def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_pa
     with campaign_folder(
         output, "table.md", ClusterSettings(), force=False, resume=False, is_own_name=any_name
     ) as (folder, settings):
-        run_all([task], workers=settings)
+        run_all([task], settings)
         (folder / "table.md").touch()
         assert (tmp_path / f"out.{STORE}").is_dir()
         assert not output.exists()
@@ -191,9 +191,9 @@ def test_what_was_written_to_while_a_task_ran_is_done_again(tmp_path):
     task = ReadingLabels(1, tmp_path / "labels.txt")
     task.notes.write_text("old labels")
     settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
-    assert run_all([task], workers=settings) == ["old labels"]
-    assert run_all([task], workers=settings) == ["new labels"]
-    assert run_all([task], workers=settings) == ["new labels"]
+    assert run_all([task], settings) == ["old labels"]
+    assert run_all([task], settings) == ["new labels"]
+    assert run_all([task], settings) == ["new labels"]
 
 
 class Attack:

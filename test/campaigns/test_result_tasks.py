@@ -9,6 +9,7 @@ import cv2
 import pytest
 
 from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, ResourceError
 
 
@@ -17,7 +18,7 @@ class Doubling:
     number: int
 
     def run(self, advance):
-        advance()
+        advance(1)
         return 2 * self.number, cv2.getNumThreads()
 
 
@@ -49,4 +50,4 @@ def test_several_workers_without_dask_are_refused_with_what_to_do(monkeypatch):
     monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.runner", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ResourceError, match="pip install dask distributed"):
-        run_all([Doubling(1), Doubling(2)], workers=2)
+        run_all([Doubling(1), Doubling(2)], CampaignSettings(ClusterSettings(2)))

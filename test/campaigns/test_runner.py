@@ -199,7 +199,7 @@ def test_the_end_of_a_task_in_the_midst_of_its_telling_counts_no_frame_twice():
 
 
 def test_results_that_are_sent_back_come_in_order(both):
-    assert run_all([SquareResult(n) for n in range(5)], workers=CampaignSettings(both)) == [
+    assert run_all([SquareResult(n) for n in range(5)], CampaignSettings(both)) == [
         0,
         1,
         4,
@@ -210,7 +210,7 @@ def test_results_that_are_sent_back_come_in_order(both):
 
 def test_the_first_error_ends_tasks_whose_results_are_sent_back(both):
     with pytest.raises(RecordingError, match="a negative number"):
-        run_all([SquareResult(1), SquareResult(-1)], workers=CampaignSettings(both))
+        run_all([SquareResult(1), SquareResult(-1)], CampaignSettings(both))
 
 
 def test_resuming_does_only_what_is_missing_or_has_changed(tmp_path):
@@ -282,7 +282,7 @@ def test_a_worker_of_another_version_that_comes_later_takes_no_tasks_from_the_ot
 
 
 def test_results_are_sent_back_by_the_others_too(mixed):
-    results = run_all([SquareResult(n) for n in range(12)], workers=CampaignSettings(mixed[0]))
+    results = run_all([SquareResult(n) for n in range(12)], CampaignSettings(mixed[0]))
     assert results == [n * n for n in range(12)]
 
 

@@ -1,22 +1,13 @@
 import pytest
 
-from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings, campaign_settings
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import ParameterError
-
-
-def test_a_number_is_that_of_processes_here_and_nothing_is_kept():
-    assert campaign_settings(3) == CampaignSettings(ClusterSettings(3), None, False)
-
-
-def test_settings_stay_as_they_are(tmp_path):
-    settings = CampaignSettings(ClusterSettings(2), tmp_path, resume=True)
-    assert campaign_settings(settings) is settings
 
 
 @pytest.mark.parametrize("workers", [0, -1, 257])
 def test_a_number_of_workers_out_of_range_is_refused(workers):
     with pytest.raises(ParameterError, match=f"workers is {workers}"):
-        campaign_settings(workers)
+        ClusterSettings(workers)
 
 
 @pytest.mark.parametrize(

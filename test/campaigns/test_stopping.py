@@ -54,7 +54,7 @@ def test_results_in_a_store_are_kept_too(tmp_path):
         pytest.raises(Signal) as stopped,
         stored_beside(output, ClusterSettings(), resume=False) as settings,
     ):
-        run_all([Three(), StoppingTask()], workers=settings)
+        run_all([Three(), StoppingTask()], settings)
     assert notes_of(stopped).startswith("1 finished task is kept in ")
 
 

@@ -53,16 +53,16 @@ def test_the_number_of_workers_does_not_change_the_results(run_apart):
     campaign = Campaign(("thesis", "lsd"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
     told = []
     alone = run_apart(campaign)
-    together = evaluate_methods(campaign, workers=2, advance=told.append)
+    together = evaluate_methods(campaign, CampaignSettings(ClusterSettings(2)), advance=told.append)
     assert [numbers(result) for result in alone] == [numbers(result) for result in together]
     assert sum(told) == campaign.frame_count() == 6
 
 
 def test_what_is_kept_of_a_run_counts_in_a_campaign_that_begins_with_it(stripe, tmp_path):
     settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
-    evaluate_methods(Campaign(("thesis",), (stripe,), (0, 1)), workers=settings)
+    evaluate_methods(Campaign(("thesis",), (stripe,), (0, 1)), settings)
     told = []
-    evaluate_methods(Campaign(("thesis",), (stripe,), (1,)), workers=settings, advance=told.append)
+    evaluate_methods(Campaign(("thesis",), (stripe,), (1,)), settings, advance=told.append)
     assert not told
 
 
@@ -119,7 +119,7 @@ def test_an_error_in_a_worker_reaches_the_caller(tmp_path):
     missing = tuple(RecordingSequence(tmp_path / name) for name in "ab")
     campaign = Campaign(("thesis",), missing, (0,))
     with pytest.raises(RecordingError, match="no such file"):
-        evaluate_methods(campaign, workers=2)
+        evaluate_methods(campaign, CampaignSettings(ClusterSettings(2)))
 
 
 def test_an_unknown_method_is_named_with_what_there_is(stripe):

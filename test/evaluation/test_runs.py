@@ -73,7 +73,7 @@ def test_the_progress_is_told_after_each_frame(make, stripe):
         [MethodRun("m", make, 0, Start.TRUTH)],
         stripe.frames(0),
         "stripe",
-        lambda: calls.append(1),
+        calls.append,
     )
     assert len(calls) == 12
 

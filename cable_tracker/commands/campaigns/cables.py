@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from datetime import date
+from functools import partial
 from pathlib import Path
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -117,9 +118,7 @@ def evaluate_cables(
         output, REPORT, cluster, force=force, resume=resume, is_own_name=OWN_NAMES.__contains__
     ) as (folder, settings):
         with progress_bar("evaluating", total) as progress:
-            results = evaluate_methods(
-                campaign, workers=settings, advance=lambda count: advance(progress, count)
-            )
+            results = evaluate_methods(campaign, settings, advance=partial(advance, progress))
         with progress_bar("writing the report", None):
             write_report(
                 folder,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fnmatch import filter as matching
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -115,9 +116,7 @@ def evaluate_targets(
         is_own_name=OWN_NAMES.__contains__,
     ) as (folder, settings):
         with progress_bar("following", total) as progress:
-            parts = run_all(
-                campaign.tasks(), workers=settings, advance=lambda count: advance(progress, count)
-            )
+            parts = run_all(campaign.tasks(), settings, advance=partial(advance, progress))
         results = [each for part in parts for each in part]
         note = f"{origin_note()} {missing}".rstrip()
         # Names of recordings need not be UTF-8; the table is, in its file and where it is printed.

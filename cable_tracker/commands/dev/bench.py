@@ -105,7 +105,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
     with progress_bar("rendering, compiling", None):
         benchmark = Benchmark(plan)
     with progress_bar("measuring", benchmark.turn_count()) as progress:
-        result = benchmark.run(circumstances, lambda count: advance(progress, count))
+        result = benchmark.run(circumstances, partial(advance, progress))
     nodes = measure_nodes(plan, dds_frames) if dds_frames else ()
     circumstances = replace(circumstances, load_after=os.getloadavg())
     return replace(result, circumstances=circumstances, nodes=nodes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -87,7 +88,7 @@ def experiment(  # noqa: PLR0917
         path, TABLE_MARKDOWN, cluster, force=force, resume=resume, is_own_name=_is_of_experiment
     ) as (folder, settings):
         with progress_bar(name, chosen.frame_count()) as progress:
-            result = chosen.run(settings, lambda count: advance(progress, count))
+            result = chosen.run(settings, partial(advance, progress))
         write_experiment(folder, result, note)
     _print(result)
     print_files(path, result.file_names())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
 from cable_tracker.evaluation.runs import RunResult
@@ -26,6 +26,6 @@ class CampaignExperiment(ABC):
         """Return how many frames there are to go through; None if that is not known."""
         return self.campaign().frame_count()
 
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; `advance` is told now and then how many more frames are done."""
-        return self.result_of(evaluate_methods(self.campaign(), workers=workers, advance=advance))
+        return self.result_of(evaluate_methods(self.campaign(), settings, advance=advance))

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import THESIS_SEQUENCES
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment, cold_ablation
 from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
@@ -36,7 +36,7 @@ class Experiment(Protocol):
         """Return how many frames there are to go through; None if that is not known."""
         ...
 
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; `advance` is told now and then how many more frames are done."""
         ...
 

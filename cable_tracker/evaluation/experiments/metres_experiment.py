@@ -13,7 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_angles
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     ScenarioSequence,
@@ -71,7 +71,7 @@ class _Dive:
     seed: int
     odometry: OdometryFault | None
 
-    def run(self, advance: Callable[[], None]) -> FloatArray:
+    def run(self, advance: Callable[[int], None]) -> FloatArray:
         """Return one row for each frame that shows a cable, NaN where there are no metres.
 
         Errors of offset and offset ahead [share of the altitude] and heading [rad], those of offset
@@ -86,7 +86,7 @@ class _Dive:
                 method.initialise(GivenState.around(frame.truth))
             estimate = method.process(frame.image, frame.stamp)
             result = vehicle.instruments.cross_track(estimate)
-            advance()
+            advance(1)
             if frame.visibility == 0.0 or frame.truth is None:
                 continue
             row = np.full(ON_CABLE + 1, np.nan)
@@ -133,7 +133,7 @@ class MetresExperiment:
         counts = (sequence.frame_count() for sequence in self.sequences)
         return frames_in_all(counts, len(self.seeds) * len(TABLES))
 
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
             _Dive(sequence, seed, odometry)
@@ -141,7 +141,7 @@ class MetresExperiment:
             for seed in self.seeds
             for odometry in TABLES
         ]
-        errors = run_all(dives, workers=workers, advance=advance)
+        errors = run_all(dives, settings, advance=advance)
         results = list(zip(dives, errors, strict=True))
         title = "The cable in metres: errors against the simulated vehicle"
         return ExperimentResult(title, tuple(self._table(each, results) for each in TABLES))

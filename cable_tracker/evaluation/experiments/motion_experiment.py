@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
@@ -95,13 +95,13 @@ class _Dive:
     seed: int
     settings: tuple[MotionSetting, ...]
 
-    def run(self, advance: Callable[[], None]) -> list[RunResult]:
+    def run(self, advance: Callable[[int], None]) -> list[RunResult]:
         runs = [setting.make_run(self.sequence.name, self.seed) for setting in self.settings]
         for frame in self.sequence.frames(self.seed):
             for setting, run in zip(self.settings, runs, strict=True):
                 if frame.index % setting.every == 0:
                     run.process(frame)
-            advance()
+            advance(1)
         return [run.result(self.sequence.name) for run in runs]
 
 
@@ -128,14 +128,14 @@ class MotionExperiment:
         counts = (sequence.frame_count() for sequence in self.sequences)
         return frames_in_all(counts, len(self.seeds))
 
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
             _Dive(sequence, seed, self._settings_of(seed))
             for sequence in self.sequences
             for seed in self.seeds
         ]
-        results = run_all(dives, workers=workers, advance=advance)
+        results = run_all(dives, settings, advance=advance)
         by_setting: dict[MotionSetting, list[RunResult]] = {each: [] for each in self.settings}
         for dive, runs in zip(dives, results, strict=True):
             for setting, run in zip(dive.settings, runs, strict=True):

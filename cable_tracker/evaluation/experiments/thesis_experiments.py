@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.cable.measure.gradients.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.settings import Workers
+from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -254,12 +254,12 @@ class SpeedExperiment:
         count = self.sequence.frame_count()
         return None if count is None else count * len(self.seeds)
 
-    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
-        """Run it, in one process whatever `workers` says: neighbours would disturb the times."""
-        del workers
-        settings = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
-        results = [result for seed in self.seeds for result in self._run(settings, seed, advance)]
-        by_setting = {setting: chosen(results, method=setting.name) for setting in settings}
+    def run(self, settings: CampaignSettings, advance: Advance) -> ExperimentResult:
+        """Run it, in one process whatever is set: neighbours would disturb the times."""
+        del settings
+        speeds = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
+        results = [result for seed in self.seeds for result in self._run(speeds, seed, advance)]
+        by_setting = {setting: chosen(results, method=setting.name) for setting in speeds}
         rows = tuple(_speed_row(setting, runs) for setting, runs in by_setting.items())
         times = {each: metric_spread("ms", runs).mean for each, runs in by_setting.items()}
         curves = {
@@ -278,13 +278,11 @@ class SpeedExperiment:
             (FigureFile("speed.png", as_png(figure)),),
         )
 
-    def _run(
-        self, settings: Sequence[_SpeedSetting], seed: int, advance: Advance
-    ) -> list[RunResult]:
-        filters = [setting.filter() for setting in settings]
+    def _run(self, speeds: Sequence[_SpeedSetting], seed: int, advance: Advance) -> list[RunResult]:
+        filters = [setting.filter() for setting in speeds]
         runs = [MethodRun(each.name, each.make, seed, Start.TRUTH) for each in filters]
         frames = self.sequence.frames(seed)
-        return run_together(runs, frames, self.sequence.name, lambda: advance(1))
+        return run_together(runs, frames, self.sequence.name, advance)
 
 
 def _mean_cell(metric: str, results: Sequence[RunResult]) -> str:

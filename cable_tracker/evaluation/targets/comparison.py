@@ -184,7 +184,7 @@ class TargetTask:
         """Return a text that changes with what is run, and with the recording."""
         return f"{self!r} {fingerprint_of_files(*files_of(self.sequence))}"
 
-    def run(self, advance: Callable[[], None]) -> list[RunFigures]:
+    def run(self, advance: Callable[[int], None]) -> list[RunFigures]:
         """Follow the target with every method."""
         tuned = dict(self.tuned)
         followers = {
@@ -196,7 +196,7 @@ class TargetTask:
         for frame in self.sequence.pictures(self.seed):
             for follower in followers.values():
                 follower.see(frame)
-            advance()
+            advance(1)
         return [
             RunFigures(
                 self.sequence.name, self.seed, name, figures_of(follower.claims), follower.refusal

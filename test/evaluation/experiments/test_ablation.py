@@ -3,6 +3,7 @@ import math
 
 import pytest
 
+from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import (
@@ -34,7 +35,7 @@ def test_rows_stand_in_their_tables_with_a_cell_for_every_heading(short_stripe):
     names = ("student_t", "default", "any_width", "likelihood_ratio")
     experiment = AblationExperiment((7,), names, (short_stripe,))
     told = []
-    result = experiment.run(1, told.append)
+    result = experiment.run(HERE, told.append)
     taken, built = result.tables
     assert [row[0] for row in taken.rows] == ["default", "any_width"]
     assert [row[0] for row in built.rows] == ["likelihood_ratio", "student_t", "default"]
@@ -43,14 +44,14 @@ def test_rows_stand_in_their_tables_with_a_cell_for_every_heading(short_stripe):
 
 
 def test_both_tables_show_the_same_runs(short_stripe):
-    result = AblationExperiment((0,), ("default",), (short_stripe,)).run(1, lambda count: None)
+    result = AblationExperiment((0,), ("default",), (short_stripe,)).run(HERE, lambda count: None)
     taken, built = result.tables
     assert taken.rows == built.rows
 
 
 def test_a_loss_is_compared_only_with_a_row_that_was_run(short_stripe):
     names = ("default", "particles_200", "student_t")
-    result = AblationExperiment((0, 1), names, (short_stripe,)).run(1, lambda count: None)
+    result = AblationExperiment((0, 1), names, (short_stripe,)).run(HERE, lambda count: None)
     taken, built = result.tables
     place = taken.headings.index("lost more than")
     assert [row[place] for row in taken.rows] == ["–", "default"]
@@ -58,20 +59,20 @@ def test_a_loss_is_compared_only_with_a_row_that_was_run(short_stripe):
 
 
 def test_a_table_without_a_row_is_left_out(short_stripe):
-    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(1, lambda n: None)
+    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(HERE, lambda n: None)
     assert [table.file_name for table in result.tables] == ["taken_away.csv"]
 
 
 def test_a_note_names_the_values_that_were_changed(short_stripe):
-    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(1, lambda n: None)
+    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(HERE, lambda n: None)
     assert "`particles_200`: 200 particles (`particle_count` = 200)" in result.tables[0].notes
 
 
 def test_the_number_of_workers_changes_only_the_times():
     sequences = simulated_sequences(("S6",), 2)
     experiment = AblationExperiment((3,), ("thesis", "any_width"), sequences)
-    alone = experiment.run(1, lambda count: None)
-    together = experiment.run(2, lambda count: None)
+    alone = experiment.run(HERE, lambda count: None)
+    together = experiment.run(CampaignSettings(ClusterSettings(2)), lambda count: None)
     for one, other in zip(alone.tables, together.tables, strict=True):
         assert columns(one, TIME) == columns(other, TIME)
 
@@ -112,7 +113,7 @@ def test_the_cold_ablation_tells_of_claims_without_a_cable(monkeypatch):
         ),
     )
     cold = dataclasses.replace(cold_ablation((1,), 3), rows=("default",))
-    table, _ = cold.run(1, lambda count: None).tables
+    table, _ = cold.run(HERE, lambda count: None).tables
     assert "false tracking [%]" in table.headings
     assert table.headings[-2:] == ("S3: frames lost [%]", "no_cable: frames lost [%]")
     assert table.rows[0][-1] == "–"

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.campaigns.settings import HERE
 from cable_tracker.evaluation.experiments.coverage_experiment import (
     CoverageExperiment,
     SequenceGroup,
@@ -57,7 +58,7 @@ def test_a_wrong_claim_does_not_count(stripe):
                 yield frame if frame.index < 5 else replace(frame, truth=far)
 
     group = SequenceGroup("all", (Elsewhere(),))
-    result = CoverageExperiment((0,), (group,)).run(1, lambda count: None)
+    result = CoverageExperiment((0,), (group,)).run(HERE, lambda count: None)
     assert result.tables[0].rows[0][1] == "5"
 
 
@@ -67,7 +68,7 @@ def test_a_group_has_a_row_together_and_one_for_each_sequence(stripe):
         SequenceGroup("both", others, ("a third is left out",)),
         SequenceGroup("S", (stripe,)),
     )
-    result = CoverageExperiment((0, 1), groups).run(1, lambda count: None)
+    result = CoverageExperiment((0, 1), groups).run(HERE, lambda count: None)
     shares, factors = result.tables
     names = ["both", "`one`", "`two`", "S", "`stripe`"]
     assert [row[0] for row in shares.rows] == [row[0] for row in factors.rows] == names

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.campaigns.settings import HERE
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 
@@ -9,7 +10,7 @@ pytestmark = pytest.mark.slow
 
 
 def run(experiment):
-    return experiment.run(1, lambda count: None).tables
+    return experiment.run(HERE, lambda count: None).tables
 
 
 def test_metres_are_within_the_goals_on_a_calm_flight():
@@ -26,7 +27,7 @@ def test_metres_are_within_the_goals_on_a_calm_flight():
 def test_over_several_dives_medians_stand_with_their_range():
     experiment = MetresExperiment((0, 1), (ScenarioSequence("S3", 6),))
     told = []
-    without, with_odometry = experiment.run(1, told.append).tables
+    without, with_odometry = experiment.run(HERE, told.append).tables
     assert sum(told) == experiment.frame_count() == 24
     assert "–" in without.rows[0][4]
     assert len(without.rows[0]) == len(without.headings)

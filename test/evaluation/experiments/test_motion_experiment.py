@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments import motion_experiment
 from cable_tracker.evaluation.experiments.aided import OdometryFault
@@ -24,7 +25,7 @@ def test_settings_stand_in_rows_with_a_cell_for_every_heading():
     )
     told = []
     experiment = MotionExperiment((0, 1), SHORT, settings)
-    default, thesis = experiment.run(1, told.append).tables
+    default, thesis = experiment.run(HERE, told.append).tables
     assert [row[:3] for row in default.rows] == [
         ("as it is", "none", "2"),
         ("half the frame rate", "sound", "2"),
@@ -39,14 +40,16 @@ def test_settings_stand_in_rows_with_a_cell_for_every_heading():
 def test_the_number_of_workers_does_not_change_the_numbers():
     settings = (MotionSetting("as it is", OdometryFault.NONE),)
     experiment = MotionExperiment((0, 1), (ScenarioSequence("S3", 2),), settings)
-    assert experiment.run(1, lambda n: None) == experiment.run(2, lambda n: None)
+    assert experiment.run(HERE, lambda n: None) == experiment.run(
+        CampaignSettings(ClusterSettings(2)), lambda n: None
+    )
 
 
 def test_broken_odometry_is_run_on_the_first_seeds_only(monkeypatch):
     monkeypatch.setattr(motion_experiment, "FAULT_SEEDS", 1)
     settings = (MotionSetting("as it is", None), MotionSetting("as it is", OdometryFault.TURNED))
     experiment = MotionExperiment((7, 8), (ScenarioSequence("S3", 2),), settings)
-    (table,) = experiment.run(1, lambda n: None).tables
+    (table,) = experiment.run(HERE, lambda n: None).tables
     assert [row[2] for row in table.rows] == ["2", "1"]
 
 

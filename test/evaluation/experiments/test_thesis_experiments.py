@@ -3,6 +3,7 @@ import dataclasses
 import pytest
 
 from cable_tracker.cable.measure.gradients.scan_filters import scan_kernels
+from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     SPEED_TAPS,
     ReinitialisationExperiment,
@@ -18,13 +19,13 @@ def begun_anew(stripe):
     clear = dataclasses.replace(stripe, length=130)
     faint = dataclasses.replace(clear, name="faint", visibility=0.5)
     experiment = ReinitialisationExperiment((0,), ("default",), (clear, faint))
-    return experiment.run(1, lambda count: None).tables
+    return experiment.run(HERE, lambda count: None).tables
 
 
 def test_sequences_are_followed_by_every_method(stripe):
     experiment = SequenceExperiment((0, 1), sequences=(stripe,))
     told = []
-    result = experiment.run(1, told.append)
+    result = experiment.run(HERE, told.append)
     assert [row[:3] for row in result.tables[0].rows] == [
         ("stripe", "default", "2"),
         ("stripe", "thesis", "2"),
@@ -51,7 +52,7 @@ def test_clear_starts_are_told_apart(begun_anew):
 
 def test_speed_is_measured_for_every_combination(stripe):
     experiment = SpeedExperiment((0,), stripe, particles=(50, 400), taps=(5, 11))
-    result = experiment.run(2, lambda count: None)
+    result = experiment.run(CampaignSettings(ClusterSettings(2)), lambda count: None)
     assert [row[:2] for row in result.tables[0].rows] == [
         ("50", "5"),
         ("400", "5"),
@@ -70,6 +71,6 @@ def test_filters_are_as_long_as_their_row_says(taps):
 
 
 def test_every_row_has_a_number_for_every_heading(stripe):
-    result = SpeedExperiment((0,), stripe, particles=(50,), taps=(5,)).run(1, lambda count: None)
+    result = SpeedExperiment((0,), stripe, particles=(50,), taps=(5,)).run(HERE, lambda count: None)
     (table,) = result.tables
     assert all(len(row) == len(table.headings) for row in table.rows)

@@ -27,14 +27,14 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 
 
 def run(name, methods, length, **words):
-    return TargetTask(SimulatedTarget(name, length), 1, methods, **words).run(lambda: None)
+    return TargetTask(SimulatedTarget(name, length), 1, methods, **words).run(lambda count: None)
 
 
 def test_a_run_has_figures_for_every_method():
     counted = []
     methods = ("default", "CamShift", "grey default")
     task = TargetTask(SimulatedTarget("buoy", 12), 1, methods)
-    results = task.run(lambda: counted.append(1))
+    results = task.run(counted.append)
     assert [each.method for each in results] == list(methods)
     assert all(each.values[FIGURES.index("claimed_in_view")] > 0.5 for each in results)
     assert results[0].values[FIGURES.index("success")] > 0.8
@@ -80,7 +80,7 @@ def test_a_recording_with_boxes_is_judged_as_the_scenario_that_it_was_made_of(tm
     write_target_bag(tmp_path / "dive", labelled_frames(simulated))
     recorded = RecordedTarget(tmp_path / "dive")
     assert recorded.frame_count() == 6
-    (result,) = TargetTask(recorded, 1, ("default",)).run(lambda: None)
+    (result,) = TargetTask(recorded, 1, ("default",)).run(lambda count: None)
     (expected,) = run("near_surface", ("default",), 6)
     assert result.values[:3] == expected.values[:3]
 
@@ -89,7 +89,7 @@ def test_a_recording_whose_target_is_never_seen_cannot_be_judged(tmp_path):
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
     (tmp_path / "boxes.txt").write_text("0.png none\n")
     with pytest.raises(RecordingError, match="no frame has a box"):
-        TargetTask(RecordedTarget(tmp_path), 1, ("default",)).run(lambda: None)
+        TargetTask(RecordedTarget(tmp_path), 1, ("default",)).run(lambda count: None)
 
 
 def test_means_pass_over_what_has_no_figure():
