@@ -8,45 +8,25 @@ A. Ortiz (2003), "Underwater Cable Tracking by Visual Feedback"; B. A. A. P. Bal
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrapped_estimate
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, pose_units
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 
+FourSigmas: TypeAlias = tuple[float, float, float, float]
+"""Standard deviations of d, alpha, w, beta [px at the reference width, deg]."""
 
-@dataclass(frozen=True, slots=True)
-class FourSigmas:
-    """A standard deviation for each of d, alpha, w, beta.
 
-    Attributes
-    ----------
-    distance, width : float
-        [px at the reference width].
-    angle, skew : float
-        [deg].
-    """
-
-    distance: float
-    angle: float
-    width: float
-    skew: float
-
-    def variances(self, image_width: int) -> FloatArray:
-        """Return the variances for images of a width [px], shape (4,) [px², rad²]."""
-        scale = pixel_scale(image_width)
-        sigmas = np.array(
-            [
-                self.distance * scale,
-                np.deg2rad(self.angle),
-                self.width * scale,
-                np.deg2rad(self.skew),
-            ]
-        )
-        return sigmas**2
+def _variances(sigmas: FourSigmas, image_width: int) -> FloatArray:
+    """Return the variances for images of a width [px], shape (4,) [px², rad²]."""
+    distance, angle, width, skew = sigmas
+    in_radians = np.array([distance, np.deg2rad(angle), width, np.deg2rad(skew)])
+    return (in_radians * pose_units(pixel_scale(image_width))) ** 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +46,9 @@ class KalmanNoise:
     """
 
     measurement: FourSigmas
-    diffusion: FourSigmas = FourSigmas(1.5, 0.3, 1.0, 0.3)
-    rate_diffusion: FourSigmas = FourSigmas(2.0, 0.4, 0.6, 0.2)
-    initial_rate: FourSigmas = FourSigmas(2.0, 0.5, 0.6, 0.2)
+    diffusion: FourSigmas = (1.5, 0.3, 1.0, 0.3)
+    rate_diffusion: FourSigmas = (2.0, 0.4, 0.6, 0.2)
+    initial_rate: FourSigmas = (2.0, 0.5, 0.6, 0.2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,8 +85,8 @@ class CableKalmanFilter:
         """
         mean = np.zeros(STATE_SIZE)
         mean[:POSE_SIZE] = state.to_array()[:POSE_SIZE]
-        rates = noise.initial_rate.variances(image_width) * REFERENCE_RATE**2
-        variances = np.concatenate((noise.measurement.variances(image_width), rates))
+        rates = _variances(noise.initial_rate, image_width) * REFERENCE_RATE**2
+        variances = np.concatenate((_variances(noise.measurement, image_width), rates))
         return cls(mean, np.diag(variances), noise, image_width)._wrapped()
 
     @property
@@ -144,12 +124,12 @@ class CableKalmanFilter:
         return self.covariance[:POSE_SIZE, :POSE_SIZE] + self._measurement_noise()
 
     def _measurement_noise(self) -> FloatArray:
-        return np.diag(self.noise.measurement.variances(self.image_width))
+        return np.diag(_variances(self.noise.measurement, self.image_width))
 
     def _process_noise(self, dt: float) -> FloatArray:
         """Return what white noise on the parameters and on their rates adds in `dt` seconds."""
-        own = self.noise.diffusion.variances(self.image_width) * REFERENCE_RATE
-        rate = self.noise.rate_diffusion.variances(self.image_width) * REFERENCE_RATE**3
+        own = _variances(self.noise.diffusion, self.image_width) * REFERENCE_RATE
+        rate = _variances(self.noise.rate_diffusion, self.image_width) * REFERENCE_RATE**3
         result = np.zeros((STATE_SIZE, STATE_SIZE))
         result[:POSE_SIZE, :POSE_SIZE] = np.diag(own * dt + rate * dt**3 / 3)
         result[:POSE_SIZE, POSE_SIZE:] = result[POSE_SIZE:, :POSE_SIZE] = np.diag(rate * dt**2 / 2)

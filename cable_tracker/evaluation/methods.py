@@ -95,22 +95,22 @@ METHODS: Mapping[str, MethodSpec] = MappingProxyType(
             _detector(
                 "hough",
                 "Laplacian of Gaussian, Hough lines, Kalman filter (Matsumoto and Ito 1995)",
-                FourSigmas(1.0, 0.5, 2.0, 0.5),
+                (1.0, 0.5, 2.0, 0.5),
             ),
             _detector(
                 "segmentation",
                 "histogram segmentation, contours, Kalman filter (Antich and Ortiz 2003)",
-                FourSigmas(1.2, 0.7, 2.2, 0.7),
+                (1.2, 0.7, 2.2, 0.7),
             ),
             _detector(
                 "lsd",
                 "line segment detector of OpenCV, Kalman filter (Grompone von Gioi et al. 2010)",
-                FourSigmas(1.0, 0.5, 2.0, 0.5),
+                (1.0, 0.5, 2.0, 0.5),
             ),
             _detector(
                 "texture",
                 "texture descriptors of cells, Kalman filter (Grau et al. 1998)",
-                FourSigmas(1.0, 0.8, 2.0, 0.8),
+                (1.0, 0.8, 2.0, 0.8),
             ),
         )
     }

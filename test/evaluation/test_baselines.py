@@ -11,13 +11,13 @@ from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.baselines import MISSES_TO_LOSE, DetectorTracker
-from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
+from cable_tracker.evaluation.kalman import KalmanNoise
 from cable_tracker.tracking.status import TrackingStatus
 
 pytestmark = pytest.mark.slow
 
 FRAME = np.zeros((240, 320), np.uint8)
-NOISE = KalmanNoise(FourSigmas(1.0, 0.5, 2.0, 0.5))
+NOISE = KalmanNoise((1.0, 0.5, 2.0, 0.5))
 CABLE = CableState(10.0, 0.1, 30.0, 0.02)
 NEAR = CableState(11.0, 0.11, 31.0, 0.02)
 FAR = CableState(-90.0, 0.6, 20.0)

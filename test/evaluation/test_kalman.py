@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.kalman import CableKalmanFilter, FourSigmas, KalmanNoise
+from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise
 
-NOTHING = FourSigmas(0.0, 0.0, 0.0, 0.0)
-UNIT = FourSigmas(1.0, 1.0, 1.0, 1.0)
+NOTHING = (0.0, 0.0, 0.0, 0.0)
+UNIT = (1.0, 1.0, 1.0, 1.0)
 DEGREE = np.pi / 180
 
 
@@ -22,7 +22,7 @@ def start(state: CableState, width=320, **kinds) -> CableKalmanFilter:
 
 
 def test_the_start_is_the_measurement_with_its_noise():
-    belief = start(CableState(5.0, 0.1, 30.0, 0.02, 99.0, 9.0), initial=FourSigmas(2, 1, 0, 0))
+    belief = start(CableState(5.0, 0.1, 30.0, 0.02, 99.0, 9.0), initial=(2, 1, 0, 0))
     np.testing.assert_allclose(belief.mean, [5.0, 0.1, 30.0, 0.02, 0, 0, 0, 0])
     # A rate per frame at 25 frames per second is 25 times as large per second.
     expected = [1, DEGREE**2, 1, DEGREE**2, 50.0**2, (25 * DEGREE) ** 2, 0, 0]
@@ -38,7 +38,7 @@ def test_two_equal_measurements_halve_the_variance():
 def test_a_prediction_and_an_update_by_hand():
     # d: variance 1, rate variance 25^2 = 625 per s^2; after 0.04 s the variance is 1 + 625 * 0.0016
     # = 2, and the covariance with the rate is 625 * 0.04 = 25.
-    belief = start(CableState(10.0, 0.0, 30.0), initial=FourSigmas(1, 0, 0, 0)).predicted(0.04)
+    belief = start(CableState(10.0, 0.0, 30.0), initial=(1, 0, 0, 0)).predicted(0.04)
     assert belief.covariance[0, 0] == pytest.approx(2.0)
     assert belief.covariance[0, 4] == pytest.approx(25.0)
     # Gain 2 / 3 on d and 25 / 3 per s on its rate; the innovation is 3 px.
@@ -50,9 +50,9 @@ def test_a_prediction_and_an_update_by_hand():
 
 
 def test_process_noise_by_hand():
-    belief = start(
-        CableState(0.0, 0.0, 30.0), diffusion=FourSigmas(2, 0, 0, 0), rate=FourSigmas(1, 0, 0, 0)
-    ).predicted(0.08)
+    belief = start(CableState(0.0, 0.0, 30.0), diffusion=(2, 0, 0, 0), rate=(1, 0, 0, 0)).predicted(
+        0.08
+    )
     # Two frames: 2 * 2^2 by itself; the rate's q = 25^3 per s: q t^3 / 3, q t^2 / 2, q t.
     q = 25.0**3
     assert belief.covariance[0, 0] == pytest.approx(1 + 8 + q * 0.08**3 / 3)
@@ -63,8 +63,8 @@ def test_process_noise_by_hand():
 def test_two_short_predictions_are_one_long_one():
     belief = start(
         CableState(1.0, 0.2, 30.0, 0.01),
-        diffusion=FourSigmas(1, 0.3, 1, 0.2),
-        rate=FourSigmas(0.5, 0.1, 0.2, 0.1),
+        diffusion=(1, 0.3, 1, 0.2),
+        rate=(0.5, 0.1, 0.2, 0.1),
         initial=UNIT,
     ).updated(CableState(3.0, 0.25, 28.0, 0.02))
     once, twice = belief.predicted(0.1), belief.predicted(0.03).predicted(0.07)
@@ -74,7 +74,7 @@ def test_two_short_predictions_are_one_long_one():
 
 def test_a_steady_motion_is_learnt_whatever_the_intervals():
     rng = np.random.default_rng(7)
-    belief = start(CableState(0.0, 0.0, 30.0), initial=FourSigmas(5, 1, 1, 1))
+    belief = start(CableState(0.0, 0.0, 30.0), initial=(5, 1, 1, 1))
     time = 0.0
     for dt in rng.uniform(0.02, 0.08, 60):
         time += dt
