@@ -28,7 +28,6 @@ from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.setting_checks import (
     check_frames,
-    check_range,
     check_seed,
     check_size,
 )
@@ -59,7 +58,7 @@ class SimulationSettings:
         Difficulty of the scene, 0 to 1: overgrowth and burial (at 0.5 about a fifth of the borders
         is hidden), ropes and furrows, haze, blur, marine snow.
     noise : float
-        Standard deviation of the sensor's noise [grey levels], 0 to 64.
+        Standard deviation of the sensor's noise [grey levels].
     seed : int
         Not negative. The same settings give the same frames, bit for bit.
 
@@ -81,7 +80,6 @@ class SimulationSettings:
         check_size(self.image_size)
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")
-        check_range("noise", self.noise, (0.0, 64.0), "grey levels")
         check_seed(self.seed)
 
 

@@ -99,8 +99,6 @@ def test_the_cable_is_seen_in_the_picture(pixels_of):
         ({"clutter": -0.1}, "clutter is -0.1"),
         ({"clutter": 1.1}, "clutter is 1.1"),
         ({"clutter": float("nan")}, "clutter is nan"),
-        ({"noise": -1.0}, "noise is -1"),
-        ({"noise": float("nan")}, "noise is nan"),
         ({"seed": -1}, "seed is -1"),
     ],
 )
