@@ -321,17 +321,17 @@ def _write_legend(
     longest = with_presence(TrackingStatus.INITIALISING.value, None if presence is None else 1.0)
     side_by_side = _text_width(f"{longest}  {wide}", scale) < width - 2 * line
     strip = min(height, line if side_by_side else 2 * line)
-    _darken(canvas[:strip])
+    darken(canvas[:strip])
     margin = max(2, line // 4)
     words = with_presence(status, presence)
-    _write(canvas, words, (margin, line), scale, status_colour(status))
+    write_line(canvas, words, (margin, line), scale, status_colour(status))
     if numbers and side_by_side:
-        _write(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
+        write_line(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
     elif numbers:
-        _write(canvas, numbers, (margin, 2 * line), scale, WHITE)
+        write_line(canvas, numbers, (margin, 2 * line), scale, WHITE)
     if caption:
-        _darken(canvas[height - min(height, line) :, : _text_width(caption, scale) + 2 * margin])
-        _write(canvas, caption, (margin, height), scale, WHITE)
+        darken(canvas[height - min(height, line) :, : _text_width(caption, scale) + 2 * margin])
+        write_line(canvas, caption, (margin, height), scale, WHITE)
 
 
 def with_presence(status: str, presence: float | None) -> str:
@@ -339,7 +339,8 @@ def with_presence(status: str, presence: float | None) -> str:
     return status if presence is None else f"{status} {100 * presence:.0f} %"
 
 
-def _darken(region: Image) -> None:
+def darken(region: Image) -> None:
+    """Darken a part of a picture, in place, so that text can be read on it."""
     if region.size > 0:
         region[:] = cv2.convertScaleAbs(region, alpha=0.35)
 
@@ -356,7 +357,9 @@ def _text_height(scale: float) -> int:
     return int(cv2.getTextSize("Tg", FONT, scale, _thickness(scale))[0][1])
 
 
-def _write(canvas: Image, text: str, corner: tuple[int, int], scale: float, colour: Colour) -> None:
+def write_line(
+    canvas: Image, text: str, corner: tuple[int, int], scale: float, colour: Colour
+) -> None:
     """Write a line of text whose strip ends at `corner` (column, row below)."""
     place = (corner[0], corner[1] - round(0.38 * _text_height(scale)))
     cv2.putText(canvas, text, place, FONT, scale, to_bgr(colour), _thickness(scale), cv2.LINE_AA)

@@ -11,6 +11,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.visualisation.overlay import darken, write_line
 from cable_tracker.visualisation.palette import AMBER, PARTICLES, status_colour, to_bgr
 
 LEGEND_HEIGHT = 18
@@ -51,20 +52,16 @@ def draw_target(
         left, top, right, bottom = estimate.box
         last = (math.ceil(right) - 1, math.ceil(bottom) - 1)
         cv2.rectangle(canvas, (math.floor(left), math.floor(top)), last, colour, thick)
-    _write_legend(canvas, estimate, scale, colour, line)
+    _write_legend(canvas, estimate, scale, line)
     return canvas
 
 
-def _write_legend(
-    canvas: Image, estimate: TargetEstimate, scale: float, colour: tuple[int, int, int], line: int
-) -> None:
+def _write_legend(canvas: Image, estimate: TargetEstimate, scale: float, line: int) -> None:
     top, bottom = (round(LEGEND_HEIGHT * scale * number) for number in (line, line + 1))
-    strip = canvas[top:bottom]
-    strip //= 3
-    text = f"{estimate.status.value}  presence {estimate.presence:.2f}"
+    darken(canvas[top:bottom])
+    status = estimate.status.value
+    text = f"{status}  presence {estimate.presence:.2f}"
     if estimate.status is TrackingStatus.TRACKING:
         x, y = estimate.state[:2]
         text += f"  x {x:.0f}  y {y:.0f} px  scale {estimate.scale:.2f}"
-    place = (round(6 * scale), top + round(13 * scale))
-    font, thick = cv2.FONT_HERSHEY_SIMPLEX, max(round(scale), 1)
-    cv2.putText(canvas, text, place, font, 0.42 * scale, colour, thick, cv2.LINE_AA)
+    write_line(canvas, text, (round(6 * scale), bottom), 0.42 * scale, status_colour(status))
