@@ -51,7 +51,7 @@ from cable_tracker.offline.track_target import follow_frame, parse_start
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.tracker import TargetTracker
@@ -174,10 +174,8 @@ def _check_fits(start: TargetStart, recording: Source) -> None:
             raise ParameterError(f"init: {error}") from error
 
 
-def _size_of(frame: Frame | UnreadableFrame) -> tuple[int, int] | None:
+def _size_of(frame: Frame) -> tuple[int, int] | None:
     """Return width and height of a frame [px]; None of one without a picture."""
-    if not isinstance(frame, Frame):
-        return None
     try:
         height, width = decode_grey(frame.image).shape
     except FrameError:

@@ -167,10 +167,16 @@ def check_image(image: RawImage | CompressedImage) -> None:
     FrameError
         The image cannot be decoded.
     """
+    _need_image(image)
     if isinstance(image, RawImage):
         check_layout(image)
     else:
         decode_grey(image)
+
+
+def _need_image(image: RawImage | CompressedImage) -> None:
+    if image.missing:
+        raise FrameError(image.missing)
 
 
 def _pixels(image: RawImage, pixel_format: _PixelFormat) -> Image:
@@ -345,9 +351,7 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
 
 
 def _decoded(image: RawImage | CompressedImage, *, in_grey: bool) -> Image:
-    if image.missing:
-        # The recording gives nothing of it, and says why.
-        raise FrameError(image.missing)
+    _need_image(image)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:

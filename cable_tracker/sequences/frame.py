@@ -58,6 +58,16 @@ class CompressedImage:
     missing: str = ""
 
 
+def missing_image(reason: str, *, compressed: bool = False) -> RawImage | CompressedImage:
+    """Return what stands for an image of which a recording gives nothing, and says why."""
+    nothing = memoryview(b"")
+    return (
+        CompressedImage("", nothing, missing=reason)
+        if compressed
+        else RawImage("", 0, 0, 0, False, nothing, missing=reason)
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One frame of a recording.
@@ -69,7 +79,7 @@ class Frame:
     stamp : int
         Time of the frame [ns]: the header's stamp, or index over frame rate.
     image : RawImage or CompressedImage
-        The pixels as they were recorded; see `encodings.decode_grey`.
+        The pixels as they were recorded, see `encodings.decode_grey`; or a `missing_image`.
     frame_id : str
         Coordinate frame named in the header, or `DEFAULT_FRAME_ID`.
     truth : CableState or None

@@ -13,7 +13,7 @@ from weakref import WeakSet
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
-from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, CompressedImage, Frame, RawImage
+from cable_tracker.sequences.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,30 +33,6 @@ class ChosenRecording:
     skip_bad_frames: bool = False
     allow_outside: bool = False
     with_truth: bool = field(default=True, kw_only=True)
-
-
-@dataclass(frozen=True, slots=True)
-class UnreadableFrame:
-    """A frame of which the recording gives no image at all.
-
-    Attributes
-    ----------
-    index : int
-        Number of the frame in the recording.
-    stamp : int
-        Time of the frame [ns].
-    reason : str
-        Reason why there is no image.
-    frame_id, truth, received
-        As of a `Frame`, as far as they are known without the image.
-    """
-
-    index: int
-    stamp: int
-    reason: str
-    frame_id: str = DEFAULT_FRAME_ID
-    truth: CableState | None = None
-    received: int | None = None
 
 
 def damage(path: Path, count: int, reason: str) -> RecordingError:
@@ -158,7 +134,7 @@ class Source(ABC):
         """
         return self._handed_out(self._read_chosen(wanted))
 
-    def _read_to_end(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read_to_end(self, start: int) -> Generator[Frame]:
         """Yield the frames from one on, and then see that no label lies beyond the last."""
         count = 0
         with closing(self._read(start)) as items:
@@ -172,7 +148,7 @@ class Source(ABC):
                 " labelled; correct the labels"
             )
 
-    def _handed_out(self, items: Generator[Frame | UnreadableFrame]) -> Iterator[Frame]:
+    def _handed_out(self, items: Generator[Frame]) -> Iterator[Frame]:
         frames = self._checked(items)
         self._running.add(frames)
         return frames
@@ -182,48 +158,34 @@ class Source(ABC):
         return f"frame {index}"
 
     @abstractmethod
-    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
-        """Yield the frames from one on; raise RecordingError where the recording breaks off."""
+    def _read(self, start: int) -> Generator[Frame]:
+        """Yield the frames from one on; raise RecordingError where the recording breaks off.
 
-    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame | UnreadableFrame]:
+        Those that cannot be read have a `missing_image`.
+        """
+
+    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame]:
         """Yield the frames whose time is wanted; else as `_read`."""
         with closing(self._read(0)) as items:
             for item in items:
                 if wanted(item.stamp):
                     yield item
 
-    def _checked(self, items: Generator[Frame | UnreadableFrame]) -> Generator[Frame]:
+    def _checked(self, items: Generator[Frame]) -> Generator[Frame]:
         with closing(items):
             for item in items:
-                yield self._labelled(self._check(item))
+                if not self._skip_bad_frames:
+                    self._check(item)
+                yield self._labelled(item)
 
-    def _check(self, item: Frame | UnreadableFrame) -> Frame:
-        if isinstance(item, UnreadableFrame):
-            if not self._skip_bad_frames:
-                raise self._bad_frame(item.index, item.reason)
-            image = self._no_image(item.reason)
-            return Frame(item.index, item.stamp, image, item.frame_id, item.truth, item.received)
-        if not self._skip_bad_frames:
-            try:
-                check_image(item.image)
-            except FrameError as error:
-                raise self._bad_frame(item.index, str(error)) from error
-        return item
-
-    def _bad_frame(self, index: int, reason: str) -> RecordingError:
-        return RecordingError(
-            f"{self.path}: {self.frame_name(index)} cannot be decoded ({reason}); skip such frames"
-            " with --skip-bad-frames (node: skip_bad_frames)"
-        )
-
-    def _no_image(self, reason: str) -> RawImage | CompressedImage:
-        """Return an image without pixels that tells whatever decodes it why there are none."""
-        nothing = memoryview(b"")
-        return (
-            CompressedImage("", nothing, missing=reason)
-            if self.compressed
-            else RawImage("", 0, 0, 0, False, nothing, missing=reason)
-        )
+    def _check(self, frame: Frame) -> None:
+        try:
+            check_image(frame.image)
+        except FrameError as error:
+            raise RecordingError(
+                f"{self.path}: {self.frame_name(frame.index)} cannot be decoded ({error}); skip"
+                " such frames with --skip-bad-frames (node: skip_bad_frames)"
+            ) from error
 
     def _labelled(self, frame: Frame) -> Frame:
         if self._labels_by_stamp is not None:

@@ -7,7 +7,8 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, one_line
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
+from cable_tracker.sequences.frame import Frame, missing_image
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 
 
 class ListSource(Source):
@@ -42,8 +43,13 @@ def test_labels_take_the_place_of_all_truth(make_frame, state):
     assert [frame.truth for frame in source.frames()] == [None, other]
 
 
-def test_an_unreadable_frame_stops_the_reading(make_frame):
-    source = ListSource([make_frame(0), UnreadableFrame(1, 5, "it is wet")])
+def wet(*, compressed=False):
+    return Frame(1, 5, missing_image("it is wet", compressed=compressed))
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_frame_without_an_image_stops_the_reading(make_frame, compressed):
+    source = ListSource([make_frame(0), wet(compressed=compressed)])
     frames = source.frames()
     next(frames)
     with pytest.raises(RecordingError, match=r"list: frame 1 cannot be decoded \(it is wet\)"):
@@ -51,19 +57,11 @@ def test_an_unreadable_frame_stops_the_reading(make_frame):
     assert source.ended == 1
 
 
-def test_an_unreadable_frame_keeps_all_but_its_image_when_it_is_skipped(state):
-    unreadable = UnreadableFrame(1, 5, "it is wet", "eye", state(1), 7)
-    (frame,) = ListSource([unreadable], skip_bad_frames=True).frames()
-    assert (frame.index, frame.stamp, frame.received) == (1, 5, 7)
-    assert (frame.frame_id, frame.truth, frame.has_image) == ("eye", state(1), False)
-
-
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("decode", [decode_grey, decode_bgr])
-def test_what_decodes_an_unreadable_frame_is_told_why_there_is_no_image(compressed, decode):
-    source = ListSource([UnreadableFrame(1, 5, "it is wet")], skip_bad_frames=True)
-    source.compressed = compressed
-    (frame,) = source.frames()
+def test_what_decodes_a_frame_without_an_image_is_told_why_there_is_none(compressed, decode):
+    (frame,) = ListSource([wet(compressed=compressed)], skip_bad_frames=True).frames()
+    assert not frame.has_image
     with pytest.raises(FrameError, match=r"^it is wet$"):
         decode(frame.image)
 

@@ -31,13 +31,13 @@ from cable_tracker.sequences.bags.video_stream import (
     read_packet,
 )
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, Frame
+from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, Frame, missing_image
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
 
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
@@ -244,7 +244,7 @@ class BagSource(Source):
     def camera_frame(self) -> str:
         """`frame_id` of the first image; `DEFAULT_FRAME_ID` if it names none."""
         with closing(self._read(0)) as items:
-            first = next((item for item in items if isinstance(item, Frame)), None)
+            first = next((item for item in items if not item.image.missing), None)
         return first.frame_id if first is not None else DEFAULT_FRAME_ID
 
     def _header(self, message: StoredMessage) -> MessageHeader | None:
@@ -297,21 +297,19 @@ class BagSource(Source):
         self.note = "; ".join(note for note in (self.note, *truth.notes()) if note)
         return truth.states
 
-    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read(self, start: int) -> Generator[Frame]:
         if self._is_video:
             yield from self._read_video(start)
         else:
             yield from self._read_pictures(lambda count, _: count >= start)
 
-    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame | UnreadableFrame]:
+    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame]:
         if self._is_video:
             yield from super()._read_chosen(wanted)
         else:
             yield from self._read_pictures(lambda _, stamp: wanted(stamp))
 
-    def _read_pictures(
-        self, wanted: Callable[[int, int], bool]
-    ) -> Generator[Frame | UnreadableFrame]:
+    def _read_pictures(self, wanted: Callable[[int, int], bool]) -> Generator[Frame]:
         """Yield the frames of which the number and the stamp [ns] are wanted."""
         count = 0
         try:
@@ -329,7 +327,7 @@ class BagSource(Source):
                 " copy of the recording"
             )
 
-    def _read_video(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read_video(self, start: int) -> Generator[Frame]:
         """Decode from the beginning; what comes before the first key frame is no frame."""
         count, has_begun, first = 0, False, 0
         try:
@@ -365,24 +363,24 @@ class BagSource(Source):
                 yield from decoder.take(packet)
         yield from decoder.end()
 
-    def _video_frame(self, index: int, decoded: DecodedPicture) -> Frame | UnreadableFrame:
+    def _video_frame(self, index: int, decoded: DecodedPicture) -> Frame:
         packet = decoded.packet
-        known = (packet.frame_id, self._truth.get(packet.stamp), packet.received)
-        if decoded.picture is None:
-            return UnreadableFrame(index, packet.stamp, decoded.reason, *known)
-        return Frame(index, packet.stamp, raw_from_array(decoded.picture, "bgr8"), *known)
+        image = (
+            raw_from_array(decoded.picture, "bgr8")
+            if decoded.picture is not None
+            else missing_image(decoded.reason)
+        )
+        truth = self._truth.get(packet.stamp)
+        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.received)
 
-    def _frame(self, index: int, picture: _StoredPicture) -> Frame | UnreadableFrame:
-        message = picture.message
+    def _frame(self, index: int, picture: _StoredPicture) -> Frame:
+        message, stamp, frame_id = picture.message, picture.stamp, picture.frame_id
         try:
             content = self._deserialise(message)
             image = read_compressed_image(content) if self.compressed else read_image(content)
             stamp = stamp_or_received(content, picture.stamp)
             frame_id = content.header.frame_id or DEFAULT_FRAME_ID
-            return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001
-            reason, truth = _reason(error), self._truth.get(picture.stamp)
-            return UnreadableFrame(
-                index, picture.stamp, reason, picture.frame_id, truth, message.time
-            )
+            image = missing_image(_reason(error), compressed=self.compressed)
+        return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)

@@ -25,10 +25,10 @@ from cable_tracker.errors import (
     write_failure,
 )
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import Frame, missing_image
 from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
+from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
 from cable_tracker.sequences.videos.video import TIMES_NOTE, VIDEO_SUFFIXES
 from cable_tracker.sequences.videos.video_frames import VideoFrames, opened_video
 from cable_tracker.sequences.videos.video_times import times_run_backwards
@@ -350,7 +350,7 @@ class SequenceFileSource(Source):
         """Return how to call a frame in a message."""
         return f"frame {index} ({self._entries[index]})"
 
-    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read(self, start: int) -> Generator[Frame]:
         first = start
         for labels in _one_pass(self._entries[start:]):
             if labels[0].frame is None:
@@ -359,12 +359,12 @@ class SequenceFileSource(Source):
                 yield from self._video_frames(first, labels)
             first += len(labels)
 
-    def _picture(self, index: int, label: Label) -> Frame | UnreadableFrame:
+    def _picture(self, index: int, label: Label) -> Frame:
         stamp = stamp_of_frame(self._positions[index], self._rate)
         try:
             image = load_picture(self._files[label.filename])
         except FrameError as error:
-            return UnreadableFrame(index, stamp, str(error), truth=label.state)
+            return Frame(index, stamp, missing_image(str(error)), truth=label.state)
         return Frame(index, stamp, image, truth=label.state)
 
     def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:

@@ -10,9 +10,9 @@ import cv2
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import decode_picture_file, raw_from_array
-from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.frame import Frame, RawImage, missing_image
 from cable_tracker.sequences.natural_order import gap_note, naturally_sorted, positions_by_number
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame
+from cable_tracker.sequences.source_base import ChosenRecording, Source
 from cable_tracker.stamps import USUAL_RATE, stamp_of_frame
 
 SEQUENCE_NAME = "sequence.txt"
@@ -105,10 +105,10 @@ class ImageFolderSource(Source):
         """Return how to call a frame in a message."""
         return f"frame {index} ({self.pictures[index].name})"
 
-    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read(self, start: int) -> Generator[Frame]:
         for index, path in enumerate(self.pictures[start:], start):
             stamp = stamp_of_frame(self._positions[index], self._rate)
             try:
                 yield Frame(index, stamp, load_picture(path))
             except FrameError as error:
-                yield UnreadableFrame(index, stamp, str(error))
+                yield Frame(index, stamp, missing_image(str(error)))

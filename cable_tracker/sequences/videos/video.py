@@ -15,8 +15,8 @@ from av.error import FFmpegError
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.source_base import ChosenRecording, Source, UnreadableFrame, damage
+from cable_tracker.sequences.frame import Frame, missing_image
+from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
 from cable_tracker.sequences.videos.packet_tally import PacketTally
 from cable_tracker.sequences.videos.video_frames import (
     VideoFrames,
@@ -128,7 +128,7 @@ class VideoSource(Source):
             notes.append(f"players turn it by {turn} degrees; it is read as it is stored")
         self.note = "; ".join(notes)
 
-    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+    def _read(self, start: int) -> Generator[Frame]:
         with opened_video(self.path) as container:
             # Jumping to a frame by its number lands beside it in many files.
             frames = VideoFrames(container, has_steady_rate=self._has_steady_rate)
@@ -145,8 +145,8 @@ class VideoSource(Source):
             raise damage(self.path, count, f"the file promises {seconds:.1f} s of them")
 
     @staticmethod
-    def _frame(index: int, stamp: int, picture: Image) -> Frame | UnreadableFrame:
+    def _frame(index: int, stamp: int, picture: Image) -> Frame:
         try:
             return Frame(index, stamp, raw_from_array(picture, "bgr8"))
         except FrameError as error:
-            return UnreadableFrame(index, stamp, str(error))
+            return Frame(index, stamp, missing_image(str(error)))
