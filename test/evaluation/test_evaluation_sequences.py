@@ -184,7 +184,7 @@ def test_labels_of_another_folder_are_passed_over(pictures):
     truth.write_text("".join(lines))
     assert RecordingSequence(pictures, truth=truth).frame_count() == 5
     truth.write_text("".join([*lines, f"1 0.1 30 0 # {pictures.name}/missing.png\n"]))
-    with pytest.raises(RecordingError, match=r"line 3 labels .*holds no such picture"):
+    with pytest.raises(RecordingError, match=r"line 3 labels .*which is no picture in"):
         RecordingSequence(pictures, truth=truth).frame_count()
 
 

@@ -11,7 +11,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
-from cable_tracker.gui.labelling.names import FrameNames
+from cable_tracker.sequences.labels.frame_names import FrameNames
 from cable_tracker.sequences.labels.sequence_file import Label, parse_place
 from cable_tracker.sequences.tables.csv_tables import csv_text
 

@@ -18,7 +18,7 @@ from cable_tracker.gui.labelling.labels import (
     Origin,
     flagged_label,
 )
-from cable_tracker.gui.labelling.names import FrameNames
+from cable_tracker.sequences.labels.frame_names import FrameNames
 from cable_tracker.sequences.labels.sequence_file import (
     Label,
     format_labels,

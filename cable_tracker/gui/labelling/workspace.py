@@ -19,11 +19,11 @@ from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, w
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
 from cable_tracker.gui.labelling.label_file import NOWHERE, FileContent, LabelFile, OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
-from cable_tracker.gui.labelling.names import FrameNames, names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.labels.frame_names import FrameNames, names_of
 from cable_tracker.sequences.labels.sequence_file import (
     SEQUENCE_SUFFIXES,
     Label,

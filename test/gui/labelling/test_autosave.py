@@ -8,7 +8,7 @@ from label_strategies import label_maps
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.autosave import read_autosave, write_autosave
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE
-from cable_tracker.gui.labelling.names import NumberedNames, PictureNames
+from cable_tracker.sequences.labels.frame_names import NumberedNames, PictureNames
 
 NAMES = NumberedNames(Path("a.avi"))
 HEAD = "frame,stamp,flag,d,alpha,w,beta,file\n"

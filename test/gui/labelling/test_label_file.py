@@ -16,7 +16,7 @@ from cable_tracker.gui.labelling.label_file import (
     flags_path,
 )
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
-from cable_tracker.gui.labelling.names import NumberedNames, PictureNames, names_of
+from cable_tracker.sequences.labels.frame_names import NumberedNames, PictureNames, names_of
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT, true_state

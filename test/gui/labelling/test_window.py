@@ -11,7 +11,7 @@ import pytest
 
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.gui.labelling.label_file import flags_path, read_label_file
-from cable_tracker.gui.labelling.names import names_of
+from cable_tracker.sequences.labels.frame_names import names_of
 from cable_tracker.sequences.source import open_source
 
 from ..conftest import visiting, wait_until

@@ -7,8 +7,8 @@ from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
-from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
+from cable_tracker.sequences.labels.frame_names import names_of
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT, true_state
