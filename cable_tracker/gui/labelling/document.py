@@ -50,13 +50,13 @@ class LabelDocument:
 
     Parameters
     ----------
-    stamps : mapping
-        Times of frames [ns], as far as they are known.
+    times : mapping
+        Times of frames [ns], as far as they are known; more may become known.
     """
 
-    def __init__(self, labels: Labels, stamps: Mapping[int, int]) -> None:
+    def __init__(self, labels: Labels, times: Mapping[int, int]) -> None:
         self._labels: dict[int, FrameLabel] = dict(labels)
-        self.stamps: dict[int, int] = dict(stamps)
+        self.times = times
         self._undone: list[_Step] = []
         self._done: list[_Step] = []
 
@@ -131,7 +131,7 @@ class LabelDocument:
         """Fill gaps between key frames; see `change`."""
         changes: dict[int, FrameLabel | None] = {}
         for gap in wanted:
-            changes.update(filled_gap(self._labels, gap, self.stamps))
+            changes.update(filled_gap(self._labels, gap, self.times))
         return self.change(frame, changes)
 
     def replace(self, labels: Labels, frame: int = 0) -> Changes:
@@ -173,7 +173,7 @@ class LabelDocument:
         for gap in stretches_at(self._labels, changes):
             between = [n for n in interpolated_in(self._labels, gap) if n not in changes]
             if between and can_be_filled(self._labels, gap):
-                filled = filled_gap(self._labels, gap, self.stamps)
+                filled = filled_gap(self._labels, gap, self.times)
                 followers.update((number, filled[number]) for number in between)
             else:
                 followers.update(dict.fromkeys(between))

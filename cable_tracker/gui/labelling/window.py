@@ -302,9 +302,7 @@ class LabelPage:
     async def _read_times(self, frames: Iterable[int]) -> RecordingError | None:
         """Learn the times of frames that are not known yet; returns the damage that was met."""
         missing = self._workspace.missing_stamps(frames)
-        stamps, damage = await self._read(self._server.reader, self._workspace.read_stamps, missing)
-        self._workspace.document.stamps.update(stamps)
-        return damage
+        return await self._read(self._server.reader, self._workspace.read_stamps, missing)
 
     def _say_done(self, words: str, damage: RecordingError | None) -> None:
         self._editor.say(f"{words}; {damage}" if damage else words, "error" if damage else "")

@@ -9,7 +9,8 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections import ChainMap
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
@@ -81,6 +82,12 @@ def _need_usable_names(source: Source, names: FrameNames, folder: Path) -> None:
         )
 
 
+def _times_by_label(
+    labels: Labels, stamps: Mapping[int, int]
+) -> dict[tuple[int, FrameLabel | None], int]:
+    return {(frame, labels[frame]): stamp for frame, stamp in stamps.items()}
+
+
 class Workspace:
     """Recording and labels that the window works on.
 
@@ -111,9 +118,8 @@ class Workspace:
         self._allow_outside = allow_outside
         self._pictures = Pictures(self.access)
         self._proposer = Proposer(self.access.frame, preset("default"))
-        # Times of frames as they were read here, and frames labelled anew of which none was.
+        # Times of frames as they were read here.
         self._times: dict[int, int] = {}
-        self._unseen: set[int] = set()
         self._listeners: set[Listener] = set()
         self.stopped = threading.Event()
         self.trouble = ""
@@ -133,9 +139,10 @@ class Workspace:
         self.autosaved, self._autosaved_stamps = self._unsaved(path, content)
         self._owns_autosave = False
         self._file, self._content = file, content
-        self.document = LabelDocument(content.labels, content.stamps)
-        self._saved: Labels = dict(content.labels)
-        self._unseen = set()
+        # Times of frames as they stand in files, and those of labels that are as they stand there.
+        self._known = dict(content.stamps)
+        self._drawn = _times_by_label(content.labels, content.stamps)
+        self.document = LabelDocument(content.labels, ChainMap(self._times, self._known))
 
     def _unsaved(self, path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
         """Return the autosaved labels and their times, if they say other things than the file."""
@@ -171,7 +178,7 @@ class Workspace:
     @property
     def is_changed(self) -> bool:
         """Whether there are labels that are not saved."""
-        return dict(self.document.labels) != self._saved
+        return self.document.labels != self._content.labels
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Tell a listener of every change; returns the function that ends it."""
@@ -187,12 +194,15 @@ class Workspace:
         """Return the picture of a frame; see `Pictures.picture`."""
         made = self._pictures.picture(frame)
         self._times[frame] = made.stamp
-        if frame in self._unseen:
-            self._unseen.discard(frame)
-            self.document.stamps[frame] = made.stamp
-        else:
-            self.document.stamps.setdefault(frame, made.stamp)
         return made
+
+    def stamp(self, frame: int) -> int | None:
+        """Return the time of a frame [ns]: that at which its label was drawn, or that of now.
+
+        A label that is as it was saved may be of another picture, whatever was drawn meanwhile.
+        """
+        label = self.document.labels.get(frame)
+        return self._drawn.get((frame, label), self.document.times.get(frame))
 
     def is_displaced(self, picture: Picture) -> bool:
         """Tell whether the frame of a picture was labelled when its number had another time.
@@ -201,7 +211,7 @@ class Workspace:
         have no times of their own.
         """
         has_times = not isinstance(self.source, (ImageFolderSource, SequenceFileSource))
-        return has_times and self.document.stamps.get(picture.frame) != picture.stamp
+        return has_times and self.stamp(picture.frame) != picture.stamp
 
     def propose(
         self, frame: int, labels: Labels, is_awaited: Callable[[], bool] = lambda: True
@@ -211,31 +221,38 @@ class Workspace:
             frame, labels, lambda: self.stopped.is_set() or not is_awaited()
         )
 
-    def read_stamps(self, frames: Iterable[int]) -> tuple[dict[int, int], RecordingError | None]:
-        """Return the times of frames [ns], as far as they can be read; from any thread.
+    def read_stamps(self, frames: Iterable[int]) -> RecordingError | None:
+        """Read the times of frames, as far as they can be read; from any thread.
 
-        The first damage that was met comes with them.
+        The first damage that was met is returned.
         """
-        stamps, damage = {}, None
+        damage = None
         for frame in sorted(frames):
             if self.stopped.is_set():
                 break
             try:
-                stamps[frame] = self._times[frame] = self.access.frame(frame).stamp
-                self._unseen.discard(frame)
+                self._times[frame] = self.access.frame(frame).stamp
             except IndexError:
                 break
             except RecordingError as error:
                 damage = damage or error
-        return stamps, damage
+        return damage
 
     def missing_stamps(self, frames: Iterable[int]) -> list[int]:
-        """Return those frames whose times are not known yet, or were those of earlier labels."""
-        known, count = self.document.stamps, self.count
+        """Return those frames whose times must be read.
+
+        Those that stand in a file serve for new labels, too, if no frame read here has another one.
+        """
+        times_here = dict(self._times)
+        is_another = any(self._known.get(frame, now) != now for frame, now in times_here.items())
+        known = times_here if is_another else self.document.times
+        labels, count = self.document.labels, self.count
         return [
             frame
             for frame in frames
-            if (frame not in known or frame in self._unseen) and (count is None or frame < count)
+            if (frame, labels.get(frame)) not in self._drawn
+            and frame not in known
+            and (count is None or frame < count)
         ]
 
     def need_frame(self, frame: int) -> None:
@@ -251,48 +268,22 @@ class Workspace:
 
     def change(self, frame: int, label: FrameLabel | None, *, merges: bool = False) -> None:
         """Label a frame; see `LabelDocument.change`. The label is of the time that it has now."""
-        is_displaced = self._renew_time(frame)
+        # Drawn once more as it was saved, it is of the picture of now.
+        self._drawn.pop((frame, label), None)
         changes = self.document.change(frame, {frame: label}, merges=merges)
-        if is_displaced:
-            # Interpolated labels that have followed were made for other frames, too.
-            for follower in changes.keys() - {frame}:
-                self._renew_time(follower)
         self.tell({frame: label, **changes})
-
-    def _renew_time(self, frame: int) -> bool:
-        """Take the time that a frame has here, once it is read; returns whether it is another."""
-        time_here = self._times.get(frame)
-        if time_here is None:
-            self._unseen.add(frame)
-            return False
-        before = self.document.stamps.get(frame)
-        self.document.stamps[frame] = time_here
-        return before is not None and before != time_here
 
     def undo(self) -> tuple[int, Changes] | None:
         """Take the last step back; see `LabelDocument.undo`."""
-        return self._stepped(self.document.undo())
+        return self._told(self.document.undo())
 
     def redo(self) -> tuple[int, Changes] | None:
         """Do again what was taken back; see `LabelDocument.redo`."""
-        return self._stepped(self.document.redo())
+        return self._told(self.document.redo())
 
-    def _stepped(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
-        """Give labels that are those of the file the times that stand there, others those of now.
-
-        A label that is as it was saved may be of another picture, whatever was drawn meanwhile.
-        """
-        if step is None:
-            return None
-        _, changes = step
-        for frame, label in changes.items():
-            in_file = self._content.stamps.get(frame)
-            if in_file is not None and label == self._saved.get(frame):
-                self.document.stamps[frame] = in_file
-                self._unseen.discard(frame)
-            else:
-                self._renew_time(frame)
-        self.tell(changes)
+    def _told(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
+        if step is not None:
+            self.tell(step[1])
         return step
 
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
@@ -329,21 +320,20 @@ class Workspace:
     def _write_to(self, file: LabelFile, overwrite: bool) -> None:
         labels = dict(self.document.labels)
         content = FileContent(
-            labels,
-            {
-                frame: self.document.stamps[frame]
-                for frame in labels
-                if frame in self.document.stamps
-            },
-            self._content.others,
-            self._content.other_flags,
+            labels, self._stamps(), self._content.others, self._content.other_flags
         )
         file.write(content, overwrite=overwrite)
-        self._file, self._content, self._saved = file, content, labels
+        self._file, self._content = file, content
+        self._drawn = _times_by_label(labels, content.stamps)
         autosave_path(file.path).unlink(missing_ok=True)
         self._owns_autosave = False
         self.trouble = ""
         self.tell({})
+
+    def _stamps(self) -> dict[int, int]:
+        """Return the times of labelled frames [ns], as far as they are known."""
+        stamps = ((frame, self.stamp(frame)) for frame in self.document.labels)
+        return {frame: stamp for frame, stamp in stamps if stamp is not None}
 
     def open(self, path: Path) -> None:
         """Work on another label file.
@@ -368,7 +358,8 @@ class Workspace:
         """Take up the unsaved labels of an earlier run."""
         if self.autosaved is not None:
             self.document.replace(self.autosaved)
-            self.document.stamps.update(self._autosaved_stamps)
+            self._known |= self._autosaved_stamps
+            self._drawn |= _times_by_label(self.autosaved, self._autosaved_stamps)
             self.autosaved = None
             self._owns_autosave = True
             self.tell(None)
@@ -390,7 +381,7 @@ class Workspace:
         path = autosave_path(self.path)
         try:
             if self.is_changed:
-                write_autosave(path, self.document.labels, self.document.stamps, self._names)
+                write_autosave(path, self.document.labels, self._stamps(), self._names)
                 self._owns_autosave = True
             elif self._owns_autosave:
                 path.unlink(missing_ok=True)

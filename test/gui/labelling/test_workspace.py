@@ -5,8 +5,8 @@ import pytest
 
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
-from cable_tracker.gui.labelling.label_file import OverwriteError
-from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
+from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
+from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
 from cable_tracker.sequences.labels.frame_names import names_of
 from cable_tracker.sequences.source import open_source
@@ -293,51 +293,68 @@ def test_a_file_that_cannot_be_opened_changes_nothing(workspace, tmp_path, path,
     assert dict(workspace.document.labels) == {0: LABEL}
 
 
-def test_labels_of_other_times_are_noticed(video, path):
-    workspace = Workspace(open_source(video), path)
-    picture = workspace.picture(2)
-    assert not workspace.is_displaced(picture)
-    workspace.document.stamps[2] += 1
-    assert workspace.is_displaced(picture)
-
-
-def test_a_frame_that_is_labelled_anew_has_the_time_that_it_has_now(video, path):
-    workspace = Workspace(open_source(video), path)
-    for frame in (2, 3):
-        workspace.document.stamps[frame] = 1
-    picture = workspace.picture(2)
-    workspace.change(2, LABEL)
-    workspace.change(3, LABEL)  # copied there before its picture has come
-    assert not workspace.is_displaced(picture)
-    assert workspace.missing_stamps([2, 3]) == [3]
-    assert not workspace.is_displaced(workspace.picture(3))
-    assert workspace.missing_stamps([2, 3]) == []
-
-
-def test_so_have_the_interpolated_frames_that_follow_it(video, path):
-    workspace = Workspace(open_source(video), path)
-    workspace.document.stamps.update(dict.fromkeys(range(5), 1))
-    for frame in (0, 4):
-        workspace.document.change(frame, {frame: LABEL})
-    workspace.interpolate(0, workspace.document.gaps_to_fill(0))
-    workspace.picture(4)
-    workspace.change(4, FrameLabel(true_state(9)))
-    assert workspace.missing_stamps(range(5)) == [1, 2, 3]
+MOVED = FrameLabel(true_state(9))
 
 
 @pytest.fixture
-def displaced(video, path):
-    """Return a workspace whose file holds a label of another time for frame 2."""
-    workspace = Workspace(open_source(video), path)
-    workspace.document.change(2, {2: LABEL})
-    workspace.document.stamps[2] = 1
-    workspace.save()
-    return Workspace(open_source(video), path)
+def reopened(video, path):
+    """Return a function that opens labels of frames 0 to 4, of which the inner are interpolated."""
+
+    def write_and_open(stamps):
+        source = open_source(video)
+        between = FrameLabel(LABEL.state, Origin.INTERPOLATED)
+        labels = {0: LABEL, 4: LABEL, **dict.fromkeys((1, 2, 3), between)}
+        LabelFile(path, names_of(source)).write(FileContent(labels, stamps))
+        return Workspace(source, path)
+
+    return write_and_open
+
+
+@pytest.fixture
+def displaced(reopened):
+    """Return a workspace whose labels are of another time."""
+    return reopened(dict.fromkeys(range(5), 1))
+
+
+def test_labels_of_other_times_are_noticed(displaced):
+    assert displaced.is_displaced(displaced.picture(2))
+    assert not displaced.is_displaced(displaced.picture(5))
+
+
+def test_a_frame_that_is_labelled_anew_has_the_time_that_it_has_now(displaced):
+    picture = displaced.picture(4)
+    displaced.change(4, LABEL)
+    displaced.change(2, MOVED)  # copied there before its picture has come
+    assert not displaced.is_displaced(picture)
+    assert displaced.missing_stamps([0, 2, 4]) == [2]
+    assert not displaced.is_displaced(displaced.picture(2))
+    assert displaced.missing_stamps([0, 2, 4]) == []
+
+
+def test_so_have_the_interpolated_frames_that_follow_it(displaced, video, path):
+    displaced.picture(4)
+    displaced.change(4, MOVED)
+    assert displaced.missing_stamps(range(5)) == [1, 2, 3]
+    displaced.read_stamps([1, 2, 3])
+    displaced.save()
+    again = Workspace(open_source(video), path)
+    assert [again.is_displaced(again.picture(frame)) for frame in range(5)] == [True] + 4 * [False]
+
+
+def test_times_in_the_file_serve_for_new_labels_where_they_are_those_of_the_recording(
+    reopened, video
+):
+    stamps = {frame.index: frame.stamp for frame in open_source(video).frames()}
+    workspace = reopened({frame: stamps[frame] for frame in range(5)})
+    workspace.picture(4)
+    workspace.change(4, MOVED)
+    assert workspace.missing_stamps(range(6)) == [5]
+    assert [workspace.stamp(frame) for frame in range(5)] == [stamps[n] for n in range(5)]
 
 
 def test_undo_gives_a_label_back_the_time_that_stands_in_its_file(displaced):
-    picture = displaced.picture(2)
-    displaced.change(2, FrameLabel(true_state(9)))
+    picture = displaced.picture(4)
+    displaced.change(4, MOVED)
     assert not displaced.is_displaced(picture)
     displaced.undo()
     assert displaced.is_displaced(picture)
@@ -346,12 +363,13 @@ def test_undo_gives_a_label_back_the_time_that_stands_in_its_file(displaced):
 
 
 def test_a_label_that_is_resumed_has_the_time_at_which_it_was_drawn(displaced, video, path):
-    picture = displaced.picture(2)
-    displaced.change(2, FrameLabel(true_state(9)))
+    picture = displaced.picture(4)
+    displaced.change(4, MOVED)
     displaced.autosave()
     again = Workspace(open_source(video), path)
     again.resume()
     assert not again.is_displaced(picture)
+    assert again.missing_stamps([4]) == []
 
 
 def test_only_frames_are_labelled(workspace):
@@ -368,17 +386,18 @@ def test_times_are_asked_of_frames_only(workspace):
 def test_pictures_tell_their_times(workspace):
     picture = workspace.picture(2)
     assert picture.size == (320, 240)
-    assert workspace.document.stamps == {2: picture.stamp}
+    assert workspace.stamp(2) == picture.stamp
     assert workspace.missing_stamps([1, 2, 3]) == [1, 3]
-    assert workspace.read_stamps([2, 99]) == ({2: picture.stamp}, None)
+    assert workspace.read_stamps([1, 99]) is None
+    assert workspace.missing_stamps([1, 2, 3]) == [3]
 
 
 def test_times_behind_damage_are_read_and_the_damage_is_told(folder, start):
     (folder / "005.png").write_bytes(b"no picture")
     workspace = start()
     workspace.picture(9)
-    stamps, damage = workspace.read_stamps([4, 5, 7])
-    assert sorted(stamps) == [4, 7]
+    damage = workspace.read_stamps([4, 5, 7])
+    assert workspace.missing_stamps([4, 5, 7]) == [5]
     assert "005.png" in str(damage)
     assert workspace.count == COUNT
     assert workspace.picture(9).frame == 9
