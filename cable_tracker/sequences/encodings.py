@@ -167,16 +167,11 @@ def check_image(image: RawImage | CompressedImage) -> None:
     FrameError
         The image cannot be decoded.
     """
-    _need_image(image)
-    if isinstance(image, RawImage):
+    # What decodes a missing image is told why there is none.
+    if isinstance(image, RawImage) and not image.missing:
         check_layout(image)
     else:
         decode_grey(image)
-
-
-def _need_image(image: RawImage | CompressedImage) -> None:
-    if image.missing:
-        raise FrameError(image.missing)
 
 
 def _pixels(image: RawImage, pixel_format: _PixelFormat) -> Image:
@@ -351,7 +346,9 @@ def decode_bgr_levels(image: RawImage | CompressedImage) -> Image:
 
 
 def _decoded(image: RawImage | CompressedImage, *, in_grey: bool) -> Image:
-    _need_image(image)
+    if image.missing:
+        # The recording gives nothing of it, and says why.
+        raise FrameError(image.missing)
     if isinstance(image, CompressedImage):
         mosaic = _mosaic_of(image)
         if mosaic is None:
