@@ -90,6 +90,9 @@ class TrackerParameters(ParameterSet):
         ("clip", "reflect"),
         "Bootstrap filter: what happens to particles that move beyond a limit.",
     )
+    ancestor_count: int = number(
+        128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
+    )
 
     distance_variance: float = number(
         2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of d (thesis, Table 5.1)."
@@ -246,6 +249,13 @@ class TrackerParameters(ParameterSet):
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )
+    border_displacement: float = number(
+        1.0,
+        "px",
+        0.0,
+        100.0,
+        "How far growth shifts a whole border; added to the particles' covariance.",
+    )
 
     detector: str = word(
         "line_pairs", ("none", "line_pairs"), "Whole-image detector that proposes cables."
@@ -297,16 +307,6 @@ class TrackerParameters(ParameterSet):
     )
     refinement_share: float = number(
         0.5, "share of N", 0.0, 0.9, "Particles drawn in the refinement rounds, all together."
-    )
-    ancestor_count: int = number(
-        128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
-    )
-    border_displacement: float = number(
-        1.0,
-        "px",
-        0.0,
-        100.0,
-        "How far growth shifts a whole border; added to the particles' covariance.",
     )
 
     thin_width: float = number(

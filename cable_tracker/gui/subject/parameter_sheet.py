@@ -10,8 +10,7 @@ import yaml
 
 from cable_tracker.atomic_output import write_text
 from cable_tracker.errors import GuiError, ParameterError, write_failure
-from cable_tracker.gui.subject.parameter_groups import Groups, grouped
-from cable_tracker.gui.subject.subject import Subject
+from cable_tracker.gui.subject.subject import Groups, Subject
 from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
     format_values,
@@ -48,7 +47,17 @@ def values_for_page(values: Mapping[str, ParameterValue]) -> dict[str, Parameter
     }
 
 
-def groups_for_page(table: Sequence[ParameterSpec], titles: Groups) -> list[dict[str, object]]:
+def grouped(table: Sequence[ParameterSpec], groups: Groups) -> dict[str, list[ParameterSpec]]:
+    """Cut a table, whose first parameter begins a group, into groups by their titles."""
+    parts: dict[str, list[ParameterSpec]] = {first: [] for _, first in groups}
+    rows = parts[table[0].name]
+    for spec in table:
+        rows = parts.get(spec.name, rows)
+        rows.append(spec)
+    return {title: parts[first] for title, first in groups if parts[first]}
+
+
+def groups_for_page(table: Sequence[ParameterSpec], groups: Groups) -> list[dict[str, object]]:
     """Return the groups as the browser's half of the panel wants them."""
     return [
         {
@@ -65,7 +74,7 @@ def groups_for_page(table: Sequence[ParameterSpec], titles: Groups) -> list[dict
                 for spec in rows
             ],
         }
-        for title, rows in grouped(table, titles).items()
+        for title, rows in grouped(table, groups).items()
     ]
 
 

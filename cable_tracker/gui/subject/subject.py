@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from cable_tracker import followed_kinds
 from cable_tracker.cable.model.state import COMPONENTS, POSE_SIZE
 from cable_tracker.followed_kinds import FollowedKind
-from cable_tracker.gui.subject.parameter_groups import CABLE_GROUPS, TARGET_GROUPS, Groups
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 from cable_tracker.visualisation import palette
 from cable_tracker.visualisation.palette import Colour
 
 LayerToggle = tuple[str, str, Colour, float]
 """Name of a layer, words, colour, and opacity of the colour's sample."""
+
+Groups = tuple[tuple[str, str], ...]
+"""Titles of groups of parameters, and the parameter of the table that each begins with."""
 
 Lane = tuple[str, float]
 """Title of a lane of the history, and the least span of its axis."""
@@ -43,7 +45,7 @@ class Subject:
     layers : tuple of LayerToggle
         Layers drawn on the picture.
     groups : Groups
-        Groups of the parameters.
+        Groups of the parameters in the page's order, last of those that only a node has.
     """
 
     kind: FollowedKind[ParameterSet]
@@ -84,7 +86,17 @@ CABLE = Subject(
         ("truth", "truth", palette.TRUTH, 1.0),
         ("picture", "picture", palette.GREY, 1.0),
     ),
-    groups=CABLE_GROUPS,
+    groups=(
+        ("Filter", "particle_count"),
+        ("Movement", "distance_variance"),
+        ("Observation", "working_width"),
+        ("Limits of a particle", "distance_limit"),
+        ("Random start", "initial_distance_range"),
+        ("Search and refinement", "detector"),
+        ("Presence", "thin_width"),
+        ("Claiming a cable", "presence_to_track"),
+        ("Node", "initial_state"),
+    ),
 )
 
 TARGET = Subject(
@@ -104,5 +116,15 @@ TARGET = Subject(
         ("truth", "truth", palette.TRUTH, 1.0),
         ("picture", "picture", palette.GREY, 1.0),
     ),
-    groups=TARGET_GROUPS,
+    groups=(
+        ("Filter", "particle_count"),
+        ("Movement", "position_variance"),
+        ("Search and refinement", "place_share"),
+        ("Appearance", "template_points"),
+        ("Contour", "contour_regulariser"),
+        ("Presence", "clutter_places"),
+        ("Claiming a target", "presence_to_track"),
+        ("Blobs (preset thesis)", "blob_weights"),
+        ("Node", "initial_target"),
+    ),
 )

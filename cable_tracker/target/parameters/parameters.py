@@ -45,6 +45,9 @@ class TargetParameters(ParameterSet):
     working_width: int = number(
         320, "px", 64, 4096, "Wider frames are reduced to this width before they are measured."
     )
+    ancestor_count: int = number(
+        64, "", 4, 4096, "Particles that the next frame's are drawn about; time grows with it."
+    )
 
     position_variance: float = number(
         6.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of x and y (Ha: 5 to 7)."
@@ -71,9 +74,14 @@ class TargetParameters(ParameterSet):
     diffusion_degrees_of_freedom: float = number(
         4.0, "", 1.0, 1000.0, "Heavy tails: of the diffusion's Student-t."
     )
-    ancestor_count: int = number(
-        64, "", 4, 4096, "Particles that the next frame's are drawn about; time grows with it."
+    size_spread: float = number(
+        0.45,
+        "",
+        0.01,
+        100.0,
+        "Spread of log scale about its running mean; large: any size will do.",
     )
+    size_time: float = number(1.0, "s", 0.04, 600.0, "Time over which the usual size is averaged.")
 
     place_share: float = number(
         0.3, "share of N", 0.0, 0.9, "Particles drawn about peaks of the map of log-ratios."
@@ -110,15 +118,18 @@ class TargetParameters(ParameterSet):
     sharpness: float = number(
         10.0, "", 0.1, 1000.0, "Log-weight of a particle per unit of its region's score."
     )
-
-    size_spread: float = number(
-        0.45,
-        "",
-        0.01,
-        100.0,
-        "Spread of log scale about its running mean; large: any size will do.",
+    appearance_rate_of_target: float = number(
+        0.04, "per frame", 0.0, 1.0, "How fast the learnt histogram of the target follows."
     )
-    size_time: float = number(1.0, "s", 0.04, 600.0, "Time over which the usual size is averaged.")
+    appearance_rate_around: float = number(
+        0.08, "per frame", 0.0, 1.0, "How fast the learnt histogram of the surroundings follows."
+    )
+    first_look_share: float = number(
+        0.5, "", 0.0, 1.0, "Share of the target's histogram that stays that of the start."
+    )
+    least_separation: float = number(
+        0.9, "", 0.0, 20.0, "Score of a region below which a target does not stand out at all."
+    )
 
     contour_regulariser: float = number(
         0.35, "", 0.0, 100.0, "Cost of a neighbour on the other side, in units of the log-ratio."
@@ -140,18 +151,6 @@ class TargetParameters(ParameterSet):
     )
     shape_rate: float = number(
         0.08, "per frame", 0.0, 1.0, "How fast the remembered shape follows the contour."
-    )
-    appearance_rate_of_target: float = number(
-        0.04, "per frame", 0.0, 1.0, "How fast the learnt histogram of the target follows."
-    )
-    appearance_rate_around: float = number(
-        0.08, "per frame", 0.0, 1.0, "How fast the learnt histogram of the surroundings follows."
-    )
-    first_look_share: float = number(
-        0.5, "", 0.0, 1.0, "Share of the target's histogram that stays that of the start."
-    )
-    least_separation: float = number(
-        0.9, "", 0.0, 20.0, "Score of a region below which a target does not stand out at all."
     )
 
     clutter_places: int = number(

@@ -3,29 +3,28 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    PARAMETERS_BY_NAME,
-    TrackerParameters,
-)
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import GuiError, OutputError, ParameterError
-from cable_tracker.gui.subject.parameter_groups import CABLE_GROUPS, OTHERS, grouped
 from cable_tracker.gui.subject.parameter_sheet import (
+    grouped,
     parameter_text,
     value_from_field,
     values_for_page,
     values_from_text,
     write_parameter_file,
 )
-from cable_tracker.gui.subject.subject import CABLE
+from cable_tracker.gui.subject.subject import CABLE, TARGET
 
 
-def test_every_parameter_of_the_filter_is_in_one_named_group():
-    groups = grouped(PARAMETER_TABLE, CABLE_GROUPS)
-    names = [spec.name for rows in groups.values() for spec in rows]
-    assert sorted(names) == sorted(PARAMETERS_BY_NAME)
-    assert OTHERS not in groups
+@pytest.mark.parametrize("subject", [CABLE, TARGET])
+def test_every_parameter_is_in_one_group_and_those_of_the_node_in_the_last(subject):
+    groups = grouped(subject.session_table(is_live=True), subject.groups)
+    own = [spec.name for title, rows in groups.items() if title != "Node" for spec in rows]
+    assert sorted(own) == sorted(spec.name for spec in subject.kind.table)
+    assert list(groups) == [title for title, _ in subject.groups]
+    assert groups["Node"] == list(subject.kind.runtime)
+    assert "Node" not in grouped(subject.kind.table, subject.groups)
 
 
 @pytest.mark.parametrize(
