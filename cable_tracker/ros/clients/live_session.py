@@ -29,7 +29,7 @@ from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
-from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics
+from cable_tracker.ros.clients.live_topics import IMAGE_READERS, LiveConnection, find_topics
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.environment import check_profile
@@ -95,7 +95,6 @@ class LiveSession(Session):
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=True)
         self._status = ""
         self._heard = -math.inf
-        self._is_there = False
         self._others: list[str] = []
         self._silent_since: float | None = None
         self._frames = self.frames(self._take)
@@ -122,11 +121,11 @@ class LiveSession(Session):
     @property
     def trouble(self) -> str:
         """Trouble that keeps frames from coming."""
-        if not self._is_there:
+        topics = self._connection.topics
+        if not topics:
             others = f"; there is {', '.join(self._others)}" if self._others else ""
             return f"no node {self.name}{others}; waiting for it"
-        topics = self._connection.topics
-        if topics is not None and not topics.image:
+        if not topics.keys() & IMAGE_READERS.keys():
             return f"{self.name} is there, and waits for no images yet"
         if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
             is_news = time.monotonic() - self._heard <= SILENCE
@@ -242,7 +241,7 @@ class LiveSession(Session):
             self._node.get_logger().error(f"not shown: {traceback.format_exc()}")
 
     def _need_node(self) -> None:
-        if not self._is_there:
+        if not self._connection.topics:
             raise RosError(
                 self.trouble or f"no node {self.name}; is it running, and in this ROS domain?"
             )
@@ -268,11 +267,10 @@ class LiveSession(Session):
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""
         self._frames.hand_on_what_is_due()
-        topics = find_topics(self._node, self.name, self.start_topic.type_name)
-        self._is_there = topics is not None
+        topics = find_topics(self._node, self.name, self.start_topic)
         self._others = self._other_trackers()
         self._connection.change(topics)
-        if topics is None:
+        if not topics:
             self._silent_since = None
         elif self._silent_since is None:
             self._silent_since = time.monotonic()

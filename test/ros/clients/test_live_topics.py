@@ -6,9 +6,15 @@ from rclpy.parameter import Parameter
 from cable_tracker.ros.clients.live_topics import find_topics
 from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
-
-PRIOR = "geometry_msgs/msg/PoseWithCovarianceStamped"
-POLYGON = "geometry_msgs/msg/PolygonStamped"
+from cable_tracker.sequences.node_topics import (
+    CONTOUR,
+    FRAME_REPORT,
+    IMAGE,
+    INITIAL_STATE,
+    INITIAL_TARGET,
+    PARTICLES,
+    STATE,
+)
 
 
 def test_remapped_topics_are_found_by_what_they_carry(world, near):
@@ -25,15 +31,17 @@ def test_remapped_topics_are_found_by_what_they_carry(world, near):
     tracker.wait_until_warm()
 
     def found():
-        return find_topics(world.me, tracker.get_fully_qualified_name(), PRIOR)
+        return find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_STATE)
 
-    world.spin(lambda: (topics := found()) and topics.image and topics.start)
-    topics, place = found(), world.namespace
-    assert (topics.image, topics.image_type) == (f"{place}/eye/picture", "sensor_msgs/msg/Image")
-    assert topics.state == f"{place}/elsewhere/state"
-    assert topics.start == f"{place}/guess"
-    assert topics.report == f"{place}/tracker/frame_report"
-    assert topics.truth == topics.contour == ""
+    place = world.namespace
+    expected = {
+        IMAGE: f"{place}/eye/picture",
+        INITIAL_STATE: f"{place}/guess",
+        PARTICLES: f"{place}/particles",
+        STATE: f"{place}/elsewhere/state",
+        FRAME_REPORT: f"{place}/tracker/frame_report",
+    }
+    world.spin(lambda: found() == expected)
 
 
 @pytest.mark.parametrize(
@@ -50,14 +58,14 @@ def test_the_contour_is_told_from_the_box_also_where_one_is_remapped(world, rema
     )
 
     def found():
-        return find_topics(world.me, tracker.get_fully_qualified_name(), POLYGON)
+        return find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_TARGET)
 
-    world.spin(lambda: (topics := found()) and topics.contour)
-    assert found().contour == f"{world.namespace}/{contour}"
+    world.spin(lambda: CONTOUR in found())
+    assert found()[CONTOUR] == f"{world.namespace}/{contour}"
 
 
 def test_a_node_that_is_gone_has_no_topics(world):
-    assert find_topics(world.me, f"{world.namespace}/tracker", PRIOR) is None
+    assert find_topics(world.me, f"{world.namespace}/tracker", INITIAL_STATE) == {}
 
 
 @pytest.fixture
@@ -87,6 +95,6 @@ def test_a_node_is_found_beside_what_is_left_of_one_that_is_gone(elder_name, bar
     name = f"{world.namespace}/tracker"
     graph = world.me.get_node_names_and_namespaces
     world.spin(lambda: graph().count(("tracker", world.namespace)) == 2)
-    assert find_topics(world.me, name, PRIOR) is None
+    assert find_topics(world.me, name, INITIAL_STATE) == {}
     world.tracker().wait_until_warm()
-    world.spin(lambda: (topics := find_topics(world.me, name, PRIOR)) and topics.image)
+    world.spin(lambda: IMAGE in find_topics(world.me, name, INITIAL_STATE))
