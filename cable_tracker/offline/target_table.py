@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cable_tracker.metric.targets.target_facts import TARGET_METRES_KEYS, WHY_NOT_KEY
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.estimates import format_stamp
-from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.estimate import Box, TargetEstimate
 from cable_tracker.target.model.state import PoseColumn
 
 METRES = "metres.csv"
@@ -25,6 +25,32 @@ CLAIM_SIZE = 13
 
 
 @dataclass(frozen=True, slots=True)
+class TargetClaim:
+    """A target that is claimed in one frame.
+
+    Attributes
+    ----------
+    state : tuple of float
+        x, y, scale, angle, v_x, v_y, from the image centre, y up [px, rad, per second].
+    sigma : tuple of float
+        Standard deviations of the first four.
+    box : Box
+        Around the contour [px].
+    area : float
+        Area of the contour [px²].
+    """
+
+    state: tuple[float, ...]
+    sigma: tuple[float, ...]
+    box: Box
+    area: float
+
+    def cells(self) -> list[str]:
+        """Return columns `x` to `area` of the table."""
+        return [repr(x) for x in (*self.state, *self.sigma[:2], *self.box, self.area)]
+
+
+@dataclass(frozen=True, slots=True)
 class TargetRow:
     """One frame of a followed target.
 
@@ -34,8 +60,8 @@ class TargetRow:
         Number, and time [ns].
     status : str
         TRACKING, LOST, INITIALISING, or REFUSED for a frame that could not be used.
-    claim : tuple of float or None
-        Columns `x` to `area` of the table; None without a claim.
+    claim : TargetClaim or None
+        None without a claim.
     presence, n_eff : float or None
         None for a refused frame.
     ms : float or None
@@ -48,7 +74,7 @@ class TargetRow:
     frame: int
     stamp: int
     status: str
-    claim: tuple[float, ...] | None = None
+    claim: TargetClaim | None = None
     presence: float | None = None
     n_eff: float | None = None
     ms: float | None = None
@@ -57,7 +83,7 @@ class TargetRow:
     def cells(self) -> list[str]:
         """Return the fields of the table; those of the state are empty without a claim."""
         cells = [str(self.frame), format_stamp(self.stamp), self.status]
-        cells += [""] * CLAIM_SIZE if self.claim is None else [repr(x) for x in self.claim]
+        cells += [""] * CLAIM_SIZE if self.claim is None else self.claim.cells()
         cells += ["" if x is None else repr(x) for x in (self.presence, self.n_eff)]
         return [*cells, "" if self.ms is None else f"{self.ms:.3f}", self.event]
 
@@ -65,14 +91,14 @@ class TargetRow:
 def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRow:
     """Return the row of the table for a frame that was used."""
     claim = None
-    if estimate.is_claimed and estimate.box is not None:
-        state, sigma = estimate.state, estimate.standard_deviations()
-        numbers = [
-            state[PoseColumn.X], state[PoseColumn.Y], estimate.scale, state[PoseColumn.ANGLE],
-            state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], sigma[0], sigma[1],
-            *estimate.box, estimate.area,
-        ]  # fmt: skip
-        claim = tuple(float(number) for number in numbers)
+    if estimate.is_claimed:
+        assert estimate.box is not None
+        state, sigma = estimate.state.copy(), estimate.standard_deviations()[:4]
+        state[PoseColumn.LOG_SCALE] = estimate.scale
+        sigma[PoseColumn.LOG_SCALE] *= estimate.scale
+        left, top, right, bottom = (float(side) for side in estimate.box)
+        box = (left, top, right, bottom)
+        claim = TargetClaim(tuple(state.tolist()), tuple(sigma.tolist()), box, float(estimate.area))
     return TargetRow(
         frame.index, frame.stamp, estimate.status.value, claim, float(estimate.presence),
         float(estimate.effective_sample_size), ms, estimate.event,

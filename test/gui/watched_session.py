@@ -45,7 +45,7 @@ class Watched:
     def at(self, frame, after=0):
         """Wait until a frame has been tracked, in a snapshot later than a number."""
         return self.wait(
-            lambda now: now.frame == frame and now.status != WARMING_UP and now.number > after
+            lambda now: now.frame == frame and now.row.status != WARMING_UP and now.number > after
         )
 
     def go_to(self, frame):

@@ -4,13 +4,18 @@ import numpy as np
 
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.target_table import HEADER, METRES_HEADER, TargetRow
+from cable_tracker.offline.target_table import HEADER, METRES_HEADER, TargetClaim, TargetRow
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.csv_tables import csv_text
 from cable_tracker.sequences.tables.stored_rows import BLOCK
 
 TABLES_ALONE = WantedResults(video=False, bag=False, pictures=False)
+
+
+def claim_of(numbers):
+    x = [float(number) for number in numbers]
+    return TargetClaim(tuple(x[:6]), tuple(x[6:10]), tuple(x[10:14]), x[14])
 
 
 def filled(path, rows, metres):
@@ -26,7 +31,7 @@ def filled(path, rows, metres):
 
 def test_tables_longer_than_what_is_kept_in_memory_are_written_whole(tmp_path):
     count = 2 * BLOCK + 3
-    rows = [TargetRow(k, k, "TRACKING", tuple(np.arange(13.0) / 7 + k)) for k in range(count)]
+    rows = [TargetRow(k, k, "TRACKING", claim_of(np.arange(15.0) / 7 + k)) for k in range(count)]
     metres = [tuple(f"{k}.{column}" for column in METRES_HEADER) for k in range(count)]
     results = filled(tmp_path / "out", rows, metres)
     assert list(results.rows) == rows

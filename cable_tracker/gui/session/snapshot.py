@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Generic, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -12,11 +12,15 @@ from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.target_table import TargetRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.target.model.estimate import Box
+
+Row = TypeVar("Row", EstimateRow, TargetRow)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class Snapshot(Generic[Row]):
     """Results of a filter for one frame, whatever it tracks.
 
     Attributes
@@ -25,51 +29,32 @@ class Snapshot:
         Counts the snapshots of a session; each has a larger one than those before.
     frame : int or None
         Number of the frame in its recording; None of a live camera.
-    stamp : int
-        Time of the frame [ns].
     image : Image
         The frame, uint8: grey, shape (H, W), of a target also blue-green-red, shape (H, W, 3).
-    status : str
-        Status as in diagnostics: TRACKING, LOST, INITIALISING, REFUSED, DISABLED, ...
-    reason : str
-        Reason of a refused frame or of a restart; empty on ordinary frames.
-    presence : float or None
-        Probability that a cable or a target is in view.
-    n_eff, ms : float or None
-        As in `estimates.csv`; None if not known.
+    row : EstimateRow or TargetRow
+        The frame's row of the table; of a live camera its frame is the number of the snapshot. The
+        status may also be another one of diagnostics: DISABLED, WARMING UP, ...
     """
 
     number: int
     frame: int | None
-    stamp: int
     image: Image
-    status: str
-    reason: str = ""
-    presence: float | None = None
-    n_eff: float | None = None
-    ms: float | None = None
+    row: Row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CableSnapshot(Snapshot):
+class CableSnapshot(Snapshot[EstimateRow]):
     """Results of the filter of a cable for one frame.
 
     Attributes
     ----------
-    state : CableState or None
-        The estimate [px, rad, per second]; None while no cable is claimed.
-    sigma : FloatArray or None
-        Standard deviations of `state`, columns of `StateColumn`, shape (8,), or (4,) where those of
-        the rates are not known; None while no cable is claimed.
+    rate_sigma : tuple of float
+        Standard deviations of the rates [per second]; empty where they are not known.
     cloud : FloatArray or None
         Particles and their weights, shape (N, 9): columns of `StateColumn`, then the weight. None
         if there are none.
     hypotheses : tuple of Hypothesis
         Hypotheses, as `CableEstimate` has them; empty if they are not known.
-    hypothesis_count : int or None
-        Number of hypotheses where they are not known themselves; None otherwise.
-    evidence : float or None
-        As in `estimates.csv`; None if not known.
     truth : CableState or None
         True state of the cable, if the frame is labelled.
     metres : CrossTrack, Withheld or None
@@ -77,46 +62,31 @@ class CableSnapshot(Snapshot):
         instruments.
     """
 
-    state: CableState | None = None
-    sigma: FloatArray | None = None
+    rate_sigma: tuple[float, ...] = ()
     cloud: FloatArray | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
-    hypothesis_count: int | None = None
-    evidence: float | None = None
     truth: CableState | None = None
     metres: CrossTrack | Withheld | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TargetSnapshot(Snapshot):
+class TargetSnapshot(Snapshot[TargetRow]):
     """Results of the filter of a target for one frame.
 
     Attributes
     ----------
-    state : FloatArray or None
-        x, y, scale, angle, v_x, v_y, shape (6,), from the image centre, y up [px, rad, per second];
-        None while no target is claimed.
-    sigma : FloatArray or None
-        Standard deviations of the first four, shape (4,); None while no target is claimed.
-    box : Box or None
-        Around the contour; None while no target is claimed.
     outline : FloatArray
         Corners of the contour, from the top left corner [px], shape (K, 2).
-    area : float or None
-        Area of the contour [px²].
     cloud : FloatArray or None
-        Particles, columns of `state`, and their weights, shape (N, 7); None if there are none.
+        Particles, columns of `TargetClaim.state`, and their weights, shape (N, 7); None if there
+        are none.
     score : float or None
         Score of the fit of the estimated region.
     truth : Box or None
         True box of the target [px], if the frame is labelled.
     """
 
-    state: FloatArray | None = None
-    sigma: FloatArray | None = None
-    box: Box | None = None
     outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
-    area: float | None = None
     cloud: FloatArray | None = None
     score: float | None = None
     truth: Box | None = None

@@ -69,12 +69,13 @@ class TrackingDesk:
     def present_state(self) -> CableState | None:
         """Return the newest estimate; None while no cable is claimed."""
         latest = self.session.latest if self.session is not None else None
-        return latest.state if isinstance(latest, CableSnapshot) else None
+        return latest.row.state if isinstance(latest, CableSnapshot) else None
 
     def present_box(self) -> Box | None:
         """Return the newest box; None while no target is claimed."""
         latest = self.session.latest if self.session is not None else None
-        return latest.box if isinstance(latest, TargetSnapshot) else None
+        claim = latest.row.claim if isinstance(latest, TargetSnapshot) else None
+        return claim.box if claim is not None else None
 
     def need_session(self) -> Session:
         """Return the session.

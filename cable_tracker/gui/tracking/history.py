@@ -61,12 +61,13 @@ class TrackingHistory:
 
     def add(self, snapshot: AnySnapshot) -> None:
         """Add a frame."""
-        while self._rows and self._rows[-1][0] >= snapshot.stamp:
+        stamp = snapshot.row.stamp
+        while self._rows and self._rows[-1][0] >= stamp:
             self._rows.pop()
-        oldest = snapshot.stamp - HISTORY_TIME * NANOSECONDS
+        oldest = stamp - HISTORY_TIME * NANOSECONDS
         while self._rows and self._rows[0][0] < oldest:
             self._rows.popleft()
-        self._rows.append((snapshot.stamp, _row_of(snapshot)))
+        self._rows.append((stamp, _row_of(snapshot)))
 
     def table(self, now: int, *, is_whole: bool) -> FloatArray:
         """Return the rows, all or those of the last two seconds, shape (N, 11).
@@ -89,15 +90,16 @@ class TrackingHistory:
 
 
 def _row_of(snapshot: AnySnapshot) -> tuple[float, ...]:
+    row = snapshot.row
     values, sigmas, truths = _lanes(snapshot)
-    status = STATUSES.index(snapshot.status) if snapshot.status in STATUSES else len(STATUSES)
+    status = STATUSES.index(row.status) if row.status in STATUSES else len(STATUSES)
     return (
         *values,
         *sigmas,
-        snapshot.presence if snapshot.presence is not None else math.nan,
+        row.presence if row.presence is not None else math.nan,
         float(status),
-        snapshot.n_eff if snapshot.n_eff is not None else math.nan,
-        snapshot.ms if snapshot.ms is not None else math.nan,
+        row.n_eff if row.n_eff is not None else math.nan,
+        row.ms if row.ms is not None else math.nan,
         *truths,
     )
 
@@ -110,20 +112,16 @@ UNKNOWN: Pair = (math.nan, math.nan)
 def _lanes(snapshot: AnySnapshot) -> tuple[Pair, Pair, Pair]:
     """Return the two components that are shown, their sigmas and their truths; NaN if unknown."""
     if isinstance(snapshot, TargetSnapshot):
-        return _pair(snapshot.state), _pair(snapshot.sigma), UNKNOWN
+        claim = snapshot.row.claim
+        if claim is None:
+            return UNKNOWN, UNKNOWN, UNKNOWN
+        return (claim.state[0], claim.state[1]), (claim.sigma[0], claim.sigma[1]), UNKNOWN
+    sigma = snapshot.row.sigma
     return (
-        _of_cable(snapshot.state),
-        UNKNOWN if snapshot.sigma is None else _in_degrees(snapshot.sigma),
+        _of_cable(snapshot.row.state),
+        UNKNOWN if sigma is None else (sigma[0], math.degrees(sigma[1])),
         _of_cable(snapshot.truth),
     )
-
-
-def _pair(values: FloatArray | None) -> Pair:
-    return UNKNOWN if values is None else (float(values[0]), float(values[1]))
-
-
-def _in_degrees(values: FloatArray) -> Pair:
-    return float(values[0]), math.degrees(values[1])
 
 
 def _of_cable(state: CableState | None) -> Pair:

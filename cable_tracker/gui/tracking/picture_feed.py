@@ -101,7 +101,7 @@ class PictureFeed:
                 is_whole = self._has_newcomer or self._count % WHOLE_EVERY == 0
                 self._is_fresh = self._has_newcomer = False
                 self._count += 1
-                history = self._history.table(snapshot.stamp, is_whole=is_whole)
+                history = self._history.table(snapshot.row.stamp, is_whole=is_whole)
                 fps = self._rate()
             try:
                 packet = make_packet(snapshot, history, is_whole=is_whole, fps=fps)

@@ -48,10 +48,10 @@ def layers_of(snapshot: CableSnapshot) -> list[Layer]:
     """Return band, hypotheses, estimate and truth; each has a name, so that it can be hidden."""
     size = (snapshot.image.shape[1], snapshot.image.shape[0])
     layers: list[Layer] = []
-    colour = css(status_colour(snapshot.status))
-    state = snapshot.state
+    colour = css(status_colour(snapshot.row.status))
+    state, sigma = snapshot.row.state, snapshot.row.sigma
     is_drawn = state is not None and state.is_finite()
-    spread = drawn_spread(snapshot.sigma) if snapshot.sigma is not None else None
+    spread = drawn_spread(sigma) if sigma is not None else None
     if state is not None and is_drawn and spread is not None:
         layers.append(_band(state, spread, colour, size))
     others = snapshot.hypotheses[1:] if is_drawn else snapshot.hypotheses
@@ -133,15 +133,15 @@ def target_layers(snapshot: TargetSnapshot) -> list[Layer]:
     """Return the spread of a target's centre, its contour, box and true box; each has a name."""
     size = (snapshot.image.shape[1], snapshot.image.shape[0])
     layers: list[Layer] = []
-    colour = css(status_colour(snapshot.status))
-    state = snapshot.state
-    spread = drawn_spread(snapshot.sigma) if snapshot.sigma is not None else None
-    if state is not None and spread is not None and np.isfinite(state[:2]).all():
-        layers.append(_ellipse(state[:2], spread, colour, size))
+    colour = css(status_colour(snapshot.row.status))
+    claim = snapshot.row.claim
+    spread = drawn_spread(claim.sigma) if claim is not None else None
+    if claim is not None and spread is not None and np.isfinite(claim.state[:2]).all():
+        layers.append(_ellipse(np.array(claim.state[:2]), spread, colour, size))
     if len(snapshot.outline):
         layers.append(_closed("contour", snapshot.outline, css(AMBER), 1.5, size))
-    if snapshot.box is not None:
-        layers.append(_closed("box", box_corners(snapshot.box), colour, 2.5, size))
+    if claim is not None:
+        layers.append(_closed("box", box_corners(claim.box), colour, 2.5, size))
     if snapshot.truth is not None:
         corners = box_corners(snapshot.truth)
         layers.append(_closed("truth", corners, css(TRUTH), 2.0, size) | {"dash": [8, 6]})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import cv2
@@ -13,7 +13,6 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import COMPONENTS, DEGREE, CableState
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.gui.tracking.picture_layers import (
-    Layer,
     heaviest,
     layers_of,
     particle_lines,
@@ -23,8 +22,10 @@ from cable_tracker.gui.tracking.picture_layers import (
 from cable_tracker.gui.web.packet import Section, float_section, jpeg_section, pack
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.target_table import TargetRow
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.pictures.shown_levels import stand_in
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, css, status_colour
 
@@ -38,64 +39,34 @@ TO_DISPLAY = np.array([each.factor for each in COMPONENTS])
 """Factors from px, rad to px, deg, columns of `StateColumn`."""
 
 TARGET_TO_DISPLAY = np.array([1.0, 1.0, 1.0, DEGREE, 1.0, 1.0])
-"""Factors from the units of `TargetSnapshot.state` to those of the page, shape (6,)."""
+"""Factors from the units of `TargetClaim.state` to those of the page, shape (6,)."""
 
 
-Fact: TypeAlias = tuple[str, float | None, int, str]
-"""Words, value, decimal places, and name of a number of the panel."""
+Parts: TypeAlias = tuple[dict[str, object], FloatArray, FloatArray]
+"""What the page shows of a cable or of a target: a part of the description, lines for the particles
+(see browser/frame_view.js), and the particles in units of the page, weights last, shape (M, K).
+
+Of the further numbers, `facts`, each has words, a value, decimal places and a name.
+"""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PictureView:
-    """Page's view of a snapshot, for any subject.
-
-    Attributes
-    ----------
-    picture : Image
-        uint8, grey (H, W) or blue-green-red (H, W, 3).
-    layers : list of Layer
-        Layers drawn on it.
-    lines : FloatArray
-        Lines that stand for the particles; see browser/frame_view.js.
-    cloud : FloatArray
-        The particles in units of the page, weights last, shape (M, K).
-    state, sigma, truth : list or None
-        Components of the state in units of the page; None where they are not known.
-    facts : list of Fact
-        Further numbers.
-    metres : dict or None
-        Values in metres; None where there are no instruments.
-    """
-
-    picture: Image
-    layers: list[Layer]
-    lines: FloatArray
-    cloud: FloatArray
-    state: list[float | None] | None
-    sigma: list[float | None] | None
-    truth: list[float | None] | None
-    facts: list[Fact]
-    metres: dict[str, object] | None = None
-
-
-def _view_of_cable(snapshot: CableSnapshot) -> PictureView:
+def _parts_of_cable(snapshot: CableSnapshot) -> Parts:
     height, width = snapshot.image.shape
     cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 9))
-    count = snapshot.hypothesis_count or len(snapshot.hypotheses)
-    return PictureView(
-        picture=snapshot.image,
-        layers=layers_of(snapshot),
-        lines=particle_lines(cloud, (width, height)),
-        cloud=cloud * np.append(TO_DISPLAY, 1.0),
-        state=_display(_array_of(snapshot.state), TO_DISPLAY),
-        sigma=_display(snapshot.sigma, TO_DISPLAY),
-        truth=_display(_array_of(snapshot.truth), TO_DISPLAY),
-        facts=[
-            ("evidence", finite(snapshot.evidence), 2, "evidence"),
-            ("hypotheses", count, 0, "hypotheses"),
+    row = snapshot.row
+    sigma = None if row.sigma is None else (*row.sigma, *snapshot.rate_sigma)
+    description: dict[str, object] = {
+        "layers": layers_of(snapshot),
+        "state": _display(row.state, TO_DISPLAY),
+        "sigma": _display(sigma, TO_DISPLAY),
+        "truth": _display(snapshot.truth, TO_DISPLAY),
+        "facts": [
+            ("evidence", finite(row.evidence), 2, "evidence"),
+            ("hypotheses", row.hypotheses, 0, "hypotheses"),
         ],
-        metres=_in_metres(snapshot.metres),
-    )
+        "metres": _in_metres(snapshot.metres),
+    }
+    return description, particle_lines(cloud, (width, height)), cloud * np.append(TO_DISPLAY, 1.0)
 
 
 def _in_metres(known: CrossTrack | Withheld | None) -> dict[str, object] | None:
@@ -115,23 +86,25 @@ def _in_metres(known: CrossTrack | Withheld | None) -> dict[str, object] | None:
     return {"rows": rows, "why": why, "words": words}
 
 
-def _view_of_target(snapshot: TargetSnapshot) -> PictureView:
+def _parts_of_target(snapshot: TargetSnapshot) -> Parts:
     height, width = snapshot.image.shape[:2]
     cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 7))
-    size = None if snapshot.area is None else math.sqrt(max(snapshot.area, 0.0))
-    return PictureView(
-        picture=snapshot.image,
-        layers=target_layers(snapshot),
-        lines=target_particles(cloud, (width, height)),
-        cloud=cloud * np.append(TARGET_TO_DISPLAY, 1.0),
-        state=_display(snapshot.state, TARGET_TO_DISPLAY),
-        sigma=_display(snapshot.sigma, TARGET_TO_DISPLAY),
-        truth=None,
-        facts=[
+    claim = snapshot.row.claim
+    state, sigma = (None, None) if claim is None else (claim.state, claim.sigma)
+    size = None if claim is None else math.sqrt(max(claim.area, 0.0))
+    description: dict[str, object] = {
+        "layers": target_layers(snapshot),
+        "state": _display(state, TARGET_TO_DISPLAY),
+        "sigma": _display(sigma, TARGET_TO_DISPLAY),
+        "truth": None,
+        "facts": [
             ("size px", finite(size), 1, "size"),
             ("score", finite(snapshot.score), 2, "score"),
         ],
-    )
+        "metres": None,
+    }
+    lines = target_particles(cloud, (width, height))
+    return description, lines, cloud * np.append(TARGET_TO_DISPLAY, 1.0)
 
 
 def make_packet(
@@ -158,36 +131,31 @@ def make_packet(
         A number of a layer is not finite.
     """
     if isinstance(snapshot, TargetSnapshot):
-        view = _view_of_target(snapshot)
+        parts, lines, cloud = _parts_of_target(snapshot)
     else:
-        view = _view_of_cable(snapshot)
-    height, width = view.picture.shape[:2]
-    description: dict[str, object] = {
+        parts, lines, cloud = _parts_of_cable(snapshot)
+    height, width = snapshot.image.shape[:2]
+    row = snapshot.row
+    description = parts | {
         "number": snapshot.number,
         "size": [width, height],
         "frame": snapshot.frame,
-        "time": snapshot.stamp / NANOSECONDS,
-        "status": snapshot.status,
-        "status_colour": css(status_colour(snapshot.status)),
+        "time": row.stamp / NANOSECONDS,
+        "status": row.status,
+        "status_colour": css(status_colour(row.status)),
         "particle_colour": css(PARTICLES),
-        "reason": snapshot.reason,
-        "layers": view.layers,
+        "reason": row.event,
         "particle_count": 0 if snapshot.cloud is None else len(snapshot.cloud),
-        "state": view.state,
-        "sigma": view.sigma,
-        "truth": view.truth,
-        "presence": finite(snapshot.presence),
-        "facts": view.facts,
-        "metres": view.metres,
-        "n_eff": finite(snapshot.n_eff),
-        "ms": finite(snapshot.ms),
+        "presence": finite(row.presence),
+        "n_eff": finite(row.n_eff),
+        "ms": finite(row.ms),
         "fps": finite(fps),
         "history_is_whole": is_whole,
     }
     sections: list[Section] = [
-        jpeg_section(encode_jpeg(_reduced(view.picture)).data),
-        float_section("particles", view.lines),
-        float_section("cloud", view.cloud),
+        jpeg_section(encode_jpeg(_reduced(snapshot.image)).data),
+        float_section("particles", lines),
+        float_section("cloud", cloud),
         float_section("history", history),
     ]
     return pack(description, sections)
@@ -195,8 +163,11 @@ def make_packet(
 
 def without_picture(snapshot: AnySnapshot, reason: str) -> AnySnapshot:
     """Return what is shown of a frame that cannot be packed: its status, and why."""
-    facts = (snapshot.number, snapshot.frame, snapshot.stamp)
-    return type(snapshot)(*facts, stand_in(), snapshot.status, reason)
+    place, row = (snapshot.number, snapshot.frame, stand_in()), snapshot.row
+    facts = (row.frame, row.stamp, row.status)
+    if isinstance(snapshot, TargetSnapshot):
+        return TargetSnapshot(*place, TargetRow(*facts, event=reason))
+    return CableSnapshot(*place, EstimateRow(*facts, event=reason))
 
 
 def finite(value: float | None) -> float | None:
@@ -204,15 +175,14 @@ def finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def _array_of(state: CableState | None) -> FloatArray | None:
-    return state.to_array() if state is not None else None
-
-
-def _display(values: FloatArray | None, factors: FloatArray) -> list[float | None] | None:
+def _display(
+    values: CableState | Sequence[float] | None, factors: FloatArray
+) -> list[float | None] | None:
     """Return components of a state in units of the page."""
     if values is None:
         return None
-    return [finite(value) for value in (values * factors[: len(values)]).tolist()]
+    array = values.to_array() if isinstance(values, CableState) else np.array(values)
+    return [finite(value) for value in (array * factors[: len(array)]).tolist()]
 
 
 def _reduced(picture: Image) -> Image:

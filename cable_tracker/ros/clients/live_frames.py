@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -14,15 +13,16 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
+from cable_tracker.ros.clients.message_rows import cable_row, target_row
 from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
+from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES, read_target_particles
+from cable_tracker.sequences.messages.target import read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus
@@ -58,10 +58,11 @@ class _Parts:
         report = self.messages.get(node_topics.FRAME_REPORT)
         return {} if report is None else report_facts(report)
 
-    def status(self, *, is_claimed: bool) -> str:
-        """Return what the report says; without one, what follows from a claim."""
+    def status(self) -> str:
+        """Return what the report says; without one, what follows from a claim in the state."""
         report = self.messages.get(node_topics.FRAME_REPORT)
         told = "" if report is None else report_status(report)
+        is_claimed = len(self.messages[node_topics.STATE].position) > 0
         return told or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
 
 
@@ -161,27 +162,16 @@ class LiveFrames:
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
-        facts, messages = parts.facts(), parts.messages
-        state = read_state(messages[node_topics.STATE])
-        sigma = read_sigma(messages[node_topics.STATE])
-        particles = messages.get(node_topics.PARTICLES)
-        cloud = read_particles(particles) if particles is not None else None
+        messages = parts.messages
+        state, particles = messages[node_topics.STATE], messages.get(node_topics.PARTICLES)
         truth = messages.get(node_topics.GROUND_TRUTH)
+        cloud = read_particles(particles) if particles is not None else None
         return CableSnapshot(
             number=number,
             frame=None,
-            stamp=stamp,
             image=shown_levels(decode_grey(parts.image)),
-            status=parts.status(is_claimed=state is not None),
-            reason=facts.get("event", ""),
-            state=state,
-            sigma=np.array(sigma) if state is not None and sigma is not None else None,
+            row=cable_row(number, stamp, parts.status(), state, parts.facts()),
             cloud=cloud if cloud is not None and len(cloud) else None,
-            hypothesis_count=len(facts.get("hypotheses", "").split()),
-            presence=fact_number(facts, "presence"),
-            evidence=fact_number(facts, "evidence"),
-            n_eff=fact_number(facts, "n_eff"),
-            ms=fact_number(facts, "ms"),
             truth=read_state(truth) if truth is not None else None,
         )
 
@@ -194,40 +184,18 @@ class LiveTargetFrames(LiveFrames):
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
         facts, messages = parts.facts(), parts.messages
-        scale = fact_number(facts, "scale")
-        told, particles = messages[node_topics.STATE], messages.get(node_topics.PARTICLES)
-        state = sigma = None
-        if len(told.position) == len(TARGET_STATE_NAMES) and scale is not None:
-            state, sigma = _pose(told, scale)
-        sides = tuple(float(word) for word in facts.get("box", "").split())
-        contour = messages.get(node_topics.CONTOUR) if state is not None else None
+        row = target_row(number, stamp, parts.status(), messages[node_topics.STATE], facts)
+        particles, contour = messages.get(node_topics.PARTICLES), messages.get(node_topics.CONTOUR)
+        has_outline = contour is not None and row.claim is not None
         return TargetSnapshot(
             number=number,
             frame=None,
-            stamp=stamp,
             image=decode_shown(parts.image),
-            status=parts.status(is_claimed=state is not None),
-            reason=facts.get("event", ""),
-            state=state,
-            sigma=sigma,
-            box=(sides[0], sides[1], sides[2], sides[3]) if len(sides) == 4 else None,
-            outline=_corners(contour) if contour is not None else np.empty((0, 2)),
-            area=fact_number(facts, "area"),
+            row=row,
+            outline=_corners(contour) if has_outline else np.empty((0, 2)),
             cloud=read_target_particles(particles) if particles is not None else None,
             score=fact_number(facts, "score"),
-            presence=fact_number(facts, "presence"),
-            n_eff=fact_number(facts, "n_eff"),
-            ms=fact_number(facts, "ms"),
         )
-
-
-def _pose(message: Message, scale: float) -> tuple[FloatArray, FloatArray]:
-    """Return state and sigma as `TargetSnapshot` has them, of a message of the topic `state`."""
-    x, y, size, angle = (float(value) for value in message.position)
-    v_x, v_y = (float(value) for value in message.velocity[:2])
-    sigma = np.array([float(value) for value in message.effort[:4]])
-    sigma[2] *= scale / size if size > 0.0 else math.nan
-    return np.array([x, y, scale, angle, v_x, v_y]), sigma
 
 
 def _corners(message: Message) -> FloatArray:

@@ -195,7 +195,7 @@ class LiveSession(Session):
         if publisher is None:
             raise RosError(f"{self.name} takes no start yet; wait until it has warmed up")
         latest = self._latest
-        header = make_header(MESSAGES, latest.stamp if latest is not None else 0, "")
+        header = make_header(MESSAGES, latest.row.stamp if latest is not None else 0, "")
         publisher.publish(self._start_message(header, start))
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
+from dataclasses import replace
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.metric.cable_facts import NO_METRES_KEY, read_row_metres
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.ros.clients.lockstep import (
@@ -16,13 +15,14 @@ from cable_tracker.ros.clients.lockstep import (
     track_in_lockstep,
     write_messages,
 )
+from cable_tracker.ros.clients.message_rows import cable_row
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
+from cable_tracker.sequences.messages.cable import read_particles
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
+from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.parameter_table import ParameterValue
 
@@ -97,22 +97,8 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message, *, in_metres: bo
     The node always says why it has no metres. Without `in_metres` none are wanted: the row says
     nothing of them, as without ROS.
     """
-    values = report_facts(recorded.read(node_topics.FRAME_REPORT))
-    number = partial(fact_number, values)
-    claimed = read_state(state)
-    return EstimateRow(
-        frame=frame.index,
-        stamp=frame.stamp,
-        status=recorded.status,
-        state=claimed,
-        sigma=read_sigma(state) if claimed is not None else None,
-        n_eff=number("n_eff"),
-        presence=number("presence"),
-        evidence=number("evidence"),
-        hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
-        ms=number("ms"),
-        metres=read_row_metres(values) if in_metres else None,
-        no_metres=values.get(NO_METRES_KEY, "") if in_metres else "",
-        # Of a frame that the recording cannot give the node is sent nothing, and knows no more.
-        event=frame.image.missing or values.get("event", ""),
-    )
+    facts = report_facts(recorded.read(node_topics.FRAME_REPORT))
+    row = cable_row(frame.index, frame.stamp, recorded.status, state, facts)
+    # Of a frame that the recording cannot give the node is sent nothing, and knows no more.
+    row = replace(row, event=frame.image.missing or row.event)
+    return row if in_metres else replace(row, metres=None, no_metres="")

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
+from dataclasses import replace
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import TargetRow, metres_row, refused_metres_row
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
+from cable_tracker.ros.clients.message_rows import target_row
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
+from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -85,36 +86,19 @@ def track_target_over_ros(
         if node_topics.TARGET_OVERLAY in recorded.messages:
             overlay = read_compressed_image(recorded.read(node_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
-        row = row_of_messages(frame, recorded, state)
+        facts = report_facts(recorded.read(node_topics.TARGET_REPORT))
+        row = target_row(frame.index, frame.stamp, recorded.status, state, facts)
+        row = replace(row, event=frame.image.missing or row.event)
         if with_metres:
-            results.metres.append(_metres_row(frame, recorded, row))
+            results.metres.append(_metres_row(frame, facts, row))
         results.add(frame, row, picture)
         return state
 
     return track_in_lockstep(frames, nodes, take)
 
 
-def _metres_row(frame: Frame, recorded: RecordedFrame, row: TargetRow) -> tuple[str, ...]:
+def _metres_row(frame: Frame, facts: Mapping[str, str], row: TargetRow) -> tuple[str, ...]:
     """Return the row of the table in metres, of which the report of a refused frame is silent."""
     if row.status == REFUSED:
         return refused_metres_row(frame, row.event)
-    return metres_row(frame, report_facts(recorded.read(node_topics.TARGET_REPORT)))
-
-
-def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:
-    """Return the row of the table that the node's messages about a frame make."""
-    values = report_facts(recorded.read(node_topics.TARGET_REPORT))
-    number = partial(fact_number, values)
-    claim = None
-    scale, area = number("scale"), number("area")
-    if scale is not None and area is not None:
-        x, y, _, angle = (float(value) for value in state.position)
-        v_x, v_y, sigma_x, sigma_y = (
-            float(value) for value in (*state.velocity[:2], *state.effort[:2])
-        )
-        box = (float(side) for side in values["box"].split())
-        claim = (x, y, scale, angle, v_x, v_y, sigma_x, sigma_y, *box, area)
-    return TargetRow(
-        frame.index, frame.stamp, recorded.status, claim, number("presence"), number("n_eff"),
-        number("ms"), frame.image.missing or values.get("event", ""),
-    )  # fmt: skip
+    return metres_row(frame, facts)

@@ -10,6 +10,7 @@ from stub_session import StubSession
 
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.tracking.picture_feed import PictureFeed
+from cable_tracker.sequences.tables.estimates import EstimateRow
 
 from ..conftest import unpack
 
@@ -25,8 +26,9 @@ class Shown(StubSession):
     """Shows black pictures."""
 
     def show(self, number, **given):
-        given = {"image": np.zeros((24, 32), np.uint8), "status": "TRACKING"} | given
-        self.tell(CableSnapshot(number, number, number * 40_000_000, **given))
+        given = {"image": np.zeros((24, 32), np.uint8)} | given
+        row = EstimateRow(number, number * 40_000_000, "TRACKING")
+        self.tell(CableSnapshot(number, number, row=row, **given))
 
 
 @pytest.fixture
@@ -48,7 +50,8 @@ def test_what_a_session_tells_when_another_is_watched_is_not_shown(feed, session
     other = Shown()
     feed.watch(other)
     other.show(1)
-    telling(CableSnapshot(7, 7, 280_000_000, np.zeros((24, 32), np.uint8), "LOST"))
+    late = EstimateRow(7, 280_000_000, "LOST")
+    telling(CableSnapshot(7, 7, np.zeros((24, 32), np.uint8), late))
     assert feed._snapshot is other.latest
 
 

@@ -18,6 +18,8 @@ from cable_tracker.gui.tracking.picture_layers import (
     target_particles,
 )
 from cable_tracker.gui.tracking.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
+from cable_tracker.offline.target_table import TargetClaim, TargetRow
+from cable_tracker.sequences.tables.estimates import EstimateRow
 
 from ..conftest import unpack
 
@@ -26,15 +28,24 @@ GREY = np.full((48, 64), 90, np.uint8)
 SECOND = 1_000_000_000
 
 
-def snapshot(number=1, stamp=SECOND, **given):
-    given = {"image": GREY, "status": "TRACKING"} | given
-    return CableSnapshot(number=number, frame=number, stamp=stamp, **given)
+def snapshot(number=1, image=GREY, cloud=None, hypotheses=(), truth=None, **row):
+    row = {"stamp": SECOND, "status": "TRACKING"} | row
+    return CableSnapshot(
+        number=number,
+        frame=number,
+        image=image,
+        row=EstimateRow(number, **row),
+        rate_sigma=(0.1,) * 4,
+        cloud=cloud,
+        hypotheses=hypotheses,
+        truth=truth,
+    )
 
 
 def tracked(**given):
     rng = np.random.default_rng(1)
     cloud = np.column_stack((rng.normal(CABLE.to_array(), 1.0, (30, 8)), rng.random(30)))
-    return snapshot(state=CABLE, sigma=np.full(8, 0.1), cloud=cloud, **given)
+    return snapshot(state=CABLE, sigma=(0.1,) * 4, cloud=cloud, **given)
 
 
 def packed(snapshot, **given):
@@ -42,19 +53,23 @@ def packed(snapshot, **given):
     return unpack(make_packet(snapshot, given.pop("history"), **given))
 
 
-def followed(**given):
+CLAIM = TargetClaim(
+    state=(4.0, 6.0, 1.5, math.radians(10.0), 30.0, 0.0),
+    sigma=(1.0, 2.0, 0.1, 0.2),
+    box=(10.0, 5.0, 40.0, 35.0),
+    area=400.0,
+)
+
+
+def followed(claim=CLAIM, **given):
     """Return a snapshot of a target, on a coloured picture."""
     rng = np.random.default_rng(1)
     given = {
-        "state": np.array([4.0, 6.0, 1.5, math.radians(10.0), 30.0, 0.0]),
-        "sigma": np.array([1.0, 2.0, 0.1, 0.2]),
-        "box": (10.0, 5.0, 40.0, 35.0),
         "outline": np.array([[10.0, 5.0], [40.0, 5.0], [25.0, 35.0]]),
-        "area": 400.0,
         "cloud": np.column_stack((rng.normal(0.0, 3.0, (30, 6)), rng.random(30))),
         "image": np.full((48, 64, 3), (90, 80, 200), np.uint8),
     } | given
-    return TargetSnapshot(number=1, frame=1, stamp=SECOND, status="TRACKING", **given)
+    return TargetSnapshot(1, 1, row=TargetRow(1, SECOND, "TRACKING", claim), **given)
 
 
 def layer(layers, name):
@@ -65,6 +80,7 @@ def test_a_packet_brings_picture_particles_and_numbers_in_degrees():
     description, sections = packed(tracked(presence=0.9, n_eff=12.0))
     assert description["state"][:2] == pytest.approx([10.0, 5.0])
     assert description["sigma"][1] == pytest.approx(math.degrees(0.1))
+    assert len(description["sigma"]) == 8
     assert sections["cloud"].shape == (30, 9)
     assert sections["cloud"][:, -1].max() == 1.0
     picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
@@ -102,15 +118,13 @@ def test_lines_lie_where_the_cable_is():
 
 
 def test_the_band_is_as_wide_as_two_sigma_in_the_middle():
-    band = layer(
-        layers_of(snapshot(state=CableState(0.0, 0.0, 20.0), sigma=np.full(8, 3.0))), "band"
-    )
+    band = layer(layers_of(snapshot(state=CableState(0.0, 0.0, 20.0), sigma=(3.0,) * 4)), "band")
     x = np.array(band["points"]).reshape(-1, 2)[:, 0]
     assert np.ptp(x[[10, 31]]) == pytest.approx(12.0)
 
 
 def test_without_a_number_for_sigma_there_is_no_band():
-    unknown = layers_of(snapshot(state=CABLE, sigma=np.full(8, math.nan)))
+    unknown = layers_of(snapshot(state=CABLE, sigma=(math.nan,) * 4))
     assert "band" not in [layer["name"] for layer in unknown]
 
 
@@ -197,16 +211,16 @@ def test_box_and_contour_of_a_target_are_closed_lines_in_pixels_of_the_picture()
 
 
 def test_a_target_that_is_not_claimed_leaves_the_picture_bare():
-    nothing = {"state": None, "sigma": None, "box": None, "area": None}
-    lost = followed(**nothing, outline=np.empty((0, 2)))
+    lost = followed(None, outline=np.empty((0, 2)))
     assert target_layers(lost) == []
     assert packed(lost)[0]["state"] is None
 
 
 def test_a_target_whose_place_is_no_number_is_not_drawn():
-    nowhere = followed(state=np.full(6, math.nan), box=None, outline=np.full((4, 2), math.nan))
+    claim = TargetClaim((math.nan,) * 6, CLAIM.sigma, (math.nan,) * 4, math.nan)
+    nowhere = followed(claim, outline=np.full((4, 2), math.nan))
     assert packed(nowhere)[0]["state"] == [None] * 6
-    assert [each["points"] for each in target_layers(nowhere)] == [[]]
+    assert [each["points"] for each in target_layers(nowhere)] == [[], []]
 
 
 def test_particles_of_a_target_are_crosses_about_their_places():

@@ -34,7 +34,7 @@ def answered_after_many(shown, count):
         frames.take_image(header(second), picture(second))
     frames.take(STATE, JointState(header=header(1)))
     frames.hand_on_what_is_due()
-    return [each.stamp for each in shown]
+    return [each.row.stamp for each in shown]
 
 
 def test_a_frame_is_shown_however_many_came_while_the_tracker_worked_on_it(shown):

@@ -91,17 +91,17 @@ def test_pictures_come_with_all_that_belongs_to_them(session, camera, truth):
         # On a busy machine a picture may be shown without what comes late.
         nonlocal seen
         seen = session.latest
-        return seen is not None and seen.status == "TRACKING" and seen.cloud is not None
+        return seen is not None and seen.row.status == "TRACKING" and seen.cloud is not None
 
     camera(is_whole)
     assert seen.image.shape == (240, 320)
     assert seen.cloud.shape == (50, 9)
     assert math.isclose(seen.cloud[:, 8].sum(), 1.0, rel_tol=1e-4)
-    assert abs(seen.state.distance - truth.distance) < 3.0
-    assert seen.sigma.shape == (4,)
-    assert 0.0 <= seen.presence <= 1.0
-    assert seen.n_eff > 0.0
-    assert seen.ms > 0.0
+    assert abs(seen.row.state.distance - truth.distance) < 3.0
+    assert len(seen.row.sigma) == 4
+    assert 0.0 <= seen.row.presence <= 1.0
+    assert seen.row.n_eff > 0.0
+    assert seen.row.ms > 0.0
 
 
 def test_listeners_hear_of_each_picture_once_and_in_order(session, camera):
@@ -162,13 +162,13 @@ def test_a_refusal_says_why_and_changes_nothing(world, session, found):
 
 
 def test_reset_and_enable_reach_the_node(world, session, found, camera):
-    camera(lambda: session.latest is not None and session.latest.status == "TRACKING")
+    camera(lambda: session.latest is not None and session.latest.row.status == "TRACKING")
     assert Asked(world, lambda: session.enable(False)).error is None
-    camera(lambda: session.latest.status == "DISABLED")
+    camera(lambda: session.latest.row.status == "DISABLED")
     world.spin(lambda: not session.is_enabled)
     assert Asked(world, lambda: session.enable(True)).error is None
     assert Asked(world, session.reset).error is None
-    camera(lambda: session.latest.status == "TRACKING")
+    camera(lambda: session.latest.row.status == "TRACKING")
 
 
 def test_the_users_guess_reaches_the_node_as_an_initial_state(world, session, found):

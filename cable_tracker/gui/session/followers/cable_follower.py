@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from cable_tracker.arrays import Image
@@ -17,11 +16,12 @@ from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE
 from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.track_recording import given_state_for, track_picture
+from cable_tracker.offline.track_recording import given_state_for, row_of, track_picture
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.source_base import Source
+from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
 
@@ -104,15 +104,11 @@ class CableFollower(Follower):
         estimate, ms, metres = track_picture(frame, self._decoded, self._tracker, self._instruments)
         particles = self._tracker.particles
         return replace(
-            self.show(frame, number, estimate.status.value, estimate.event),
-            state=estimate.claimed_state,
-            sigma=estimate.standard_deviations() if estimate.is_claimed else None,
+            self.show(frame, number, estimate.status.value),
+            row=row_of(frame, estimate, ms, metres),
+            rate_sigma=tuple(estimate.standard_deviations()[4:].tolist()),
             cloud=cloud_of(particles) if particles is not None else None,
             hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
-            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
-            n_eff=estimate.effective_sample_size,
-            ms=ms,
             metres=metres,
         )
 
@@ -121,10 +117,8 @@ class CableFollower(Follower):
         return CableSnapshot(
             number=number,
             frame=frame.index,
-            stamp=frame.stamp,
             image=self._shown,
-            status=status,
-            reason=reason,
+            row=EstimateRow(frame.index, frame.stamp, status, event=reason),
             truth=frame.truth,
             metres=None if self._instruments is None else UNTRACKED,
         )

@@ -13,6 +13,7 @@ from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.offline.target_table import TargetRow, row_of
 from cable_tracker.offline.track_target import follow_picture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr_levels
@@ -92,25 +93,12 @@ class TargetFollower(Follower):
     def follow(self, frame: Frame, number: int) -> TargetSnapshot:
         """Track a frame."""
         estimate, ms, _ = follow_picture(frame, self._decoded, self._tracker, self._instruments)
-        claimed = estimate.is_claimed
-        state = sigma = None
-        if claimed:
-            state = estimate.state.copy()
-            state[PoseColumn.LOG_SCALE] = estimate.scale
-            sigma = estimate.standard_deviations()[:4]
-            sigma[PoseColumn.LOG_SCALE] *= estimate.scale
         return replace(
-            self.show(frame, number, estimate.status.value, estimate.event),
-            state=state,
-            sigma=sigma,
-            box=estimate.box if claimed else None,
-            outline=estimate.outline if claimed else np.empty((0, 2)),
-            area=estimate.area if claimed else None,
+            self.show(frame, number, estimate.status.value),
+            row=row_of(frame, estimate, ms),
+            outline=estimate.outline if estimate.is_claimed else np.empty((0, 2)),
             cloud=_poses_of(self._tracker.particles),
             score=float(estimate.score),
-            presence=float(estimate.presence),
-            n_eff=float(estimate.effective_sample_size),
-            ms=ms,
         )
 
     def show(self, frame: Frame, number: int, status: str, reason: str = "") -> TargetSnapshot:
@@ -118,16 +106,14 @@ class TargetFollower(Follower):
         return TargetSnapshot(
             number=number,
             frame=frame.index,
-            stamp=frame.stamp,
             image=self._shown,
-            status=status,
-            reason=reason,
+            row=TargetRow(frame.index, frame.stamp, status, event=reason),
             truth=self._truth.box(frame),
         )
 
 
 def _poses_of(particles: Particles | None) -> FloatArray | None:
-    """Return the columns of `TargetSnapshot.state` and the weight of each particle, (N, 7)."""
+    """Return the columns of `TargetClaim.state` and the weight of each particle, (N, 7)."""
     if particles is None:
         return None
     cloud = np.column_stack((particles.states, particles.weights))
