@@ -4,8 +4,9 @@ Its score for a claim is the clearness of its weaker border, and what its appear
 thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_strips`,
 unless a map of the frame says that it looks like a cable. If one border of a wide one is not clear
 by itself, both have to be in view: a single edge may be its own, but also where other ground
-begins. And of all that a map shows, enough has to be the hypothesis, unless its borders are crisp:
-of what no frame before has held for a cable, see `is_lost_in_map`.
+begins. With a map, it has to look like a cable, unless it is wide and its borders are crisp. And of
+all that a map shows, enough has to be the hypothesis, unless its borders are crisp: of what no
+frame before has held for a cable, see `is_lost_in_map`.
 """
 
 from __future__ import annotations
@@ -30,12 +31,13 @@ UNLIKE_A_CABLE = 1.5
 """With a map, what looks less like a cable than this is not claimed, however clear its borders are
 [nats]: of 179 right first claims on the worlds to tune on, S1 to S6 and a simulator written apart
 from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
-crisp troughs, pairs of lines, soft bands."""
+crisp troughs, pairs of lines, soft bands. Hardly any of these are both crisp and wide."""
 
 CRISP = 1.2
-"""Clearness of the borders from which on the overlap with the map is not asked for [nats per
-point]: what is crisp looks like a cable to a person, too. Chosen with `overlap_to_find` on the
-worlds to tune on and two simulators written apart from this project."""
+"""Clearness of the borders from which on the overlap with the map is not asked for, and of a wide
+strip nor how it looks [nats per point]: what is crisp looks like a cable to a person, too. Chosen
+with `overlap_to_find` on the worlds to tune on and two simulators written apart from this project;
+that it goes for looks, too, on four."""
 
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 """The same with a map: claim score that one nat is worth, and the upper limit. In a logistic model
@@ -48,7 +50,8 @@ border is in view at least, over that of the other; and the share of the picture
 edges that does not count. Where other ground begins, the ground on one side passes for a cable."""
 
 USUAL_WIDTH = 2.0
-"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
+"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`, and
+from which on a strip is wide enough to be claimed by crisp borders, whatever a map says."""
 
 LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
 """Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
@@ -94,9 +97,10 @@ def _looks_clear(
     frame_scale: float,
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
-    if hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE:
-        return False
     width = float(hypotheses.clusters.means[0, WIDTH])
+    is_wide = width >= usual_width(parameters, frame_scale)
+    if not (is_wide and hypotheses.scaled_clearness >= CRISP) and is_unlike_a_cable(hypotheses):
+        return False
     factor = 1.0
     if memory is not None:
         factor += memory.width_deviation(width, parameters) ** 2
@@ -109,6 +113,11 @@ def _looks_clear(
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
     needed = parameters.evidence_to_find
     return claim_score_by_map(hypotheses) >= max(needed, needed * factor)
+
+
+def is_unlike_a_cable(hypotheses: Hypotheses) -> bool:
+    """Tell whether a map says that the leader is no cable."""
+    return hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE
 
 
 def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
@@ -141,8 +150,13 @@ def needed_clearness(width: float, parameters: TrackerParameters, frame_scale: f
     needed = parameters.evidence_to_find
     if needed <= 0.0:
         return needed
-    usual = USUAL_WIDTH * parameters.thin_width * frame_scale
+    usual = usual_width(parameters, frame_scale)
     return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)
+
+
+def usual_width(parameters: TrackerParameters, frame_scale: float) -> float:
+    """Return the width whose first claim needs `evidence_to_find` [px]; see `USUAL_WIDTH`."""
+    return USUAL_WIDTH * parameters.thin_width * frame_scale
 
 
 def claim_score_by_width(

@@ -57,14 +57,17 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     assert is_clear(1.001 * factor, replace(memory, seconds=seconds + 10.0))
 
 
-@given(st.floats(0.0, 20.0), st.floats(-20.0, -0.01))
-def test_what_the_map_says_is_nothing_like_a_cable_is_not_claimed_however_clear(clear, beyond):
-    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
-    ripples = hypotheses._replace(
-        scaled_clearness=PARAMETERS.evidence_to_find + clear, appearance=UNLIKE_A_CABLE + beyond
+@given(st.floats(0.5, 20.0), st.floats(3.0, 200.0), st.floats(-20.0, -0.01))
+def test_what_the_map_says_is_nothing_like_a_cable_is_claimed_only_if_it_is_crisp_and_wide(
+    clearness, width, beyond
+):
+    leader = CableState(10.0, 0.2, width).to_array()
+    ripples = initial_belief(leader[None], 0.9).hypotheses._replace(
+        scaled_clearness=clearness, appearance=UNLIKE_A_CABLE + beyond, weaker_border_mean=clearness
     )
     mapped = ripples._replace(is_mapped=True, overlap_share=1.0)
-    assert not is_new_clear(mapped, None, PARAMETERS, SIZE, 1.0)
+    is_crisp_and_wide = clearness >= CRISP and width >= USUAL
+    assert is_new_clear(mapped, None, PARAMETERS, SIZE, 1.0) == is_crisp_and_wide
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(1.0, 3.0))
