@@ -33,11 +33,11 @@ UNLIKE_A_CABLE = 1.5
 from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
 crisp troughs, pairs of lines, soft bands. Hardly any of these are both crisp and wide."""
 
-CRISP = 1.2
-"""Clearness of the borders from which on the overlap with the map is not asked for, and of a wide
-strip nor how it looks [nats per point]: what is crisp looks like a cable to a person, too. Chosen
-with `overlap_to_find` on the worlds to tune on and two simulators written apart from this project;
-that it goes for looks, too, on four."""
+CRISP, CRISP_WIDTH = 1.2, 2.5
+"""Clearness of the borders from which on the overlap with the map is not asked for [nats per
+point], and width in units of `thin_width` from which on then nor is how the strip looks: what is
+crisp looks like a cable to a person, too. The first was chosen with `overlap_to_find` on the worlds
+to tune on and two simulators written apart from this project, the second on five such."""
 
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 """The same with a map: claim score that one nat is worth, and the upper limit. In a logistic model
@@ -50,8 +50,7 @@ border is in view at least, over that of the other; and the share of the picture
 edges that does not count. Where other ground begins, the ground on one side passes for a cable."""
 
 USUAL_WIDTH = 2.0
-"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`, and
-from which on a strip is wide enough to be claimed by crisp borders, whatever a map says."""
+"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
 
 LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
 """Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
@@ -98,7 +97,7 @@ def _looks_clear(
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
     width = float(hypotheses.clusters.means[0, WIDTH])
-    is_wide = width >= usual_width(parameters, frame_scale)
+    is_wide = width >= CRISP_WIDTH * parameters.thin_width * frame_scale
     if not (is_wide and hypotheses.scaled_clearness >= CRISP) and is_unlike_a_cable(hypotheses):
         return False
     factor = 1.0
@@ -150,13 +149,8 @@ def needed_clearness(width: float, parameters: TrackerParameters, frame_scale: f
     needed = parameters.evidence_to_find
     if needed <= 0.0:
         return needed
-    usual = usual_width(parameters, frame_scale)
+    usual = USUAL_WIDTH * parameters.thin_width * frame_scale
     return needed * min(max(usual / max(width, 1e-9), LEAST_FACTOR), MOST_FACTOR)
-
-
-def usual_width(parameters: TrackerParameters, frame_scale: float) -> float:
-    """Return the width whose first claim needs `evidence_to_find` [px]; see `USUAL_WIDTH`."""
-    return USUAL_WIDTH * parameters.thin_width * frame_scale
 
 
 def claim_score_by_width(

@@ -11,6 +11,7 @@ from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.conclude.first_claim import (
     APPEARANCE_SHARE,
     CRISP,
+    CRISP_WIDTH,
     LEAST_APPEARANCE,
     LEAST_FACTOR,
     MAPPED_SHARE,
@@ -66,7 +67,7 @@ def test_what_the_map_says_is_nothing_like_a_cable_is_claimed_only_if_it_is_cris
         scaled_clearness=clearness, appearance=UNLIKE_A_CABLE + beyond, weaker_border_mean=clearness
     )
     mapped = ripples._replace(is_mapped=True, overlap_share=1.0)
-    is_crisp_and_wide = clearness >= CRISP and width >= USUAL
+    is_crisp_and_wide = clearness >= CRISP and width >= CRISP_WIDTH * PARAMETERS.thin_width
     assert is_new_clear(mapped, None, PARAMETERS, SIZE, 1.0) == is_crisp_and_wide
 
 
