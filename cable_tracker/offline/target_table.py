@@ -9,7 +9,7 @@ from cable_tracker.metric.targets.target_facts import TARGET_METRES_KEYS, WHY_NO
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.target.model.estimate import Box, TargetEstimate
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import LOG_SCALE
 
 METRES = "metres.csv"
 
@@ -94,8 +94,8 @@ def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRo
     if estimate.is_claimed:
         assert estimate.box is not None
         state, sigma = estimate.state.copy(), estimate.standard_deviations()[:4]
-        state[PoseColumn.LOG_SCALE] = estimate.scale
-        sigma[PoseColumn.LOG_SCALE] *= estimate.scale
+        state[LOG_SCALE] = estimate.scale
+        sigma[LOG_SCALE] *= estimate.scale
         left, top, right, bottom = (float(side) for side in estimate.box)
         box = (left, top, right, bottom)
         claim = TargetClaim(tuple(state.tolist()), tuple(sigma.tolist()), box, float(estimate.area))

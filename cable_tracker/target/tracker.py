@@ -24,9 +24,11 @@ from cable_tracker.target.model.camera_motion import CameraMotion, telling
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import (
+    ANGLE,
     STATE_SIZE,
     UNKNOWN_COVARIANCE,
-    PoseColumn,
+    X,
+    Y,
     in_frame_pixels,
     wrap_full_turn,
 )
@@ -329,7 +331,7 @@ class TargetTracker:
         zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
         state = in_frame_pixels(summary.state[None], self._zoom)[0]
         # The filter goes on counting whole turns.
-        state[PoseColumn.ANGLE] = wrap_full_turn(state[PoseColumn.ANGLE])
+        state[ANGLE] = wrap_full_turn(state[ANGLE])
         outline = summary.outline
         corners = corners_of(outline, self._zoom) if outline is not None else np.empty((0, 2))
         box = None
@@ -356,7 +358,7 @@ class TargetTracker:
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:
     """Tell whether a mask (H, W) holds the centre of one of the poses (K, 6)."""
     height, width = mask.shape
-    places = to_pixel(others[:, 0], others[:, 1], (width, height))
+    places = to_pixel(others[:, X], others[:, Y], (width, height))
     columns, rows = (np.rint(each).astype(int) for each in places)
     inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
     return bool(mask[rows[inside], columns[inside]].any())

@@ -39,7 +39,7 @@ from cable_tracker.sequences.messages.poses import (
 )
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners
 from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import ANGLE
 from cable_tracker.tracking.image_frame import from_page
 
 TARGET_STATE_NAMES = ("x", "y", "size", "angle")
@@ -55,11 +55,11 @@ def make_target(factory: MessageFactory, header: Message, estimate: TargetEstima
     The angle is the turn about the line of sight since the start, counter-clockwise. Covariances of
     what a picture does not say are `UNKNOWN_VARIANCE`.
     """
-    state = estimate.state
-    columns = [PoseColumn.X, PoseColumn.Y, PoseColumn.ANGLE]
+    # x and y are the first two of a target's state, too.
+    columns = [X, Y, ANGLE]
     covariance = pose_covariance((X, Y, YAW), estimate.covariance[np.ix_(columns, columns)])
-    place = (float(state[PoseColumn.X]), float(state[PoseColumn.Y]), 0.0)
-    return make_stamped_pose(factory, header, place, float(state[PoseColumn.ANGLE]), covariance)
+    x, y, angle = (float(value) for value in estimate.state[columns])
+    return make_stamped_pose(factory, header, (x, y, 0.0), angle, covariance)
 
 
 def make_relative_pose(
@@ -88,11 +88,11 @@ def make_target_state(
     rates: FloatArray = np.empty(0)
     sigma: FloatArray = np.empty(0)
     if estimate is not None and estimate.is_claimed:
-        state, deviations = estimate.state, estimate.standard_deviations()
+        x, y, _, angle, x_rate, y_rate = estimate.state
         size = math.sqrt(estimate.area)
-        values = np.array([state[0], state[1], size, state[PoseColumn.ANGLE]])
-        rates = np.array([state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], 0.0, 0.0])
-        sigma = deviations[:4].copy()
+        values = np.array([x, y, size, angle])
+        rates = np.array([x_rate, y_rate, 0.0, 0.0])
+        sigma = estimate.standard_deviations()[:4]
         sigma[2] *= size
     return make_joint_state(
         factory, header, names=TARGET_STATE_NAMES, values=values, rates=rates, sigma=sigma
@@ -161,14 +161,10 @@ def make_target_particles(
     Fields x, y [px], z = 0, scale (against the start), angle [rad], v_x, v_y [px/s], weight
     (summing to one).
     """
-    states = particles.states
+    x, y, log_scale, angle, x_rate, y_rate = particles.states.T
     points = np.column_stack(
-        (
-            states[:, PoseColumn.X], states[:, PoseColumn.Y], np.zeros(len(states)),
-            np.exp(states[:, PoseColumn.LOG_SCALE]), states[:, PoseColumn.ANGLE],
-            states[:, PoseColumn.X_RATE], states[:, PoseColumn.Y_RATE], particles.weights,
-        )
-    )  # fmt: skip
+        (x, y, np.zeros(len(x)), np.exp(log_scale), angle, x_rate, y_rate, particles.weights)
+    )
     return make_point_cloud(factory, header, TARGET_CLOUD_COLUMNS, points)
 
 

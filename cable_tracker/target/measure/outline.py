@@ -13,7 +13,7 @@ from cable_tracker.compilation import compiled
 from cable_tracker.contour.evolution import ContourSettings, evolve_by_ratio
 from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
 from cable_tracker.target.model.template import UNIT, Template, interpolated
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
@@ -74,8 +74,8 @@ class Outline:
 def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) -> Window | None:
     """Return the window about a pose; None where it lies beyond the picture."""
     height, width = shape
-    reach = MARGIN * template.reach * template.size * math.exp(state[PoseColumn.LOG_SCALE]) + 2.0
-    column, row = to_pixel(state[PoseColumn.X], state[PoseColumn.Y], (width, height))
+    reach = MARGIN * template.reach * template.size * math.exp(state[LOG_SCALE]) + 2.0
+    column, row = to_pixel(state[X], state[Y], (width, height))
     left, right = max(int(column - reach), 0), min(int(column + reach) + 2, width)
     top, bottom = max(int(row - reach), 0), min(int(row + reach) + 2, height)
     if right - left < 3 or bottom - top < 3:
@@ -116,14 +116,14 @@ def find_outline(
         return None
     left, top, right, bottom = window
     height, width = ratios.shape
-    column, row = to_pixel(state[PoseColumn.X], state[PoseColumn.Y], (width, height))
-    size = template.size * math.exp(state[PoseColumn.LOG_SCALE])
+    column, row = to_pixel(state[X], state[Y], (width, height))
+    size = template.size * math.exp(state[LOG_SCALE])
     distances = distances_at(
         template.distances,
         column - left,
         row - top,
         size,
-        state[PoseColumn.ANGLE],
+        state[ANGLE],
         bottom - top,
         right - left,
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import ANGLE, LOG_SCALE
 
 STEP = 1.0
 """Length over which the local turn and stretch of a homography are measured [px]."""
@@ -55,8 +55,8 @@ class CameraMotion:
         ahead = self._mapped(places + np.array([STEP, 0.0])) - here
         moved = states.copy()
         moved[:, :2] = here / zoom
-        moved[:, PoseColumn.ANGLE] += np.arctan2(ahead[:, 1], ahead[:, 0])
-        moved[:, PoseColumn.LOG_SCALE] += np.log(np.maximum(np.hypot(*ahead.T) / STEP, 1e-3))
+        moved[:, ANGLE] += np.arctan2(ahead[:, 1], ahead[:, 0])
+        moved[:, LOG_SCALE] += np.log(np.maximum(np.hypot(*ahead.T) / STEP, 1e-3))
         return moved
 
     def _mapped(self, points: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.estimates import standard_deviations
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.tracking.status import TrackingStatus
 
 Box = tuple[float, float, float, float]
@@ -76,7 +76,7 @@ class TargetEstimate:
     @property
     def scale(self) -> float:
         """Size against that at the start."""
-        return float(np.exp(self.state[PoseColumn.LOG_SCALE]))
+        return float(np.exp(self.state[LOG_SCALE]))
 
     def standard_deviations(self) -> FloatArray:
         """Return the square roots of the covariance's diagonal, shape (6,)."""

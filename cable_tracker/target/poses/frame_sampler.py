@@ -13,7 +13,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
 from cable_tracker.target.model.expected_place import ExpectedPlace
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, at_rest, wrap_full_turn
+from cable_tracker.target.model.state import ANGLE, POSE_SIZE, at_rest, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.peak_poses import PeakPoses
 from cable_tracker.target.poses.pose_belief import PoseBelief
@@ -189,8 +189,8 @@ class FrameSampler:
         """Return poses (N, 4) at rest, with the densities of the belief and their scores."""
         known, reference = self.belief.known, self.belief.angle
         states = at_rest(poses)
-        angles = states[:, PoseColumn.ANGLE]
-        states[:, PoseColumn.ANGLE] = reference + wrap_full_turn(angles - reference)
+        angles = states[:, ANGLE]
+        states[:, ANGLE] = reference + wrap_full_turn(angles - reference)
         log_prior, log_birth, kernel_values = self.forecast.log_density(states)
         log_prior = log_prior + known.log_size_factor(states, self.parameters.size_spread)
         scores = self.measured.scores(states, known.template)

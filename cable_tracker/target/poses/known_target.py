@@ -21,7 +21,7 @@ from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_f
 from cable_tracker.target.measure.outline import Outline, contour_settings, find_outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
@@ -84,7 +84,7 @@ class KnownTarget:
 
     def size_at(self, state: FloatArray) -> float:
         """Return the root of its area in a pose (6,) [px]."""
-        return self.template.size * math.exp(state[PoseColumn.LOG_SCALE])
+        return self.template.size * math.exp(state[LOG_SCALE])
 
     def log_size_factor(self, states: FloatArray, spread: float) -> FloatArray:
         """Return how likely the scales of poses are beside the usual one, against that one, (N,).
@@ -98,7 +98,7 @@ class KnownTarget:
         """
         # The longer it has not been seen, the less its size is known.
         widened = spread * (1.0 + self.births.seconds)
-        gaps = (states[:, PoseColumn.LOG_SCALE] - self.usual_log_scale) / widened
+        gaps = (states[:, LOG_SCALE] - self.usual_log_scale) / widened
         factors: FloatArray = -0.5 * (SIZE_TAIL + 1.0) * np.log1p(gaps**2 / SIZE_TAIL)
         return factors
 
@@ -108,7 +108,7 @@ class KnownTarget:
 
     def with_size(self, state: FloatArray, share: float) -> KnownTarget:
         """Return it with a usual size that has followed that of a pose (6,) by a share."""
-        gap = float(state[PoseColumn.LOG_SCALE]) - self.usual_log_scale
+        gap = float(state[LOG_SCALE]) - self.usual_log_scale
         return replace(self, usual_log_scale=self.usual_log_scale + share * gap)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.target.measure.map_peaks import find_peaks
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, at_rest, distances_from
+from cable_tracker.target.model.state import LOG_SCALE, POSE_SIZE, X, Y, at_rest, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE, RivalWatch, are_beside
@@ -63,7 +63,7 @@ def _scales_looked_for(belief: PoseBelief, parameters: TargetParameters) -> Floa
     if belief.presence < parameters.presence_to_lose:
         # The estimate is then on something else, whose size says nothing.
         expected = belief.known.births.last
-    scales: FloatArray = expected[PoseColumn.LOG_SCALE] + np.array(SCALES_LOOKED_FOR)
+    scales: FloatArray = expected[LOG_SCALE] + np.array(SCALES_LOOKED_FOR)
     return scales
 
 
@@ -73,7 +73,7 @@ def watch_rivals(
     """Return what is known of rivals after the peaks of a frame."""
     watch = belief.rivals.aged(dt)
     poses = peaks.poses
-    distances = distances_from(belief.estimate[0], belief.estimate[1], poses) / belief.size
+    distances = distances_from(belief.estimate[X], belief.estimate[Y], poses) / belief.size
     if not are_beside(distances):
         return watch.after(distances)
     scores = measured.scores(at_rest(poses), belief.known.template)

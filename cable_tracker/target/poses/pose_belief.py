@@ -15,7 +15,7 @@ from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.forecast import Forecast
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, wrap_full_turn
+from cable_tracker.target.model.state import ANGLE, POSE_SIZE, X, Y, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
@@ -56,7 +56,7 @@ class PoseBelief:
     @property
     def angle(self) -> float:
         """Angle of the estimate [rad]."""
-        return float(self.estimate[PoseColumn.ANGLE])
+        return float(self.estimate[ANGLE])
 
     def aged(
         self,
@@ -121,8 +121,8 @@ def forecast_of(
     rates = ancestors[:, POSE_SIZE:] * over_time(damping, dt)
     centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
-    angles = centres[:, PoseColumn.ANGLE]
-    centres[:, PoseColumn.ANGLE] = belief.angle + wrap_full_turn(angles - belief.angle)
+    angles = centres[:, ANGLE]
+    centres[:, ANGLE] = belief.angle + wrap_full_turn(angles - belief.angle)
     survival = _survival(centres, shape, dt, parameters)
     predicted = predict_existence(
         belief.presence, float(survival.mean()), event_probability(parameters.appearance_rate, dt)
@@ -146,7 +146,7 @@ def _survival(
 ) -> FloatArray:
     """Return the probabilities that poses (M, 4) remain in view, shape (M,)."""
     height, width = shape
-    x, y = centres[:, PoseColumn.X], centres[:, PoseColumn.Y]
+    x, y = centres[:, X], centres[:, Y]
     inside = np.minimum(width / 2 - np.abs(x), height / 2 - np.abs(y))
     return survival_probability(inside, survival_rates(parameters, width), dt)
 

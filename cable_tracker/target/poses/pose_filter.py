@@ -23,7 +23,7 @@ from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_f
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import STATE_SIZE, PoseColumn, distances_from
+from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE, X, Y, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
@@ -170,7 +170,7 @@ def cluster_weights(particles: Particles, reach: float) -> FloatArray:
     """
     weights, states = particles.weights, particles.states
     best = states[int(np.argmax(weights))]
-    chosen = np.where(distances_from(best[0], best[1], states) <= reach, weights, 0.0)
+    chosen = np.where(distances_from(best[X], best[Y], states) <= reach, weights, 0.0)
     shares: FloatArray = chosen / chosen.sum()
     return shares
 
@@ -198,14 +198,14 @@ def estimate_and_adapt(
     shown = contour_histograms(outline, measured, known, parameters)
     presence = presence_by_likeness(belief, shown, parameters, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)
-    sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
+    sigma = math.sqrt(max(covariance[X, X], covariance[Y, Y]))
     is_near = sigma <= parameters.converged_position * belief.size
     is_whole = _is_whole(outline, frame.shape)
     is_sure = presence >= parameters.presence_to_track and is_near
     score = float(measured.scores(belief.estimate[None], known.template)[0])
     if is_sure:
         known = known.seen_at(belief.estimate)
-        gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
+        gap = belief.estimate[LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
             known = adapted_to_contour(
                 known, outline, shown, parameters, dt=dt, angle=belief.angle, score=score

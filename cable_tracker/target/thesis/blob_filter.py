@@ -27,7 +27,7 @@ from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import STATE_SIZE, UNKNOWN_COVARIANCE, PoseColumn
+from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE, UNKNOWN_COVARIANCE, X, Y
 from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
 from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
@@ -272,7 +272,7 @@ class BlobFilter(TargetFilter[BlobBelief]):
         touches = outline.touches_border(frame.shape)
         area = outline.area
         state = estimate.copy()
-        state[PoseColumn.LOG_SCALE] = 0.5 * math.log(max(area, 1) / prior.first_area)
+        state[LOG_SCALE] = 0.5 * math.log(max(area, 1) / prior.first_area)
         if claims and is_near and not touches and area >= LEAST_AREA:
             whole = outline.in_picture(frame.shape)
             belief = replace(belief, prior=replace(prior, mask=_cut_about(whole)))
@@ -327,7 +327,7 @@ def _cut_about(mask: BoolArray) -> BoolArray:
 
 def _corner(state: FloatArray, mask: BoolArray, shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the column and row of a window's first pixel."""
-    column, row = to_pixel(float(state[0]), float(state[1]), (shape[1], shape[0]))
+    column, row = to_pixel(float(state[X]), float(state[Y]), (shape[1], shape[0]))
     middle_column, middle_row = image_centre((mask.shape[1], mask.shape[0]))
     return round(column - middle_column), round(row - middle_row)
 

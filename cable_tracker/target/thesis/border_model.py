@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.target.model.state import X, Y
 
 RATE = 20.0
 """l of (35); the thesis gives no value. In the middle of the picture P_b is l exp(-l): with 3 it
@@ -69,7 +70,7 @@ class BorderModel:
         """Return the model after a frame whose best particle is `state`."""
         if not is_seen:
             return replace(self, unseen=self.unseen + 1)
-        x, y = float(state[0]), float(state[1])
+        x, y = float(state[X]), float(state[Y])
         to_border, to_generic = transitions(_distance(x, y, shape))
         if self.is_outside:
             to_border, to_generic = 1.0 - RETURN, RETURN
@@ -93,11 +94,11 @@ class BorderModel:
         reach = min(GROWTH * max(self.unseen, 1), 0.5)
         spread = rng.uniform(-1.0, 1.0, len(states))
         if width / 2 - abs(self.x) < height / 2 - abs(self.y):
-            placed[:, 0] = math.copysign((0.5 - inset) * width, self.x)
-            placed[:, 1] = self.y + spread * (reach * height if self.is_outside else height / 8)
+            placed[:, X] = math.copysign((0.5 - inset) * width, self.x)
+            placed[:, Y] = self.y + spread * (reach * height if self.is_outside else height / 8)
         else:
-            placed[:, 1] = math.copysign((0.5 - inset) * height, self.y)
-            placed[:, 0] = self.x + spread * (reach * width if self.is_outside else width / 8)
+            placed[:, Y] = math.copysign((0.5 - inset) * height, self.y)
+            placed[:, X] = self.x + spread * (reach * width if self.is_outside else width / 8)
         return placed
 
 

@@ -21,7 +21,7 @@ from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.labels.target_labels import BoxTruth
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import StartText, parse_start_text
-from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.target.warming import warm_up_target
@@ -117,5 +117,5 @@ def _poses_of(particles: Particles | None) -> FloatArray | None:
     if particles is None:
         return None
     cloud = np.column_stack((particles.states, particles.weights))
-    cloud[:, PoseColumn.LOG_SCALE] = np.exp(cloud[:, PoseColumn.LOG_SCALE])
+    cloud[:, LOG_SCALE] = np.exp(cloud[:, LOG_SCALE])
     return cloud
