@@ -153,12 +153,15 @@ def outline_at(
     return find_outline(ratios, state, known.template, softness, settings)
 
 
-def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParameters) -> KnownTarget:
-    """Return what is known of a target after it was marked in a frame."""
+def first_known(
+    look: FirstLook, measured: MeasuredFrame, parameters: TargetParameters
+) -> KnownTarget:
+    """Return what is known of a target after it was marked in a frame, measured by that look."""
+    frame = measured.frame
     return KnownTarget(
         look.template,
         look.appearance,
-        _usual_in(look.state, frame, look.template, look.appearance, parameters),
+        _usual_in(look.state, measured, look.template, parameters),
         first_likeness(frame),
         0.0,
         Births(look.state, 0.0, frame.shape),
@@ -183,19 +186,15 @@ def relearnt(
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
     appearance = learn_appearance(bin_map, mask, bins)
-    usual = _usual_in(state, frame, known.template, appearance, parameters)
+    measured = measure_frame(frame, appearance, parameters)
+    usual = _usual_in(state, measured, known.template, parameters)
     return replace(known, appearance=appearance, usual=usual, usual_likeness=first_likeness(frame))
 
 
 def _usual_in(
-    state: FloatArray,
-    frame: WorkingFrame,
-    template: Template,
-    appearance: Appearance,
-    parameters: TargetParameters,
+    state: FloatArray, measured: MeasuredFrame, template: Template, parameters: TargetParameters
 ) -> UsualScore:
     """Return what is usual after the score in a pose (6,) of a frame alone."""
-    measured = measure_frame(frame, appearance, parameters)
     score = float(measured.scores(state[None], template)[0])
     return UsualScore(score, (parameters.score_spread * score) ** 2)
 

@@ -98,14 +98,14 @@ class PoseFilter(TargetFilter[PoseBelief]):
         rate = FIRST_RATE_PER_SPREAD * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
         noise = self._rng.standard_normal((parameters.particle_count, STATE_SIZE))
+        measured = measure_frame(frame, look.appearance, parameters)
         belief = PoseBelief(
             particles=Particles.equally_weighted(look.state + noise * scales),
             estimate=look.state,
             presence=MOST_PRESENCE,
-            known=first_known(look, frame, parameters),
+            known=first_known(look, measured, parameters),
             rivals=RivalWatch(),
         )
-        measured = measure_frame(frame, belief.known.appearance, parameters)
         weights = np.full(parameters.particle_count, 1.0 / parameters.particle_count)
         return estimate_and_adapt(belief, measured, weights, 1.0 / REFERENCE_RATE, parameters)
 

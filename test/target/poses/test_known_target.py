@@ -63,7 +63,8 @@ PARAMETERS = TargetParameters()
 def learnt(image, mask):
     frame = make_working_frame(image, 320)
     look = look_first(frame, mask, PARAMETERS, is_exact=True)
-    return first_known(look, frame, PARAMETERS), look.state
+    measured = measure_frame(frame, look.appearance, PARAMETERS)
+    return first_known(look, measured, PARAMETERS), look.state
 
 
 def test_what_a_target_shows_in_grey_is_learnt_where_it_is(draw):
