@@ -29,7 +29,7 @@ from cable_tracker.target.model.state import (
     UNKNOWN_COVARIANCE,
     X,
     Y,
-    in_frame_pixels,
+    state_units,
     wrap_full_turn,
 )
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -92,7 +92,7 @@ class TargetTracker:
         if self._belief is None:
             return None
         particles = self._belief.particles
-        return particles.moved_to(in_frame_pixels(particles.states, self._zoom))
+        return particles.moved_to(particles.states * state_units(self._zoom))
 
     def configure(self, parameters: TargetParameters) -> None:
         """Take other parameters from now on, and keep the belief.
@@ -212,7 +212,7 @@ class TargetTracker:
                 event = joined_events(event, str(error))
                 if self.is_searching:
                     return self._nothing(event)
-        apart = in_frame_pixels(others, 1.0 / seen.zoom)
+        apart = others * state_units(1.0 / seen.zoom)
         if self.is_searching:
             return self._search(seen, event, apart)
         # After a gap the marked target may be anywhere that it can get to within the longest one.
@@ -328,25 +328,26 @@ class TargetTracker:
             dt=dt,
             parameters=self._parameters,
         )
-        zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
-        state = in_frame_pixels(summary.state[None], self._zoom)[0]
+        units = state_units(self._zoom)
+        state = summary.state * units
         # The filter goes on counting whole turns.
         state[ANGLE] = wrap_full_turn(state[ANGLE])
         outline = summary.outline
-        corners = corners_of(outline, self._zoom) if outline is not None else np.empty((0, 2))
-        box = None
+        box, corners, area = None, np.empty((0, 2)), 0.0
         if outline is not None:
             left, top, right, bottom = (side * self._zoom for side in outline.box)
             box = (left, top, right, bottom)
+            corners = corners_of(outline, self._zoom)
+            area = outline.area * self._zoom**2
         return TargetEstimate(
             stamp=self._frame.stamp,
             status=self._status.status,
             image_size=self._frame.size,
             state=state,
-            covariance=summary.covariance * np.outer(zooms, zooms),
+            covariance=summary.covariance * np.outer(units, units),
             box=box,
             outline=corners,
-            area=outline.area * self._zoom**2 if outline is not None else 0.0,
+            area=area,
             is_whole=summary.is_whole,
             presence=summary.presence,
             effective_sample_size=summary.effective_sample_size,

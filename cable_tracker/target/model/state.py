@@ -21,12 +21,12 @@ UNKNOWN_COVARIANCE: FloatArray = np.eye(STATE_SIZE) * 1e6
 UNKNOWN_COVARIANCE.setflags(write=False)
 
 
-def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:
-    """Return poses, shape (N, 6), with lengths in pixels of the frame; `zoom` of those a pixel."""
-    scaled = states.copy()
-    for column in (X, Y, X_RATE, Y_RATE):
-        scaled[:, column] *= zoom
-    return scaled
+def state_units(zoom: float) -> FloatArray:
+    """Return factors that bring poses to lengths in pixels of the frame, shape (6,).
+
+    `zoom` of those are one of the working image; angle and log scale stay as they are.
+    """
+    return np.array([zoom, zoom, 1.0, 1.0, zoom, zoom])
 
 
 def wrap_full_turn(angles: FloatArray) -> FloatArray:
