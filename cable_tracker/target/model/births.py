@@ -16,7 +16,6 @@ from cable_tracker.particle_filter.student_t import (
 )
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, POSE_SIZE, STATE_SIZE, X, Y
-from cable_tracker.tracking.survival import share_about_last_place
 
 TAIL = 4.0
 """Degrees of freedom about the last place."""
@@ -66,10 +65,6 @@ class Births:
         is_out = abs(last[X]) > width / 2 or abs(last[Y]) > height / 2
         return self if is_out else replace(self, last=last)
 
-    def memory_share(self, memory_time: float) -> float:
-        """Return the share of the births about the last place; its time constant in s."""
-        return share_about_last_place(self.seconds, memory_time)
-
     def _spreads(self) -> tuple[float, float, float]:
         width = self.shape[1]
         return (
@@ -78,25 +73,25 @@ class Births:
             min(ANGLE_SPREAD + ANGLE_SPREADING * self.seconds, WIDEST_ANGLE),
         )
 
-    def draw(self, count: int, memory_time: float, rng: np.random.Generator) -> FloatArray:
-        """Draw poses at rest, shape (count, 6); see `memory_share`."""
+    def draw(self, count: int, memory_share: float, rng: np.random.Generator) -> FloatArray:
+        """Draw poses at rest, shape (count, 6), `memory_share` of them about the last place."""
         place, scale, angle = self._spreads()
         noise = standard_student_t(rng, count, POSE_SIZE, TAIL)
         states = np.zeros((count, STATE_SIZE))
         states[:, :POSE_SIZE] = self.last[:POSE_SIZE] + noise * [place, place, scale, angle]
-        anywhere = rng.random(count) >= self.memory_share(memory_time)
+        anywhere = rng.random(count) >= memory_share
         height, width = self.shape
         uniform = (rng.random((count, 2)) - 0.5) * [width, height]
         states[anywhere, :2] = uniform[anywhere]
         return states
 
-    def log_density(self, states: FloatArray, memory_time: float) -> FloatArray:
-        """Return the log-density of the places of poses (N, 6), shape (N,); see `memory_share`."""
+    def log_density(self, states: FloatArray, memory_share: float) -> FloatArray:
+        """Return the log-density of the places of poses (N, 6), shape (N,); see `draw`."""
         spreads = np.array(self._spreads())
         height, width = self.shape
         return _log_densities(
-            states, self.last, spreads, self.memory_share(memory_time), float(width),
-            float(height), PEAKS[0], PEAKS[1],
+            states, self.last, spreads, memory_share, float(width), float(height),
+            PEAKS[0], PEAKS[1],
         )  # fmt: skip
 
 

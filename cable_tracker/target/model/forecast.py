@@ -125,8 +125,8 @@ class Forecast:
         Shares of the ancestors by their survival, shape (M,), summing to one.
     births : Births
         Density of the places of what jumps or comes into view.
-    memory_time : float
-        Time constant of the share of births about the last place [s].
+    memory_share : float
+        Share of the births about the last place.
     predicted : PredictedExistence
         Probabilities of both.
     jump_share : float
@@ -137,7 +137,7 @@ class Forecast:
     rates: FloatArray
     alive: FloatArray
     births: Births
-    memory_time: float
+    memory_share: float
     predicted: PredictedExistence
     jump_share: float
 
@@ -148,7 +148,7 @@ class Forecast:
 
     def draw_births(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw poses of a target that appears, shape (count, 4)."""
-        return self.births.draw(count, self.memory_time, rng)[:, :POSE_SIZE]
+        return self.births.draw(count, self.memory_share, rng)[:, :POSE_SIZE]
 
     def log_density(self, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return log-densities at poses (N, 6).
@@ -160,7 +160,7 @@ class Forecast:
             shape (N,); that of the births, shape (N,); kernels over their peak, shape (N, M).
         """
         kernels = kernels_of(states, self.kernels)
-        birth = self.births.log_density(states, self.memory_time)
+        birth = self.births.log_density(states, self.memory_share)
         following = (1.0 - self.jump_share) * self.predicted.survived
         elsewhere = self.jump_share * self.predicted.survived + self.predicted.born
         belief: FloatArray = np.logaddexp(

@@ -21,7 +21,11 @@ from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import event_probability, over_time
-from cable_tracker.tracking.survival import survival_probability, survival_rates
+from cable_tracker.tracking.survival import (
+    share_about_last_place,
+    survival_probability,
+    survival_rates,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,10 +139,10 @@ def forecast_of(
         parameters.diffusion_degrees_of_freedom,
         alive,
     )
+    births = belief.known.births
+    memory_share = share_about_last_place(births.seconds, parameters.memory_time)
     jumps = parameters.jump_share * belief.rivals.jump_factor
-    return Forecast(
-        kernels, rates, alive, belief.known.births, parameters.memory_time, predicted, jumps
-    )
+    return Forecast(kernels, rates, alive, births, memory_share, predicted, jumps)
 
 
 def _survival(

@@ -7,6 +7,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.model.births import TAIL, Births
 from cable_tracker.target.model.forecast import choose_columns, kernels_of, log_mix
 from cable_tracker.target.model.state import STATE_SIZE
+from cable_tracker.tracking.survival import share_about_last_place
 
 
 def student(squared, tail, dimensions):
@@ -45,6 +46,6 @@ def test_births_integrate_what_their_draws_show(seconds):
     near = student(squared, TAIL, 4) - math.log(place * place * scale * angle)
     anywhere = student(np.zeros(3), TAIL, 2) - math.log(scale * angle * 320 * 240)
     anywhere[2] = -math.inf
-    share = births.memory_share(4.0)
+    share = share_about_last_place(seconds, 4.0)
     literal = np.log(share * np.exp(near) + (1.0 - share) * np.exp(anywhere))
-    assert births.log_density(states, 4.0) == pytest.approx(literal)
+    assert births.log_density(states, share) == pytest.approx(literal)
