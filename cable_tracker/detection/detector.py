@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from typing import ClassVar
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.picture.working_image import working_image_for
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.line_pairs import Detection, pair_lines
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.frame_check import check_frame
@@ -20,24 +21,8 @@ PLAIN = TrackerParameters(
 """How the tracker makes a picture ready of which nothing is taken out."""
 
 
-@dataclass(frozen=True, slots=True)
-class Detection:
-    """One cable that a detector believes to see.
-
-    Attributes
-    ----------
-    state : CableState
-        State of the cable [px, rad]; a single picture tells no rates, they are 0.
-    score : float
-        Clearness of the cable, from 0 to 1. Comparable within one detector only.
-    """
-
-    state: CableState
-    score: float
-
-
 class CableDetector(ABC):
-    """Finds cables in one picture, without a memory.
+    """Finds cables in one picture between the lines it sees there, without a memory.
 
     Pictures wider than the reference width are reduced as the tracker reduces them, so that all
     methods see the same.
@@ -47,6 +32,9 @@ class CableDetector(ABC):
     limits : PairLimits
         Widths and skews of the cables that are reported.
     """
+
+    minimum_score: ClassVar[float]
+    """Weaker cables are not reported, see `pair_lines`."""
 
     def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
         self._limits = limits
@@ -70,11 +58,10 @@ class CableDetector(ABC):
         working = working_image_for(image, PLAIN)
         reduction = working.reduction
         reduced = region.scaled(reduction) if region is not None else None
-        return [
-            Detection(found.state.scaled(1.0 / reduction), found.score)
-            for found in self._detect(working.pixels, reduced)
-        ]
+        lines = self._lines(working.pixels, reduced)
+        found = pair_lines(lines, working.size, reduced, self.minimum_score, self._limits)
+        return [Detection(each.state.scaled(1.0 / reduction), each.score) for each in found]
 
     @abstractmethod
-    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
-        """Return the cables in float32 grey levels of shape (h, w), best first."""
+    def _lines(self, pixels: Image, region: SearchRegion | None) -> BorderLines:
+        """Return lines that may be borders in float32 grey levels of shape (h, w)."""

@@ -29,7 +29,7 @@ from cable_tracker.detection.coherent_lines import (
     coherent_votes,
 )
 from cable_tracker.detection.line_pairs import plausible_pairs
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
     BIN,
@@ -71,7 +71,7 @@ class LinePairProposer:
         Whether lines are looked for in the map of the frame, too.
     """
 
-    def __init__(self, limits: PairLimits = DEFAULT_LIMITS, *, looks_at_map: bool = True) -> None:
+    def __init__(self, limits: PairLimits, *, looks_at_map: bool) -> None:
         self._limits = limits
         self._looks_at_map = looks_at_map
 

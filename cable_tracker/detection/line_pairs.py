@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from cable_tracker.cable.model.state import (
 )
 from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.detection.border_lines import BorderLines, turn_between
-from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
@@ -34,6 +34,22 @@ PARTNER_SHARE = 0.5
 
 GAP_FACTOR = 0.5
 """Factor on the score of a pair that is the gap between two strips narrower than itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """One cable that a detector believes to see.
+
+    Attributes
+    ----------
+    state : CableState
+        State of the cable [px, rad]; a single picture tells no rates, they are 0.
+    score : float
+        Clearness of the cable, from 0 to 1. Comparable within one detector only.
+    """
+
+    state: CableState
+    score: float
 
 
 def pair_lines(

@@ -15,7 +15,8 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
-from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.detector import CableDetector
+from cable_tracker.detection.line_pairs import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise

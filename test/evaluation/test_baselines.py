@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.detector import Detection
+from cable_tracker.detection.line_pairs import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.baselines import MISSES_TO_LOSE, DetectorTracker

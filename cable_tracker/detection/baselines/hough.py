@@ -22,9 +22,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.compilation import compiled
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
-from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
-from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -48,17 +47,16 @@ VOTE_SPREAD = 2
 
 MOST_LINES = 24
 VOTE_CAP = 6.0
-MINIMUM_SCORE = 0.35
 
 
 class HoughDetector(CableDetector):
     """Detect cables by edges and a Hough transform; see the module."""
 
-    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
-        image_size = (pixels.shape[1], pixels.shape[0])
+    minimum_score = 0.35
+
+    def _lines(self, pixels: Image, region: SearchRegion | None) -> BorderLines:
         points = zero_crossings(pixels).within(region)
-        lines = hough_lines(points, image_size)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
+        return hough_lines(points, (pixels.shape[1], pixels.shape[0]))
 
 
 def zero_crossings(pixels: Image) -> EdgePoints:

@@ -18,9 +18,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.edges import gradient_of
-from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import ResourceError
@@ -42,7 +42,6 @@ BRIGHT = 99.0
 LARGEST_GAIN = 4.0
 
 MINIMUM_CONTRAST = 1.5
-MINIMUM_SCORE = 0.2
 
 
 class LineSegmentDetector(CableDetector):
@@ -54,17 +53,17 @@ class LineSegmentDetector(CableDetector):
         This OpenCV has no line segment detector (4.1.0 to 4.5.0 have none).
     """
 
+    minimum_score = 0.2
+
     def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
         super().__init__(limits)
         self._finder = _make_finder()
 
-    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
-        image_size = (pixels.shape[1], pixels.shape[0])
+    def _lines(self, pixels: Image, region: SearchRegion | None) -> BorderLines:
         segments = self._find_segments(pixels)
-        segments = segments.selected(segments.lengths >= SHORTEST * pixel_scale(image_size[0]))
+        segments = segments.selected(segments.lengths >= SHORTEST * pixel_scale(pixels.shape[1]))
         gradient = gradient_of(cv2.GaussianBlur(pixels, (0, 0), SIGMA))
-        lines = lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
+        return lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
 
     def _find_segments(self, pixels: Image) -> Segments:
         size = (pixels.shape[1], pixels.shape[0])

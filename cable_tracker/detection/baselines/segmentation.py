@@ -22,9 +22,9 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
 from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
-from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
-from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -63,23 +63,20 @@ RIDGE_REACH = 5
 STRAIGHTNESS = 1.2
 """Largest root mean square distance of a contour's points from its segment [px]."""
 
-MINIMUM_SCORE = 0.2
-
 
 class SegmentationDetector(CableDetector):
     """Detect cables by segmentation; see the module."""
 
-    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
+    minimum_score = 0.2
+
+    def _lines(self, pixels: Image, region: SearchRegion | None) -> BorderLines:
         scale = pixel_scale(pixels.shape[1])
         smooth = cv2.GaussianBlur(pixels, (0, 0), max(SIGMA * scale, SMALLEST_SIGMA))
         gradient = gradient_of(smooth)
         contours = region_contours(smooth, gradient)
         segments = straight_segments(contours, gradient)
         segments = segments.selected(segments.lengths >= SHORTEST * scale)
-        lines = lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
-        return pair_lines(
-            lines, (pixels.shape[1], pixels.shape[0]), region, MINIMUM_SCORE, self._limits
-        )
+        return lines_of_segments(segments.within(region), gradient, MINIMUM_CONTRAST)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

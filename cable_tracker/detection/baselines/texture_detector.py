@@ -23,10 +23,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.detection.baselines.hough import hough_lines
-from cable_tracker.detection.border_lines import CONTRAST_CAP
-from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.border_lines import CONTRAST_CAP, BorderLines
+from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge, magnitude
-from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.image_frame import pixel_to_image
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -62,8 +61,6 @@ BIAS = 3.15
 MINIMUM_PROBABILITY = 0.25
 """Cells that are less probably cable do not count."""
 
-MINIMUM_SCORE = 0.12
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
@@ -87,11 +84,11 @@ class Cells:
 class TextureDetector(CableDetector):
     """Detect cables by the texture of cells; see the module."""
 
-    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
-        image_size = (pixels.shape[1], pixels.shape[0])
+    minimum_score = 0.12
+
+    def _lines(self, pixels: Image, region: SearchRegion | None) -> BorderLines:
         points = cable_cells(describe_cells(pixels)).within(region)
-        lines = hough_lines(points, image_size)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
+        return hough_lines(points, (pixels.shape[1], pixels.shape[0]))
 
 
 def cable_cells(cells: Cells) -> EdgePoints:
