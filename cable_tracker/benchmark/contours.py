@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
+from cable_tracker.contour.evolution import evolve_by_means
+from cable_tracker.contour.switching import ContourSettings
 
 WIDTH, HEIGHT = 320, 240
 

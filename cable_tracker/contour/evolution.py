@@ -9,33 +9,8 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.contour.levels import Levels, levels_of_mask
-from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
+from cable_tracker.contour.switching import FEWEST, ContourSettings, switch_points
 from cable_tracker.errors import FrameError
-
-
-@dataclass(frozen=True, slots=True)
-class ContourSettings:
-    """How contours evolve.
-
-    Attributes
-    ----------
-    regulariser : float
-        rho_1 of (17, 18): cost of a neighbour too many on the other side, in units of the data
-        term. The thesis gives no value.
-    balance : float
-        eps_N: the regulariser acts only where the lengths of the two lists differ by more than this
-        share; negative: always. The thesis gives no value; its figure 2 implies less than 0.027.
-    iterations : int
-        Largest number of iterations; hardly any contour needs as many as the default.
-    flooding : bool
-        Whether points that join a list are looked at in the same scan, so that one iteration can
-        carry the contour any distance; otherwise by about a pixel.
-    """
-
-    regulariser: float = 0.0
-    balance: float = 0.02
-    iterations: int = 1000
-    flooding: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,59 +45,47 @@ class Contour:
 
 
 def evolve_by_means(
-    image: NDArray[np.float32],
-    start: BoolArray,
-    settings: ContourSettings,
+    image: NDArray[np.float32], start: BoolArray, settings: ContourSettings
 ) -> Contour:
-    """Separate two regions of different mean intensity: Table 1 of the thesis.
+    """Separate two regions of different mean intensity, see `evolve`: Table 1 of the thesis.
+
+    Intensities lie in [0, 1].
+    """
+    return evolve(image, start, settings, by_means=True)
+
+
+def evolve_by_ratio(
+    log_ratio: NDArray[np.float32], start: BoolArray, settings: ContourSettings
+) -> Contour:
+    """Separate what is likelier target from what is likelier background, see `evolve`.
+
+    `log_ratio` is log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior
+    where there is one (`shape_prior.log_odds`).
+    """
+    return evolve(log_ratio, start, settings, by_means=False)
+
+
+def evolve(
+    data: NDArray[np.float32], start: BoolArray, settings: ContourSettings, *, by_means: bool
+) -> Contour:
+    """Let a contour evolve.
 
     Parameters
     ----------
-    image : array
-        Intensities in [0, 1], shape (H, W), float32.
+    data : array
+        Intensities, or log-likelihood ratios of the inside, shape (H, W), float32.
     start : BoolArray
         Inside at the start, of the same shape.
     settings : ContourSettings
         Settings of the contour.
+    by_means : bool
+        See `switch_points`.
 
     Raises
     ------
     FrameError
         The shapes differ, or one of the regions has fewer than two points.
     """
-    return _evolve(image, start, settings, by_means=True)
-
-
-def evolve_by_ratio(
-    log_ratio: NDArray[np.float32],
-    start: BoolArray,
-    settings: ContourSettings,
-) -> Contour:
-    """Separate what is likelier target from what is likelier background.
-
-    Parameters
-    ----------
-    log_ratio : array
-        log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior where
-        there is one (`shape_prior.log_odds`); shape (H, W), float32.
-    start, settings
-        As for `evolve_by_means`.
-
-    Raises
-    ------
-    FrameError
-        As there.
-    """
-    return _evolve(log_ratio, start, settings, by_means=False)
-
-
-def _evolve(
-    data: NDArray[np.float32],
-    start: BoolArray,
-    settings: ContourSettings,
-    *,
-    by_means: bool,
-) -> Contour:
     if data.ndim != 2 or data.shape != start.shape:
         raise FrameError(f"a contour of shape {start.shape} cannot evolve on data {data.shape}")
     levels = levels_of_mask(start)
@@ -133,12 +96,7 @@ def _evolve(
             f" not {inside} and {levels.size - inside}"
         )
     pixels = np.ascontiguousarray(data, dtype=np.float32)
-    switching = SwitchingSettings(
-        by_means, settings.regulariser, settings.balance, settings.flooding
-    )
-    iterations, inside, inside_sum, outside_sum = switch_points(
-        pixels, levels, switching, settings.iterations
-    )
+    iterations, inside, inside_sum, outside_sum = switch_points(pixels, levels, settings, by_means)
     return Contour(
         levels=levels,
         iterations=iterations,

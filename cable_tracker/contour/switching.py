@@ -76,6 +76,30 @@ def _drop_buried(
     return kept
 
 
+class ContourSettings(NamedTuple):
+    """How contours evolve.
+
+    Attributes
+    ----------
+    regulariser : float
+        rho_1 of (17, 18): cost of a neighbour too many on the other side, in units of the data
+        term. The thesis gives no value.
+    balance : float
+        eps_N: the regulariser acts only where the lengths of the two lists differ by more than this
+        share; negative: always. The thesis gives no value; its figure 2 implies less than 0.027.
+    iterations : int
+        Largest number of iterations; hardly any contour needs as many as the default.
+    flooding : bool
+        Whether points that join a list are looked at in the same scan, so that one iteration can
+        carry the contour any distance; otherwise by about a pixel.
+    """
+
+    regulariser: float = 0.0
+    balance: float = 0.02
+    iterations: int = 1000
+    flooding: bool = True
+
+
 class Regions(NamedTuple):
     """The inside and the outside of a contour, changed in place.
 
@@ -95,21 +119,12 @@ class Regions(NamedTuple):
     sums: FloatArray
 
 
-class SwitchingSettings(NamedTuple):
-    """What a switch costs, see `switch_points`."""
-
-    by_means: bool
-    regulariser: float
-    balance: float
-    flooding: bool
-
-
 @compiled
 def switch_points(
     data: NDArray[np.float32],
     levels: Levels,
-    settings: SwitchingSettings,
-    most_iterations: int,
+    settings: ContourSettings,
+    by_means: bool,
 ) -> tuple[int, int, float, float]:
     """Let the contour evolve; `levels` is changed in place.
 
@@ -119,12 +134,11 @@ def switch_points(
         Intensities, or log-likelihood ratios of the inside, shape (H, W).
     levels : Levels
         Level set of the start; afterwards that of the contour, shape (H, W).
-    settings : SwitchingSettings
-        `by_means`: Chan-Vese's energy of intensities, (15) and (16), or that of the log-likelihood
-        ratio. `regulariser`, `balance`: rho_1 and eps_N of (17) and (18). `flooding`: look at
-        points that join a list during its scan in the same scan.
-    most_iterations : int
-        Largest number of iterations.
+    settings : ContourSettings
+        Settings of the contour.
+    by_means : bool
+        Whether Chan-Vese's energy of intensities, (15) and (16), is lowered, or that of the
+        log-likelihood ratio.
 
     Returns
     -------
@@ -144,11 +158,11 @@ def switch_points(
     )
     _read(data, levels, sides, values, regions)
     iterations, has_changed = 0, True
-    while iterations < most_iterations and has_changed:
+    while iterations < settings.iterations and has_changed:
         iterations += 1
         has_changed = False
         for region in (INSIDE, OUTSIDE):
-            has_changed |= _scan(region, sides, values, stride, regions, settings)
+            has_changed |= _scan(region, sides, values, stride, regions, settings, by_means)
             other = 1 - region
             regions.edge_sizes[other] = _drop_buried(
                 sides,
@@ -206,7 +220,8 @@ def _scan(
     values: NDArray[np.float32],
     stride: int,
     regions: Regions,
-    settings: SwitchingSettings,
+    settings: ContourSettings,
+    by_means: bool,
 ) -> bool:
     """Let the points of one region beside the contour go over; tell whether any did."""
     other = 1 - region
@@ -225,7 +240,7 @@ def _scan(
         index += 1
         value = values[point]
         change = sign * value
-        if settings.by_means:
+        if by_means:
             from_own, from_other = value - total / size, value - foreign_total / foreign_size
             change = from_other * from_other * (foreign_size / (foreign_size + 1.0))
             change -= from_own * from_own * (size / (size - 1.0))

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
+from cable_tracker.contour.evolution import evolve_by_means
+from cable_tracker.contour.switching import ContourSettings
 
 MISSING = "SCIKIT-IMAGE IS MISSING: nothing is compared with it; run `pip install -e '.[dev]'`"
 segmentation = pytest.importorskip("skimage.segmentation", reason=MISSING)

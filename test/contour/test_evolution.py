@@ -3,8 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.contour.evolution import ContourSettings, evolve_by_means, evolve_by_ratio
+from cable_tracker.contour.evolution import evolve_by_means, evolve_by_ratio
 from cable_tracker.contour.levels import levels_of_mask
+from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.errors import FrameError
 
 PLAIN = ContourSettings()

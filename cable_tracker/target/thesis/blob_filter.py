@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
+from cable_tracker.contour.evolution import evolve_by_means
 from cable_tracker.contour.shape_energy import level_set_energy
+from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import multinomial_resampling
@@ -239,7 +240,7 @@ class BlobFilter(TargetFilter[BlobBelief]):
         means = float(cut[start].mean()), float(cut[~start].mean())
         found, contrast = start, abs(means[0] - means[1])
         if contrast >= self._parameters.blob_contrast:
-            settings = replace(REGULARISER, iterations=self._parameters.blob_iterations)
+            settings = REGULARISER._replace(iterations=self._parameters.blob_iterations)
             contour = evolve_by_means(cut, start, settings)
             found, contrast = contour.mask, contour.contrast
             means = contour.inside_mean, contour.outside_mean
