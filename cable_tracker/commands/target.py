@@ -44,7 +44,7 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import TARGET
-from cable_tracker.metric.recorded.recorded_target import RecordedSight, node_values
+from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight, node_values
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame, parse_start
@@ -141,7 +141,9 @@ def target(  # noqa: PLR0917
             tracker = TargetTracker(parameters)
             if start is not None:
                 tracker.initialise(start)
-            sight = RecordedSight(described, target_size) if described.has_instruments else None
+            sight = (
+                RecordedTargetSight(described, target_size) if described.has_instruments else None
+            )
             with sight or nullcontext():
                 damage = follow_all(
                     frames, lambda frame: follow_frame(frame, tracker, results, sight)

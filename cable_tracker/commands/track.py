@@ -64,9 +64,9 @@ from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.offline.advice import advice
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import WantedResults, follow_all
-from cable_tracker.offline.track_recording import TRUTH, given_state_for, track_frame
+from cable_tracker.offline.track_cable import TRUTH, given_state_for, track_frame
 from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.trackers import make_tracker
 
@@ -120,14 +120,14 @@ def track(  # noqa: PLR0917
         start = chosen_start(init, values)
         given = given_state_for(recording, start, pair_limits(parameters))
         results = stack.enter_context(
-            ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
+            CableFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
         metres = None if ros else described.metres()
         if ros:
-            client = need_ros("clients.track_recording")
+            client = need_ros("clients.track_cable")
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
@@ -162,7 +162,7 @@ def _words_for_node(start: str, given: GivenState | None) -> str:
     return format_initial_state(given.state) if given and start == TRUTH else start
 
 
-def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:
+def _print_results(results: CableFolder, *, wants_metres: bool) -> None:
     print_statuses([row.status for row in results.rows])
     print_events(results.rows)
     told = metres_told(results.rows) if wants_metres else ""

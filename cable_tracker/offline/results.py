@@ -12,7 +12,6 @@ from typing import Self
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import RecordingError
-from cable_tracker.offline.target_table import METRES
 from cable_tracker.sequences.bags.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
@@ -26,8 +25,14 @@ BAG = "bag"
 PLOTS = "estimates.png"
 """Of a cable."""
 
+METRES = "metres.csv"
+"""Of a target."""
+
 OWN_NAMES = frozenset({ESTIMATES, VIDEO, CONTACT_SHEET, BAG, PLOTS, METRES})
 """All that is ever written into such a folder."""
+
+SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
+"""Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,14 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from cable_tracker.arrays import Image
-from cable_tracker.offline.result_folder import LARGEST_PICTURE, SMALLEST_PICTURE
-from cable_tracker.offline.results import ESTIMATES, Results
-from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
+from cable_tracker.offline.results import (
+    ESTIMATES,
+    LARGEST_PICTURE,
+    METRES,
+    SMALLEST_PICTURE,
+    Results,
+)
+from cable_tracker.offline.target_table import HEADER, METRES_HEADER, TargetRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.sequences.tables.stored_rows import StoredRows

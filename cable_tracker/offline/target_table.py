@@ -11,8 +11,6 @@ from cable_tracker.sequences.tables.estimates import format_stamp
 from cable_tracker.target.model.estimate import Box, TargetEstimate
 from cable_tracker.target.model.state import LOG_SCALE
 
-METRES = "metres.csv"
-
 HEADER = (
     "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",
     "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms", "event",

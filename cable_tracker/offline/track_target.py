@@ -7,7 +7,7 @@ import time
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.metric.messages import relative_messages
-from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.offline.target_folder import TargetFolder
@@ -51,7 +51,7 @@ def parse_start(init: str) -> TargetStart | None:
 
 
 def follow_picture(
-    frame: Frame, image: Image, tracker: TargetTracker, sight: RecordedSight | None
+    frame: Frame, image: Image, tracker: TargetTracker, sight: RecordedTargetSight | None
 ) -> tuple[TargetEstimate, float, TargetMetres | None]:
     """Follow into a picture, shape (H, W, 3), with what the instruments said up to its frame.
 
@@ -73,7 +73,7 @@ def follow_picture(
 
 
 def follow_frame(
-    frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
+    frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedTargetSight | None
 ) -> None:
     """Follow a target into a frame, and add it to the results; without `sight` all in pixels."""
     output = FrameMessages(results.bag, frame)

@@ -197,15 +197,15 @@ def test_a_detector_that_sees_nothing_is_no_start(command):
 HALTING = """
 import time
 from cable_tracker.cli import main
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 
-add = ResultFolder.add
+add = CableFolder.add
 
 def add_and_halt(*words, **named):
     add(*words, **named)
     time.sleep(3600)
 
-ResultFolder.add = add_and_halt
+CableFolder.add = add_and_halt
 main()
 """
 """The command line, which comes no further than the first frame: it must not end too early."""

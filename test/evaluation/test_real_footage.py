@@ -14,7 +14,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.metrics.errors import state_errors
-from cable_tracker.offline.track_recording import given_state_for
+from cable_tracker.offline.track_cable import given_state_for
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker

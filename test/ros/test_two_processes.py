@@ -20,14 +20,14 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, pair_limits
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import BAG, ESTIMATES, follow_all
-from cable_tracker.offline.track_recording import (
+from cable_tracker.offline.track_cable import (
     TRUTH,
     given_state_for,
     track_frame,
 )
-from cable_tracker.ros.clients.track_recording import cable_nodes, track_recording_over_ros
+from cable_tracker.ros.clients.track_cable import cable_nodes, track_recording_over_ros
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
@@ -45,7 +45,7 @@ FOOTAGE = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
 FOOTAGE_FRAMES = 10
 
 
-class TableAndBag(ResultFolder):
+class TableAndBag(CableFolder):
     """Results as always, but for the pictures: those take their time, and are tested elsewhere."""
 
     def _add_picture(self, frame: Frame, *_: Any) -> None:

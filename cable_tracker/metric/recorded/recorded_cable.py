@@ -60,7 +60,7 @@ class Pauses:
         return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
 
 
-class RecordedMetres(RecordedInstruments[CableSight]):
+class RecordedCableSight(RecordedInstruments[CableSight]):
     """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
 
     Parameters
@@ -180,9 +180,9 @@ class RecordedVehicle:
         """Whether there are instruments, or a vehicle file from which metres are expected."""
         return self.has_instruments or bool(self.vehicle.said)
 
-    def metres(self, pauses: Pauses = Pauses()) -> RecordedMetres | None:
+    def metres(self, pauses: Pauses = Pauses()) -> RecordedCableSight | None:
         """Return what turns estimates into metres, or says why not; None where none are wanted."""
-        return RecordedMetres(self.vehicle, self.source, pauses) if self.wants_metres else None
+        return RecordedCableSight(self.vehicle, self.source, pauses) if self.wants_metres else None
 
 
 def own_vehicle_file(path: Path) -> Path:

@@ -53,7 +53,7 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
     }
 
 
-class RecordedSight(RecordedInstruments[TargetSight]):
+class RecordedTargetSight(RecordedInstruments[TargetSight]):
     """Hands instruments of a recording to a `TargetSight`, in step with the frames.
 
     Parameters

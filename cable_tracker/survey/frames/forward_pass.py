@@ -20,7 +20,7 @@ from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.odometry.motion import LONGEST_STEP
 from cable_tracker.metric.recorded.recorded_cable import (
     Pauses,
-    RecordedMetres,
+    RecordedCableSight,
     RecordedVehicle,
     recorded_vehicle,
 )
@@ -226,7 +226,7 @@ class _Run:
         self._tracker = make_tracker(settings.parameters)
         pauses = Pauses(INSTRUMENT_PAUSE, CALIBRATION_PAUSE, TEXTURE_PAUSE)
         metres = vehicle.metres(pauses)
-        self._metres = metres if metres is not None else RecordedMetres(vehicle.vehicle, None)
+        self._metres = metres if metres is not None else RecordedCableSight(vehicle.vehicle, None)
         aided = self._metres.is_aided and settings.most_rate > 0.0
         self._pause = round(NANOSECONDS / settings.most_rate) if aided else 0
         self._due: int | None = None

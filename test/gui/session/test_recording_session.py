@@ -21,9 +21,9 @@ from cable_tracker.gui.tracking.commands import command_player
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import ESTIMATES, WantedResults, follow_all
-from cable_tracker.offline.track_recording import (
+from cable_tracker.offline.track_cable import (
     given_state_for,
     track_frame,
 )
@@ -82,7 +82,7 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
     with open_chosen(RecordingRequest(dive)) as source:
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
-        with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
+        with CableFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             follow_all(source.frames(), lambda frame: track_frame(frame, tracker, results, None))
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch().play_to_the_end()
@@ -97,7 +97,7 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
         metres = recorded_vehicle(source).metres()
-        with ResultFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
+        with CableFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
             follow_all(source.frames(), lambda frame: track_frame(frame, tracker, results, metres))
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()

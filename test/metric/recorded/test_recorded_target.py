@@ -11,7 +11,7 @@ from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import (
     LONGEST_WAIT,
-    RecordedSight,
+    RecordedTargetSight,
     node_values,
     target_parameters,
 )
@@ -41,7 +41,7 @@ def followed(path, box, target_size=0.0):
     tracker.initialise(TargetStart.from_box(*box))
     with open_source(path) as source:
         described = recorded_vehicle(source)
-        with RecordedSight(described, target_size) as sight:
+        with RecordedTargetSight(described, target_size) as sight:
             for frame in source.frames():
                 sight.advance(frame)
                 image = decode_bgr(frame.image)
@@ -72,7 +72,7 @@ def test_bearing_and_range_of_a_target_of_known_size_are_those_of_the_world(turn
 
 def test_the_homography_carries_the_target_along(turning):
     path, truths = turning
-    with open_source(path) as source, RecordedSight(recorded_vehicle(source)) as sight:
+    with open_source(path) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
         places = []
         for frame, (box, _) in zip(source.frames(), truths, strict=True):
             sight.advance(frame)
@@ -103,7 +103,7 @@ def follow_some(frames, sight, tracker):
 
 
 def test_a_copy_goes_on_as_the_other_does(turning):
-    with open_source(turning[0]) as source, RecordedSight(recorded_vehicle(source)) as sight:
+    with open_source(turning[0]) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
         frames, tracker = list(source.frames()), TargetTracker()
         follow_some(frames[:5], sight, tracker)
         with sight.copy() as other:
@@ -112,7 +112,7 @@ def test_a_copy_goes_on_as_the_other_does(turning):
 
 
 def test_after_a_jump_turns_are_known_from_the_second_frame_on(turning):
-    with open_source(turning[0]) as source, RecordedSight(recorded_vehicle(source)) as sight:
+    with open_source(turning[0]) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
         frames = list(source.frames())
         there = follow_some(frames, sight, TargetTracker())
         sight.jump()

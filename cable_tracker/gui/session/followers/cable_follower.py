@@ -14,9 +14,9 @@ from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE
-from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.track_recording import given_state_for, row_of, track_picture
+from cable_tracker.offline.track_cable import given_state_for, row_of, track_picture
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.messages.cable import cloud_of
@@ -36,7 +36,7 @@ class CableFollower(Follower):
     ----------
     init : str
         Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
-    metres : RecordedMetres or None
+    metres : RecordedCableSight or None
         The recording's instruments; None: everything stays in pixels.
 
     Raises
@@ -48,14 +48,14 @@ class CableFollower(Follower):
     subject = CABLE
     _tracker: CableTracker
     _parameters: TrackerParameters
-    _instruments: RecordedMetres | None
+    _instruments: RecordedCableSight | None
 
     def __init__(
         self,
         source: Source,
         init: str,
         parameters: TrackerParameters,
-        metres: RecordedMetres | None,
+        metres: RecordedCableSight | None,
     ) -> None:
         self._source, self._init = source, init
         self._limits = pair_limits(parameters)

@@ -11,8 +11,8 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import AnySnapshot
 from cable_tracker.gui.subject.subject import Subject
-from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
-from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
+from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
@@ -29,7 +29,7 @@ class Follower(ABC):
         Parameters of the tracker.
     tracker : CableTracker or TargetTracker
         Tracker with these parameters.
-    instruments : RecordedMetres or RecordedSight or None
+    instruments : RecordedCableSight or RecordedTargetSight or None
         The recording's instruments; None: it has none.
 
     Attributes
@@ -44,13 +44,13 @@ class Follower(ABC):
     trouble: str = ""
     _tracker: CableTracker | TargetTracker
     _parameters: ParameterSet
-    _instruments: RecordedMetres | RecordedSight | None
+    _instruments: RecordedCableSight | RecordedTargetSight | None
 
     def __init__(
         self,
         parameters: ParameterSet,
         tracker: CableTracker | TargetTracker,
-        instruments: RecordedMetres | RecordedSight | None,
+        instruments: RecordedCableSight | RecordedTargetSight | None,
     ) -> None:
         self._parameters, self._tracker, self._instruments = parameters, tracker, instruments
         self._forget_picture()

@@ -12,7 +12,7 @@ from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
-from cable_tracker.metric.recorded.recorded_target import RecordedSight
+from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
 from cable_tracker.offline.target_table import TargetRow, row_of
 from cable_tracker.offline.track_target import follow_picture
 from cable_tracker.particle_filter.particles import Particles
@@ -37,7 +37,7 @@ class TargetFollower(Follower):
         Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
     truth : BoxTruth
         True boxes of the labelled frames [px].
-    sight : RecordedSight or None
+    sight : RecordedTargetSight or None
         The recording's instruments, which tell how the camera turned; None: it has none.
 
     Raises
@@ -49,14 +49,14 @@ class TargetFollower(Follower):
     subject = TARGET
     _tracker: TargetTracker
     _parameters: TargetParameters
-    _instruments: RecordedSight | None
+    _instruments: RecordedTargetSight | None
 
     def __init__(
         self,
         init: str,
         parameters: TargetParameters,
         truth: BoxTruth,
-        sight: RecordedSight | None,
+        sight: RecordedTargetSight | None,
     ) -> None:
         self._truth = truth
         self._start: StartText = parse_start_text(init)

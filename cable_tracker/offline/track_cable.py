@@ -1,4 +1,4 @@
-"""Track a whole recording in this process, without ROS."""
+"""Track a cable through a whole recording in this process, without ROS."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cable_facts import cable_facts, row_metres
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages
-from cable_tracker.metric.recorded.recorded_cable import RecordedMetres
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.convert import write_truth
 from cable_tracker.sequences.bags.frame_messages import FrameMessages
@@ -116,7 +116,7 @@ def row_of(
 
 
 def track_picture(
-    frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedMetres | None
+    frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedCableSight | None
 ) -> tuple[CableEstimate, float, CrossTrack | Withheld | None]:
     """Track a picture, shape (H, W), with what the instruments said up to its frame.
 
@@ -140,7 +140,7 @@ def track_picture(
 
 
 def track_frame(
-    frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
+    frame: Frame, tracker: CableTracker, results: CableFolder, metres: RecordedCableSight | None
 ) -> None:
     """Track a frame, and add it to the results; without `metres` everything stays in pixels."""
     output = FrameMessages(results.bag, frame)

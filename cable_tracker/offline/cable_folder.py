@@ -1,4 +1,4 @@
-"""The folder that a tracked recording ends up in: table, video, pictures, bag."""
+"""Result folder of a cable tracked through a recording: table, video, pictures, bag."""
 
 from __future__ import annotations
 
@@ -11,7 +11,13 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.offline.results import ESTIMATES, PLOTS, Results
+from cable_tracker.offline.results import (
+    ESTIMATES,
+    LARGEST_PICTURE,
+    PLOTS,
+    SMALLEST_PICTURE,
+    Results,
+)
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.pictures.shown_levels import decode_shown
 from cable_tracker.sequences.tables.estimates import EstimateRow, write_estimates
@@ -21,11 +27,8 @@ from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
 
-SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
-"""Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
 
-
-class ResultFolder(Results):
+class CableFolder(Results):
     """Results of a tracked cable, see `Results`.
 
     Attributes

@@ -13,9 +13,9 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults, follow_all
-from cable_tracker.offline.track_recording import (
+from cable_tracker.offline.track_cable import (
     given_state_for,
     track_frame,
 )
@@ -45,7 +45,7 @@ def track(tmp_path):
         tracker = CableTracker(TrackerParameters(particle_count=count or 200))
         if given is not None:
             tracker.initialise(given)
-        with ResultFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
+        with CableFolder(tmp_path / name, timing=timing, wanted=TABLE_AND_BAG) as results:
             damage = follow_all(
                 recording.frames(), lambda frame: track_frame(frame, tracker, results, None)
             )

@@ -10,8 +10,8 @@ from estimate_reader import read_estimates
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
-from cable_tracker.offline import result_folder, results
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline import cable_folder, results
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.tables.estimates import EstimateRow
@@ -46,7 +46,7 @@ def names_in(folder) -> set[str]:
 
 
 def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
-    with ResultFolder(tmp_path / "out") as results:
+    with CableFolder(tmp_path / "out") as results:
         assert names_in(tmp_path) == {".out.partial"}
         fill(results, dive)
     assert names_in(tmp_path) == {"out"}
@@ -76,7 +76,7 @@ def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
     ],
 )
 def test_what_is_not_wanted_is_not_written(tmp_path, dive, wanted, missing):
-    with ResultFolder(tmp_path / "out", wanted=wanted) as results:
+    with CableFolder(tmp_path / "out", wanted=wanted) as results:
         fill(results, dive[:2])
         results.bag.write_serialised("/state", "std_msgs/msg/Empty", b"\0\1\0\0", 1)
     assert names_in(tmp_path / "out") == NAMES - missing
@@ -90,7 +90,7 @@ def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch)
     monkeypatch.setattr(VideoWriter, "add", refuse)
     with (
         pytest.raises(OutputError, match="No space left on device"),
-        ResultFolder(tmp_path / "out") as results,
+        CableFolder(tmp_path / "out") as results,
     ):
         fill(results, dive)
     assert names_in(tmp_path) == set()
@@ -98,7 +98,7 @@ def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch)
 
 def test_large_frames_are_shrunk_in_the_video(tmp_path, dive):
     large = raw_from_array(np.zeros((720, 1280), np.uint8), "mono8")
-    with ResultFolder(tmp_path / "out") as results:
+    with CableFolder(tmp_path / "out") as results:
         fill(results, [replace(dive[0], image=large)])
     with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
         (picture,) = (picture.to_ndarray(format="bgr24") for picture in video.decode(video=0))
@@ -106,27 +106,27 @@ def test_large_frames_are_shrunk_in_the_video(tmp_path, dive):
 
 
 def test_truths_are_kept_by_frame_number(tmp_path, dive):
-    with ResultFolder(tmp_path / "out") as results:
+    with CableFolder(tmp_path / "out") as results:
         fill(results, dive[3:5])
     assert results.truths == {3: dive[3].truth, 4: dive[4].truth}
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, OutputError])
 def test_an_exception_leaves_nothing_behind(tmp_path, dive, error):
-    with pytest.raises(error), ResultFolder(tmp_path / "out") as results:
+    with pytest.raises(error), CableFolder(tmp_path / "out") as results:
         fill(results, dive[:2])
         raise error
     assert names_in(tmp_path) == set()
 
 
 def test_a_run_without_a_picture_leaves_nothing_behind(tmp_path, dive, undecodable):
-    with pytest.raises(OutputError), ResultFolder(tmp_path / "out") as results:
+    with pytest.raises(OutputError), CableFolder(tmp_path / "out") as results:
         results.add(undecodable(dive[0]), EstimateRow(0, 0, "REFUSED"), None)
     assert names_in(tmp_path) == set()
 
 
 def test_refused_frames_stand_in_the_table_and_not_in_the_video(tmp_path, dive, undecodable):
-    with ResultFolder(tmp_path / "out") as results:
+    with CableFolder(tmp_path / "out") as results:
         fill(results, dive[:2])
         results.add(undecodable(dive[2]), EstimateRow(2, dive[2].stamp, "REFUSED"), None)
     assert [row.status for row in results.rows] == ["TRACKING", "TRACKING", "REFUSED"]
@@ -135,9 +135,9 @@ def test_refused_frames_stand_in_the_table_and_not_in_the_video(tmp_path, dive, 
 
 
 def test_earlier_results_outlive_a_failed_run(tmp_path, dive):
-    with ResultFolder(tmp_path / "out") as results:
+    with CableFolder(tmp_path / "out") as results:
         fill(results, dive[:1])
-    with pytest.raises(RuntimeError), ResultFolder(tmp_path / "out", overwrite=True) as results:
+    with pytest.raises(RuntimeError), CableFolder(tmp_path / "out", overwrite=True) as results:
         raise RuntimeError
     assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 1
     assert names_in(tmp_path) == {"out"}
@@ -145,7 +145,7 @@ def test_earlier_results_outlive_a_failed_run(tmp_path, dive):
 
 def test_an_empty_folder_may_be_filled(tmp_path, dive):
     (tmp_path / "out").mkdir()
-    with ResultFolder(tmp_path / "out", overwrite=True) as results:
+    with CableFolder(tmp_path / "out", overwrite=True) as results:
         fill(results, dive[:1])
     assert names_in(tmp_path / "out") == NAMES
 
@@ -154,10 +154,10 @@ def test_an_empty_folder_may_be_filled(tmp_path, dive):
 def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(
     tmp_path, dive, monkeypatch, full_disk, name
 ):
-    monkeypatch.setattr(result_folder, name, full_disk)
+    monkeypatch.setattr(cable_folder, name, full_disk)
     with (
         pytest.raises(OutputError, match="No space left on device") as caught,
-        ResultFolder(tmp_path / "out") as results,
+        CableFolder(tmp_path / "out") as results,
     ):
         fill(results, dive[:1])
     assert "\n" not in str(caught.value)
@@ -171,7 +171,7 @@ def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(
     monkeypatch.setattr(module, name, full_disk)
     with (
         pytest.raises(OutputError, match="No space left on device"),
-        ResultFolder(tmp_path / "out"),
+        CableFolder(tmp_path / "out"),
     ):
         pass
     assert names_in(tmp_path) == set()
@@ -182,8 +182,8 @@ def test_a_user_who_stops_it_at_the_start_hears_of_nothing_else(tmp_path, monkey
         raise KeyboardInterrupt
 
     # By then the video is open, and has no frames.
-    monkeypatch.setattr(result_folder, "DrawingThread", stopped)
-    with pytest.raises(KeyboardInterrupt), ResultFolder(tmp_path / "out"):
+    monkeypatch.setattr(cable_folder, "DrawingThread", stopped)
+    with pytest.raises(KeyboardInterrupt), CableFolder(tmp_path / "out"):
         pass
     assert names_in(tmp_path) == set()
 
@@ -193,19 +193,19 @@ def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatc
         raise OutputError(f"{path}: videos need PyAV")
 
     monkeypatch.setattr(results, "VideoWriter", refuse)
-    with pytest.raises(OutputError, match="PyAV"), ResultFolder(tmp_path / "out"):
+    with pytest.raises(OutputError, match="PyAV"), CableFolder(tmp_path / "out"):
         pass
     assert names_in(tmp_path) == set()
 
 
 def test_what_the_user_has_put_among_earlier_results_is_not_lost(tmp_path, dive):
     for _ in range(2):
-        with ResultFolder(tmp_path / "out", overwrite=True) as results:
+        with CableFolder(tmp_path / "out", overwrite=True) as results:
             fill(results, dive[:2])
     (tmp_path / "out" / "tracker.yaml").write_text("mine")
     with (
         pytest.raises(OutputError, match=r"out/tracker\.yaml: .* move it elsewhere"),
-        ResultFolder(tmp_path / "out", overwrite=True),
+        CableFolder(tmp_path / "out", overwrite=True),
     ):
         pass
     assert names_in(tmp_path / "out") == {*NAMES, "tracker.yaml"}

@@ -8,7 +8,7 @@ from dataclasses import replace
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
-from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.ros.clients.lockstep import (
     EVERY_MEASUREMENT,
     LockstepNodes,
@@ -57,7 +57,7 @@ def cable_nodes(
 def track_recording_over_ros(
     frames: Iterable[Frame],
     nodes: LockstepNodes,
-    results: ResultFolder,
+    results: CableFolder,
     vehicle: RecordedVehicle,
 ) -> RecordingError | None:
     """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`.

@@ -17,9 +17,9 @@ from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.results import BAG
-from cable_tracker.offline.track_recording import row_of
+from cable_tracker.offline.track_cable import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
-from cable_tracker.ros.clients.track_recording import _row
+from cable_tracker.ros.clients.track_cable import _row
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage, Frame
