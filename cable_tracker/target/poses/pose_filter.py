@@ -66,26 +66,12 @@ WHOLE_HASTE = 3.0
 
 
 class PoseFilter(TargetFilter[PoseBelief]):
-    """See the module.
-
-    Parameters
-    ----------
-    parameters : TargetParameters
-        Parameters of the filter.
-    rng : numpy.random.Generator
-        The only source of randomness.
-    """
+    """See the module and `TargetFilter`."""
 
     def start(
         self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
     ) -> tuple[TargetSummary, PoseBelief]:
-        """Learn a target from its pixels in a frame; see `TargetFilter`.
-
-        Raises
-        ------
-        FrameError
-            The mask is too small, or does not stand out from its surroundings.
-        """
+        """Learn a target from its pixels in a frame; see `TargetFilter`."""
         parameters = self._parameters
         look = look_first(frame, mask, parameters, is_exact=is_exact)
         if look.score < parameters.least_separation:

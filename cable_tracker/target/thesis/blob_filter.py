@@ -116,15 +116,7 @@ class BlobBelief:
 
 
 class BlobFilter(TargetFilter[BlobBelief]):
-    """See the module.
-
-    Parameters
-    ----------
-    parameters : TargetParameters
-        Parameters of the filter.
-    rng : numpy.random.Generator
-        The only source of randomness.
-    """
+    """See the module and `TargetFilter`."""
 
     def start(
         self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
