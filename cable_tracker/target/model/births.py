@@ -88,11 +88,7 @@ class Births:
     def log_density(self, states: FloatArray, memory_share: float) -> FloatArray:
         """Return the log-density of the places of poses (N, 6), shape (N,); see `draw`."""
         spreads = np.array(self._spreads())
-        height, width = self.shape
-        return _log_densities(
-            states, self.last, spreads, memory_share, float(width), float(height),
-            PEAKS[0], PEAKS[1],
-        )  # fmt: skip
+        return _log_densities(states, self.last, spreads, memory_share, self.shape)
 
 
 PEAKS = log_peak_density(TAIL, POSE_SIZE), log_peak_density(TAIL, 2)
@@ -100,17 +96,15 @@ PEAKS = log_peak_density(TAIL, POSE_SIZE), log_peak_density(TAIL, 2)
 
 
 @compiled
-def _log_densities(  # noqa: PLR0917
+def _log_densities(
     states: FloatArray,
     last: FloatArray,
     spreads: FloatArray,
     memory_share: float,
-    width: float,
-    height: float,
-    peak: float,
-    size_peak: float,
+    shape: tuple[int, int],
 ) -> FloatArray:
     place, scale, angle = spreads[0], spreads[1], spreads[2]
+    (peak, size_peak), (height, width) = PEAKS, shape
     near_peak = peak - math.log(place * place * scale * angle) + math.log(memory_share)
     far_peak = size_peak - math.log(scale * angle * width * height) + math.log1p(-memory_share)
     densities = np.empty(len(states))

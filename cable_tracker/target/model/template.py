@@ -94,7 +94,7 @@ def make_template(distances: NDArray[np.float32], size: float, points: int) -> T
     points : int
         Number of points inside, and of those around; fewer for a shape of hardly any area.
     """
-    inside, around = spread_points(distances, points, RING[0], RING[1])
+    inside, around = spread_points(distances, points)
     return Template(distances, size, inside, around)
 
 
@@ -211,10 +211,8 @@ def _into_template(  # noqa: PLR0917
 
 
 @compiled
-def spread_points(
-    distances: NDArray[np.float32], count: int, nearest: float, farthest: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return points spread evenly inside a shape, and in a ring around it, in units.
+def spread_points(distances: NDArray[np.float32], count: int) -> tuple[FloatArray, FloatArray]:
+    """Return points spread evenly inside a shape, and in the `RING` around it, in units.
 
     Parameters
     ----------
@@ -222,12 +220,11 @@ def spread_points(
         Distance map of the shape, shape (S, S), in units.
     count : int
         Number of points of either kind; fewer where hardly any place fits.
-    nearest, farthest : float
-        Distances from the outline within which the ring lies.
     """
     inside, around = np.empty((count, 2)), np.empty((count, 2))
     found_inside = found_around = 0
     first = second = 0.5
+    nearest, farthest = RING
     side = len(distances)
     middle = (side - 1) / 2
     for _ in range(400 * count * side * side // (SIDE * SIDE)):
