@@ -124,7 +124,7 @@ def initial_belief(states: FloatArray, presence: float) -> Belief:
     particles = Particles.equally_weighted(wrap_states(states))
     mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
     labels = np.zeros(particles.count, np.int64)
-    clusters = Clusters(labels, np.ones(1), mean[None, :], np.zeros(1, np.int64), 0.0)
+    clusters = Clusters(labels, np.ones(1), mean[None, :], 0.0)
     hypotheses = unmeasured_hypotheses(clusters, covariance, float(len(states)))
     return Belief(particles, hypotheses, presence, log_odds=np.full(1, log_odds_of(presence)))
 

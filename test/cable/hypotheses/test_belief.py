@@ -71,7 +71,7 @@ def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):
     belief = initial_belief(rng.normal(0.0, 0.1, (50, 8)), 0.9)
     labels = np.repeat([0, 1, NO_CLUSTER], [30, 15, 5])
     means = rng.normal(0.0, 1.0, (2, 8))
-    clusters = Clusters(labels, np.array([0.6, 0.3]), means, np.arange(2), 0.1)
+    clusters = Clusters(labels, np.array([0.6, 0.3]), means, 0.1)
     hypotheses = belief.hypotheses._replace(clusters=clusters)
     belief = replace(belief, hypotheses=hypotheses, log_odds=np.array([2.0, -1.0]))
     drawn = resampled_belief(belief, np.array([0, 29, 29, 44, 49]))

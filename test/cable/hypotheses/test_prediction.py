@@ -37,7 +37,7 @@ def sample(rng, count=60) -> tuple[Particles, Clusters]:
     weights /= weights.sum()
     masses = np.array([weights[labels == label].sum() for label in (0, 1)])
     rest = weights[labels == NO_CLUSTER].sum()
-    clusters = Clusters(labels, masses, np.zeros((2, 8)), np.arange(2), rest)
+    clusters = Clusters(labels, masses, np.zeros((2, 8)), rest)
     return Particles(states, np.log(weights)), clusters
 
 

@@ -203,7 +203,7 @@ class CorrectedClusters(NamedTuple):
     clusters : Clusters
         Clusters by these weights.
     background : Background
-        Background of the groups that `clusters.group_of` names.
+        What the clusters are held against.
     appearances : FloatArray
         How much the clusters look like cables, shape (K,) [nats].
     """
@@ -245,17 +245,18 @@ def corrected_clusters(
         )
     ).log_weights
     weights = exponentials(log_weights)
-    clusters = clusters_of(states, weights, groups)
+    clusters, order = clusters_of(states, weights, groups)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
         groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS, -math.inf)
         background, appearances = _background_and_appearances(
             states, log_weights, groups, inputs, config
         )
-        clusters = clusters_of(states, weights, groups)
-    return CorrectedClusters(
-        log_weights, weights, clusters, background, appearances[clusters.group_of]
+        clusters, order = clusters_of(states, weights, groups)
+    background = Background(
+        background.alike[order], background.means[order], background.deviations[order]
     )
+    return CorrectedClusters(log_weights, weights, clusters, background, appearances[order])
 
 
 @compiled_part
@@ -321,7 +322,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     """Return the conclusion without clusters: every particle is impossible."""
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     none = np.empty(0)
-    clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
+    clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
     hypotheses = unmeasured_hypotheses(clusters, covariance, 0.0)
     return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
@@ -386,11 +387,11 @@ def margins_and_scores(
     for row in range(len(weights)):
         label = clusters.labels[row]
         if label >= 0 and weights[row] > 0.0:
-            share, group = weights[row] / clusters.masses[label], clusters.group_of[label]
+            share = weights[row] / clusters.masses[label]
             added = sample.densities.width_penalties[row] + sample.map_log_ratios[row]
             ratio = sample.log_likelihoods[row] - added
-            mean, deviation = background.means[group], background.deviations[group]
-            best = max(background.alike[group], mean + BEST_OF_ANY * deviation)
+            mean, deviation = background.means[label], background.deviations[label]
+            best = max(background.alike[label], mean + BEST_OF_ANY * deviation)
             margins[label] += share * (ratio - best)
             scores[label] += share * (ratio - mean) / deviation
     return margins, scores

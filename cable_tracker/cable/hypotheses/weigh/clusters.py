@@ -66,8 +66,6 @@ class Clusters(NamedTuple):
         Sum of the weights of each cluster, shape (K,).
     means : FloatArray
         Weighted means, shape (K, 8); the angles are not wrapped.
-    group_of : IndexArray
-        Index of the group that each cluster comes from, shape (K,).
     rest : float
         Sum of the weights of the particles of no cluster.
     """
@@ -75,13 +73,17 @@ class Clusters(NamedTuple):
     labels: IndexArray
     masses: FloatArray
     means: FloatArray
-    group_of: IndexArray
     rest: float
 
 
 @compiled_part
-def clusters_of(states: FloatArray, weights: FloatArray, groups: Groups) -> Clusters:
-    """Return groups of particles as clusters, heaviest first, without those that weigh nothing."""
+def clusters_of(
+    states: FloatArray, weights: FloatArray, groups: Groups
+) -> tuple[Clusters, IndexArray]:
+    """Return groups of particles as clusters, heaviest first, without those that weigh nothing.
+
+    Also return the group that each comes from, shape (K,).
+    """
     order, masses, means = group_means(states, weights, groups)
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     rest = 0.0
@@ -91,7 +93,7 @@ def clusters_of(states: FloatArray, weights: FloatArray, groups: Groups) -> Clus
                 labels[row] = index
         if labels[row] == NO_CLUSTER:
             rest += weights[row]
-    return Clusters(labels, masses, means, order, rest)
+    return Clusters(labels, masses, means, rest), order
 
 
 @compiled_part
@@ -116,13 +118,7 @@ def reordered(clusters: Clusters, order: IndexArray) -> Clusters:
         for row in range(len(labels)):
             if clusters.labels[row] == order[index]:
                 labels[row] = index
-    return Clusters(
-        labels,
-        clusters.masses[order],
-        clusters.means[order],
-        clusters.group_of[order],
-        clusters.rest,
-    )
+    return Clusters(labels, clusters.masses[order], clusters.means[order], clusters.rest)
 
 
 @compiled_part

@@ -49,7 +49,7 @@ def groups_of(
 def grouped(states, weights, width):
     with np.errstate(divide="ignore"):
         groups = groups_of(states, np.log(weights), width)
-    return kernels.clusters_of(states, weights, groups)
+    return kernels.clusters_of(states, weights, groups)[0]
 
 
 def find_clusters(states, weights, width) -> list[Found]:
@@ -137,7 +137,7 @@ def test_the_lightest_cloud_gathers_too(rng):
     assert [group.sum() for group in groups] == [50, 50]
     # It has no weight in numbers, so that it is no cluster.
     labels, weights = np.repeat([0, 1], 50), np.repeat([1 / 50, 0.0], 50)
-    clusters = kernels.clusters_of(states, weights, Groups(labels, 2))
+    clusters, _ = kernels.clusters_of(states, weights, Groups(labels, 2))
     assert clusters.labels.tolist() == [0] * 50 + [NO_CLUSTER] * 50
 
 
@@ -178,8 +178,8 @@ def test_one_particle_is_one_cluster_without_a_spread(rng):
 def test_clusters_know_which_groups_they_were(rng):
     states = np.concatenate((cloud(rng, -60.0, 0.0, 30), cloud(rng, 60.0, 0.0, 70)))
     groups = Groups(np.repeat([0, 1], [30, 70]), 2)
-    clusters = kernels.clusters_of(states, equal(100), groups)
-    assert clusters.group_of.tolist() == [1, 0]
+    clusters, order = kernels.clusters_of(states, equal(100), groups)
+    assert order.tolist() == [1, 0]
     assert clusters.labels.tolist() == [1] * 30 + [0] * 70
 
 
