@@ -19,9 +19,9 @@ from cable_tracker.cable.hypotheses.belief_summary import (
     width_before_smoothing,
     width_by_map,
 )
+from cable_tracker.cable.hypotheses.conclude.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.conclude.first_claim import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.predict.remembered_cable import remember
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.measure.borders.border_points import MINIMUM_LENGTH
 from cable_tracker.cable.measure.map.map_borders import AS_THE_STRIP, MapBorders
 from cable_tracker.cable.model.state import CableState

@@ -13,6 +13,10 @@ from cable_tracker.cable.hypotheses.conclude.background import (
     Background,
     background_of,
 )
+from cable_tracker.cable.hypotheses.conclude.evidence_correction import (
+    WeighedParticles,
+    corrected_log_weights,
+)
 from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.propose.proposals import draw_sample
@@ -33,10 +37,6 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     leading_covariance,
     most_probable_first,
     reordered,
-)
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
-    WeighedParticles,
-    corrected_log_weights,
 )
 from cable_tracker.cable.hypotheses.weigh.presence import (
     PriorPresence,
@@ -235,14 +235,7 @@ def corrected_clusters(
         states, particles.log_posterior, groups, inputs, config
     )
     log_weights = normalise_log_weights(
-        corrected_log_weights(
-            particles,
-            groups,
-            background.alike,
-            appearances,
-            config.evidence_limits,
-            config.is_known,
-        )
+        corrected_log_weights(particles, groups, background.alike, appearances, config)
     ).log_weights
     weights = exponentials(log_weights)
     clusters, order = clusters_of(states, weights, groups)
@@ -407,7 +400,7 @@ def _log_odds(
     prior: PriorPresence,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
-    means, thin_width = corrected.clusters.means, config.evidence_limits.thin_width
+    means, thin_width = corrected.clusters.means, config.thin_width
     margins, scores = margins_and_scores(corrected, sample)
     log_odds = np.empty(len(means))
     for index in range(len(means)):

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.conclude.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.weigh.thin_strips import trusted_share
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
 from cable_tracker.cable.model.state import WIDTH

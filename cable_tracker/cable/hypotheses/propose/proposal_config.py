@@ -9,7 +9,6 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import MapWeights
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import EvidenceLimits
 from cable_tracker.cable.hypotheses.weigh.presence import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
@@ -61,8 +60,14 @@ class ProposalConfig(NamedTuple):
         Number of particles that each round draws about the best ones, shape (R,).
     powers, widenings : FloatArray
         Power of the likelihood, and factor on the covariance, in each round, shape (R,).
-    evidence_limits : EvidenceLimits
-        Limits of the correction of the groups' weights.
+    evidence_limit : float
+        Upper bound of the log-likelihood ratio of a group of particles that counts, before the
+        width penalty lowers it, and, negated, the lower bound of that of a new group against the
+        reference [nats].
+    evidence_repeated : float
+        Share of the ratio of a surviving group that counts, 0 to 1.
+    thin_width : float
+        Width below which ratios count less [px of the frame].
     same_hypothesis_radii : FloatArray
         `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
     frame_scale : float
@@ -83,7 +88,9 @@ class ProposalConfig(NamedTuple):
     refined: IndexArray
     powers: FloatArray
     widenings: FloatArray
-    evidence_limits: EvidenceLimits
+    evidence_limit: float
+    evidence_repeated: float
+    thin_width: float
     same_hypothesis_radii: FloatArray
     frame_scale: float
     is_known: bool
@@ -107,11 +114,9 @@ def proposal_config(
         refined=refined_counts(parameters),
         powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
         widenings=np.array([widening_in(number) for number in rounds]),
-        evidence_limits=EvidenceLimits(
-            parameters.evidence_limit,
-            parameters.evidence_repeated,
-            parameters.thin_width * frame_scale,
-        ),
+        evidence_limit=parameters.evidence_limit,
+        evidence_repeated=parameters.evidence_repeated,
+        thin_width=parameters.thin_width * frame_scale,
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         frame_scale=frame_scale,
         is_known=False,
@@ -124,8 +129,9 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
 
     It need not look like a cable, either: it is one.
     """
-    limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
-    return config._replace(evidence_limits=limits, is_known=True, map_weights=KNOWN_MAP)
+    return config._replace(
+        evidence_limit=parameters.evidence_limit_known, is_known=True, map_weights=KNOWN_MAP
+    )
 
 
 def annealing_power(number: int, rounds: int) -> float:

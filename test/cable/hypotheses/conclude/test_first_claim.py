@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
+from cable_tracker.cable.hypotheses.conclude.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.conclude.first_claim import (
     APPEARANCE_SHARE,
     CRISP,
@@ -29,7 +30,6 @@ from cable_tracker.cable.hypotheses.conclude.first_claim import (
     needed_clearness,
 )
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

@@ -21,12 +21,9 @@ def test_beside_a_known_cable_other_strips_count_less_and_the_map_where_it_shows
     assert known.is_known and not search.is_known
     assert known.map_weights.overlap < search.map_weights.overlap
     assert sum(known.map_weights) == sum(search.map_weights)
-    limits = (known.evidence_limits, search.evidence_limits)
-    assert [each.evidence_limit for each in limits] == [
-        parameters.evidence_limit_known,
-        parameters.evidence_limit,
-    ]
-    changed = {"evidence_limits": None, "is_known": None, "map_weights": None}
+    assert known.evidence_limit == parameters.evidence_limit_known
+    assert search.evidence_limit == parameters.evidence_limit
+    changed = {"evidence_limit": None, "is_known": None, "map_weights": None}
     for before, after in zip(search._replace(**changed), known._replace(**changed), strict=True):
         assert before is after
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues
+from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor
 from cable_tracker.cable.model.state import WIDTH
@@ -46,26 +47,6 @@ ORDINARY_APPEARANCE = 1.2
 
 SURVIVED = 0.5
 """Least share of survivors of the frame before in the prior mass of a surviving group."""
-
-
-class EvidenceLimits(NamedTuple):
-    """Limits of the correction.
-
-    Attributes
-    ----------
-    evidence_limit : float
-        Upper bound of the log-likelihood ratio of a group that counts, before the width penalty
-        lowers it, and, negated, the lower bound of that of a new group against the reference
-        [nats].
-    evidence_repeated : float
-        Share of the ratio of a surviving group that counts, 0 to 1.
-    thin_width : float
-        Width below which ratios count less [px of the frame].
-    """
-
-    evidence_limit: float
-    evidence_repeated: float
-    thin_width: float
 
 
 class WeighedParticles(NamedTuple):
@@ -120,21 +101,24 @@ class GroupEvidence(NamedTuple):
 
 @compiled_part
 def corrected_log_weights(
-    particles: WeighedParticles, groups: Groups, backgrounds: FloatArray, appearances: FloatArray,
-    limits: EvidenceLimits, is_known: bool,
-) -> FloatArray:  # fmt: skip
+    particles: WeighedParticles,
+    groups: Groups,
+    backgrounds: FloatArray,
+    appearances: FloatArray,
+    config: ProposalConfig,
+) -> FloatArray:
     """Return log-weights (N,) with the log-likelihood ratio of each of K groups corrected.
 
     `backgrounds`: log-likelihood ratio of the bottom at each of them, shape (K,), as
     `appearances` [nats]. Beside a known cable borders count whole, and appearance does not.
     """
-    evidence = group_evidence(particles, groups, backgrounds, appearances, limits, is_known)
+    evidence = group_evidence(particles, groups, backgrounds, appearances, config)
     surviving = reference_group(evidence)
     reference = evidence.counted[surviving] if surviving != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
     for label in range(NO_CLUSTER, groups.number):
         if evidence.log_ratio[label] != -np.inf:
-            counted = counted_log_ratio(evidence, label, reference, limits)
+            counted = counted_log_ratio(evidence, label, reference, config)
             corrections[label] = counted - evidence.log_ratio[label]
     corrected = np.empty(len(particles.log_posterior))
     for row in range(len(corrected)):
@@ -158,12 +142,15 @@ def background_share(map_log_ratios: FloatArray, is_known: bool) -> float:
 
 @compiled_part
 def group_evidence(
-    particles: WeighedParticles, groups: Groups, backgrounds: FloatArray, appearances: FloatArray,
-    limits: EvidenceLimits, is_known: bool,
-) -> GroupEvidence:  # fmt: skip
+    particles: WeighedParticles,
+    groups: Groups,
+    backgrounds: FloatArray,
+    appearances: FloatArray,
+    config: ProposalConfig,
+) -> GroupEvidence:
     """Sum up what the frame says of each group; see `corrected_log_weights`."""
     labels, count = groups.labels, groups.number + 1
-    share = background_share(particles.map_log_ratios, is_known)
+    share = background_share(particles.map_log_ratios, config.is_known)
     evidence = GroupEvidence(
         np.full(count, -np.inf),
         np.zeros(count),
@@ -183,8 +170,8 @@ def group_evidence(
         if label != NO_CLUSTER:
             background = backgrounds[label]
             appearance = appearances[label] - ORDINARY_APPEARANCE
-        counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
-        if not is_known:
+        counted = share * (thin_factor(means.width, config.thin_width) * (ratio - background))
+        if not config.is_known:
             counted += appearance
         evidence.counted[label] = counted
         evidence.survived_share[label] = min(means.survived_share, 1.0)
@@ -240,15 +227,15 @@ def reference_group(evidence: GroupEvidence) -> int:
 
 @compiled_loop
 def counted_log_ratio(
-    evidence: GroupEvidence, label: int, reference: float, limits: EvidenceLimits
+    evidence: GroupEvidence, label: int, reference: float, config: ProposalConfig
 ) -> float:
     """Return the log-likelihood ratio of a group that counts [nats].
 
     `reference` is the ratio above the background of the reference group, 0 without one [nats]. A
     group counts as surviving by its survived share, as new by the rest.
     """
-    repeated, lowest = limits.evidence_repeated, -limits.evidence_limit
-    highest = limits.evidence_limit + evidence.width_penalty[label]
+    repeated, lowest = config.evidence_repeated, -config.evidence_limit
+    highest = config.evidence_limit + evidence.width_penalty[label]
     ratio = evidence.counted[label]
     surviving = repeated * min(ratio, highest)
     new = repeated * min(reference, highest) + min(max(ratio - reference, lowest), highest)

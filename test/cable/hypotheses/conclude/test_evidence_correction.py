@@ -5,24 +5,23 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.predict.predicted_density import empty_densities
-from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
-from cable_tracker.cable.hypotheses.weigh.evidence_correction import (
+from cable_tracker.cable.hypotheses.conclude.evidence_correction import (
     BACKGROUND_SHARE,
     CLEAR_MAP,
     FAINT_MAP,
     ORDINARY_APPEARANCE,
-    EvidenceLimits,
     GroupEvidence,
     WeighedParticles,
     corrected_log_weights,
     reference_group,
 )
+from cable_tracker.cable.hypotheses.predict.predicted_density import empty_densities
+from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-LIMITS = EvidenceLimits(
-    evidence_limit=8.0,
-    evidence_repeated=0.15,
-    thin_width=12.0,
+CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))._replace(
+    evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0
 )
 
 
@@ -35,7 +34,6 @@ def corrected(
     width=30.0,
     background=0.0,
     appearance=ORDINARY_APPEARANCE,
-    limits=LIMITS,
     is_known=False,
     mapped=0.0,
 ):
@@ -54,7 +52,8 @@ def corrected(
     groups = Groups(np.array(labels), max(labels) + 1)
     backgrounds = np.full(groups.number, background)
     appearances = np.full(groups.number, appearance)
-    return corrected_log_weights(particles, groups, backgrounds, appearances, limits, is_known)
+    config = CONFIG._replace(is_known=is_known)
+    return corrected_log_weights(particles, groups, backgrounds, appearances, config)
 
 
 def evidence_after(evidence, survived=0.0, **others) -> float:
