@@ -58,18 +58,18 @@ from cable_tracker.cable.hypotheses.prediction import (
     Predictor,
     with_map_in_birth_density,
 )
+from cable_tracker.cable.hypotheses.propose.frame_inputs import (
+    FrameInputs,
+    beside_a_known_cable,
+    frame_config,
+)
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
     NOTHING_EXPECTED,
     ExpectedOverlap,
     overlap_of_expected,
 )
-from cable_tracker.cable.hypotheses.propose.proposal_config import (
-    beside_a_known_cable,
-    proposal_config,
-)
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.propose.sample import empty_sample
-from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts, sample_counts
+from cable_tracker.cable.hypotheses.propose.sample_counts import sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import (
     LEAST_PRESENCE,
     LIKELY_PRESENCE,
@@ -131,7 +131,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._movement = CableMovement(parameters, image_size[0])
         self._box = search_box(parameters, image_size[0])
-        self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
+        self._config = frame_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
         self._predictor = Predictor(parameters, self._movement, self._box, image_size, rng)
@@ -190,16 +190,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         if not is_known:
             prediction = with_map_in_birth_density(prediction, cable_map)
         config = self._known_config if is_known else self._config
-        counts = sample_counts(
-            self._parameters, prediction.density, len(detections), config.refined
-        )
         expected_overlap = NOTHING_EXPECTED
         if is_known:
             expected_overlap = overlap_of_expected(cable_map, expected_state, is_kept=not looks)
-        inputs = self._inputs(
-            belief, prediction, counts, image, detections, cable_map, expected_overlap
-        )
-        conclusion = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
+        inputs = self._inputs(belief, prediction, image, detections, cable_map, expected_overlap)
+        conclusion = draw_and_conclude(self._sample, inputs, config)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
             states = draw_births(
@@ -244,22 +239,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self,
         belief: Belief,
         prediction: Prediction,
-        counts: SampleCounts,
         image: WorkingImage,
         detections: FloatArray,
         cable_map: CableMap,
         expected_overlap: ExpectedOverlap,
-    ) -> ProposalInputs:
-        """Return the inputs of the proposals of a frame, with its random numbers."""
+    ) -> FrameInputs:
+        """Return what a frame is concluded from, with its random numbers."""
         ancestor_count = len(prediction.density.rates)
         is_likely = belief.presence >= LIKELY_PRESENCE
+        counts = sample_counts(
+            self._parameters, prediction.density, len(detections), self._config.refined
+        )
         noise = draw_frame_noise(
             self._rng,
             self._parameters.particle_count,
             counts.births,
             self._movement.degrees_of_freedom,
         )
-        return ProposalInputs(
+        return FrameInputs(
             predicted=prediction.density,
             noise=noise,
             scan=image.scan,
@@ -274,6 +271,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             ),
             detected=detections,
             anchors=prediction.prior.expected[:1] if is_likely else NO_ANCHOR,
+            counts=counts,
+            prior=prediction.prior,
         )
 
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:

@@ -7,8 +7,8 @@ import pytest
 from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameInputs
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import NOTHING_EXPECTED
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import NO_MAP
@@ -18,15 +18,15 @@ NOTHING = np.empty(0)
 
 
 @pytest.fixture
-def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
+def frame_inputs(rng) -> Callable[[np.ndarray], FrameInputs]:
     """Return the inputs of a picture, with random numbers, without a belief before it."""
     model = BorderLikelihoodRatio(TrackerParameters())
 
-    def make(picture: np.ndarray) -> ProposalInputs:
+    def make(picture: np.ndarray) -> FrameInputs:
         image = plain_image(picture.astype(np.float32))
         scan, noise = image.scan, draw_frame_noise(rng, 0, 0, 4.0)
         polarity = polarity_prior(0.5)
-        return ProposalInputs(
+        return FrameInputs(
             predicted=None,
             noise=noise,
             scan=scan,
@@ -38,6 +38,8 @@ def frame_inputs(rng) -> Callable[[np.ndarray], ProposalInputs]:
             ancestors=NOTHING,
             detected=NOTHING,
             anchors=NOTHING,
+            counts=None,
+            prior=None,
         )
 
     return make

@@ -556,9 +556,9 @@ def test_strips_are_held_against_the_expected_one_where_a_cable_is_known(
 ):
     frames, conclude = [], multi_hypothesis_filter.draw_and_conclude
 
-    def draw_and_conclude(sample, inputs, counts, config, prior):
-        frames.append((inputs.expected_overlap, prior.expected[0]))
-        return conclude(sample, inputs, counts, config, prior)
+    def draw_and_conclude(sample, inputs, config):
+        frames.append((inputs.expected_overlap, inputs.prior.expected[0]))
+        return conclude(sample, inputs, config)
 
     monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", draw_and_conclude)
     before = belief_before(is_given=is_given, kept_map=NO_KEPT_MAP)

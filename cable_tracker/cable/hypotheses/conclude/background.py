@@ -16,8 +16,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
 from cable_tracker.cable.measure.borders.likelihood_ratio import measured_cables
 from cable_tracker.cable.measure.borders.polarity_prior import marginal_log_ratios
 from cable_tracker.cable.model.geometry import (
@@ -71,7 +70,7 @@ def empty_background(count: int) -> Background:
 
 
 @compiled_part
-def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalConfig) -> Background:
+def background_of(states: FloatArray, inputs: FrameInputs, config: FrameConfig) -> Background:
     """Measure strips beside each of K hypotheses or groups, shape (K, 8), in the inputs' frame.
 
     The strips that are like hypotheses are shared out among them.
@@ -107,7 +106,7 @@ def background_of(states: FloatArray, inputs: ProposalInputs, config: ProposalCo
 
 
 @compiled_part
-def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatArray:
+def _ratios_of(strips: FloatArray, count: int, inputs: FrameInputs) -> FloatArray:
     """Return the log-likelihood ratios (count,) of the first strips."""
     measured = measured_cables(strips[:count], inputs.scan, inputs.model)
     return marginal_log_ratios(measured.log_ratios, inputs.polarity)

@@ -17,14 +17,12 @@ from cable_tracker.cable.hypotheses.conclude.evidence_correction import (
     WeighedParticles,
     corrected_log_weights,
 )
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
 from cable_tracker.cable.hypotheses.propose.proposals import draw_sample
 from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     importance_log_weights,
 )
-from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.weigh.clusters import (
     MOST_CLUSTERS,
     NO_CLUSTER,
@@ -39,7 +37,6 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     reordered,
 )
 from cable_tracker.cable.hypotheses.weigh.presence import (
-    PriorPresence,
     inherited_log_odds,
     is_same_hypothesis,
     updated_log_odds,
@@ -158,18 +155,12 @@ class Conclusion(NamedTuple):
 
 
 @compiled
-def draw_and_conclude(
-    sample: Sample,
-    inputs: ProposalInputs,
-    counts: SampleCounts,
-    config: ProposalConfig,
-    prior: PriorPresence,
-) -> Conclusion:
+def draw_and_conclude(sample: Sample, inputs: FrameInputs, config: FrameConfig) -> Conclusion:
     """Draw the particles of all rounds, weigh them, and conclude.
 
     About each of the candidates particles are one group, however little they weigh.
     """
-    drawn = draw_sample(sample, inputs, counts, config)
+    drawn = draw_sample(sample, inputs, config)
     states = _wrapped_states(sample, drawn.filled)
     log_prior = importance_log_weights(sample, drawn.filled, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
@@ -183,11 +174,11 @@ def draw_and_conclude(
     particles = WeighedParticles(states, log_prior, log_posterior, sample.densities, map_log_ratios)
     corrected = corrected_clusters(particles, groups, inputs, config)
     clear = border_clearness(corrected.clusters.means, inputs.scan, inputs.model)
-    log_odds = _log_odds(corrected, clear, sample, inputs, config, prior)
+    log_odds = _log_odds(corrected, clear, sample, inputs, config)
     order = most_probable_first(corrected.clusters.masses, log_odds)
     hypotheses = _hypotheses(states, corrected, clear, order, sample, inputs)
     goes_on = is_same_hypothesis(
-        hypotheses.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
+        hypotheses.clusters.means[0], inputs.prior.expected[0], config.same_hypothesis_radii
     )
     p_bright = _p_bright(corrected.weights, sample, inputs)
     return Conclusion(states, corrected.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
@@ -217,7 +208,7 @@ class CorrectedClusters(NamedTuple):
 
 @compiled_part
 def corrected_clusters(
-    particles: WeighedParticles, groups: Groups, inputs: ProposalInputs, config: ProposalConfig
+    particles: WeighedParticles, groups: Groups, inputs: FrameInputs, config: FrameConfig
 ) -> CorrectedClusters:
     """Correct the weights of the particles, and return their clusters.
 
@@ -227,7 +218,7 @@ def corrected_clusters(
         The particles, angles in (-pi/2, pi/2].
     groups : Groups
         Groups of them by the posterior, at least one.
-    inputs, config : ProposalInputs, ProposalConfig
+    inputs, config : FrameInputs, FrameConfig
         What they were drawn with.
     """
     states = particles.states
@@ -257,8 +248,8 @@ def _background_and_appearances(
     states: FloatArray,
     log_weights: FloatArray,
     groups: Groups,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
+    inputs: FrameInputs,
+    config: FrameConfig,
 ) -> tuple[Background, FloatArray]:
     """Return what groups of particles are held against, and how much they look like cables."""
     centres = group_centres(states, log_weights, groups)
@@ -273,7 +264,7 @@ def _hypotheses(
     clear: BorderClearness,
     order: IndexArray,
     sample: Sample,
-    inputs: ProposalInputs,
+    inputs: FrameInputs,
 ) -> Hypotheses:
     """Return the clusters in an order, (K,), with what the frame measures of the first of it."""
     clusters, weights, leader = reordered(corrected.clusters, order), corrected.weights, order[0]
@@ -322,7 +313,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
 
 
 @compiled_loop
-def _p_bright(weights: FloatArray, sample: Sample, inputs: ProposalInputs) -> float:
+def _p_bright(weights: FloatArray, sample: Sample, inputs: FrameInputs) -> float:
     """Return the weighted share of bright cables among the particles."""
     p_bright = 0.0
     for row in range(len(weights)):
@@ -332,7 +323,7 @@ def _p_bright(weights: FloatArray, sample: Sample, inputs: ProposalInputs) -> fl
 
 @compiled_loop
 def _weaker_border_of_leader(
-    clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
+    clusters: Clusters, weights: FloatArray, sample: Sample, inputs: FrameInputs
 ) -> tuple[float, float]:
     """Return the weaker border's mean and the visible length, over the leader.
 
@@ -350,14 +341,14 @@ def _weaker_border_of_leader(
 
 
 @compiled_inside
-def _bright_share_of(row: int, sample: Sample, inputs: ProposalInputs) -> float:
+def _bright_share_of(row: int, sample: Sample, inputs: FrameInputs) -> float:
     """Return the probability that a particle's cable is bright, and not a dark one."""
     log_ratios = sample.measured.log_ratios[row]
     return bright_share(inputs.polarity, log_ratios[BRIGHT], log_ratios[DARK])
 
 
 @compiled_part
-def _borders_of_leading_mean(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
+def _borders_of_leading_mean(means: FloatArray, inputs: FrameInputs) -> FloatArray:
     """Return the mean log-likelihood ratios (2,) of the first mean's borders."""
     measured = measured_cables(means[:1], inputs.scan, inputs.model)
     is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
@@ -395,12 +386,11 @@ def _log_odds(
     corrected: CorrectedClusters,
     clear: BorderClearness,
     sample: Sample,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
-    prior: PriorPresence,
+    inputs: FrameInputs,
+    config: FrameConfig,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
-    means, thin_width = corrected.clusters.means, config.thin_width
+    means, thin_width, prior = corrected.clusters.means, config.thin_width, inputs.prior
     margins, scores = margins_and_scores(corrected, sample)
     log_odds = np.empty(len(means))
     for index in range(len(means)):

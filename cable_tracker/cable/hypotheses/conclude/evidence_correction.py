@@ -21,7 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor
 from cable_tracker.cable.model.state import WIDTH
@@ -105,7 +105,7 @@ def corrected_log_weights(
     groups: Groups,
     backgrounds: FloatArray,
     appearances: FloatArray,
-    config: ProposalConfig,
+    config: FrameConfig,
 ) -> FloatArray:
     """Return log-weights (N,) with the log-likelihood ratio of each of K groups corrected.
 
@@ -146,7 +146,7 @@ def group_evidence(
     groups: Groups,
     backgrounds: FloatArray,
     appearances: FloatArray,
-    config: ProposalConfig,
+    config: FrameConfig,
 ) -> GroupEvidence:
     """Sum up what the frame says of each group; see `corrected_log_weights`."""
     labels, count = groups.labels, groups.number + 1
@@ -227,7 +227,7 @@ def reference_group(evidence: GroupEvidence) -> int:
 
 @compiled_loop
 def counted_log_ratio(
-    evidence: GroupEvidence, label: int, reference: float, config: ProposalConfig
+    evidence: GroupEvidence, label: int, reference: float, config: FrameConfig
 ) -> float:
     """Return the log-likelihood ratio of a group that counts [nats].
 

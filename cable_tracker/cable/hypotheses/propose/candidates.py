@@ -14,8 +14,7 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
 from cable_tracker.cable.hypotheses.weigh.clusters import find_groups, heaviest_members
 from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.compilation import compiled_part
@@ -35,8 +34,8 @@ of the map."""
 def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
+    inputs: FrameInputs,
+    config: FrameConfig,
 ) -> FloatArray:
     """Return the particles, and strips of the map, that look most like cables, shape (C, 8).
 
@@ -47,10 +46,10 @@ def likeliest_strips(
     states, log_likelihoods : FloatArray
         Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
         ones.
-    inputs : ProposalInputs
+    inputs : FrameInputs
         The scanned frame, the tables of its log-likelihood ratios, its map, and the strips that
         the map shows.
-    config : ProposalConfig
+    config : FrameConfig
         Radii of the clusters.
     """
     groups = find_groups(states, log_likelihoods, config.cluster_radii, MOST_LOOKED_AT, -math.inf)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig
 from cable_tracker.cable.hypotheses.weigh.clusters import (
     MOST_CLUSTERS,
     find_groups,
@@ -79,7 +79,7 @@ def all_peaks(first: Peaks, others: Peaks) -> Peaks:
 
 @compiled_part
 def cluster_peaks(
-    states: FloatArray, log_weights: FloatArray, count: int, widening: float, config: ProposalConfig
+    states: FloatArray, log_weights: FloatArray, count: int, widening: float, config: FrameConfig
 ) -> Peaks:
     """Return the heaviest clusters of particles as peaks to draw about.
 
@@ -91,7 +91,7 @@ def cluster_peaks(
         Number of particles that are to be drawn about the peaks.
     widening : float
         Factor on the covariance of the clusters.
-    config : ProposalConfig
+    config : FrameConfig
         Radii of the clusters, and the smallest kernel scales.
     """
     weights = exponentials(log_weights)
@@ -119,9 +119,7 @@ def cluster_peaks(
 
 
 @compiled_part
-def candidate_peaks(
-    strips: FloatArray, count: int, narrowing: float, config: ProposalConfig
-) -> Peaks:
+def candidate_peaks(strips: FloatArray, count: int, narrowing: float, config: FrameConfig) -> Peaks:
     """Return strips (C, 8) as peaks to draw about.
 
     Parameters
@@ -132,7 +130,7 @@ def candidate_peaks(
         Number of particles that are to be drawn about them.
     narrowing : float
         Factor on the kernel scales of detections.
-    config : ProposalConfig
+    config : FrameConfig
         Kernel scales of detections, and the smallest ones.
     """
     peaks = _room_for_peaks(len(strips))
@@ -196,7 +194,7 @@ def add_detection_density(
     stop: int,
     count: int,
     centres: FloatArray,
-    config: ProposalConfig,
+    config: FrameConfig,
     proposal_density: FloatArray,
 ) -> None:
     """Add `count` times the density of equal kernels about centres (K, 4) to a proposal's."""

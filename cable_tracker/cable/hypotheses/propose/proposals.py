@@ -25,6 +25,7 @@ from cable_tracker.cable.hypotheses.propose.candidates import (
     CANDIDATE_SHARE,
     likeliest_strips,
 )
+from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
 from cable_tracker.cable.hypotheses.propose.map_log_ratio import map_log_ratio
 from cable_tracker.cable.hypotheses.propose.peaks import (
     Peaks,
@@ -36,14 +37,11 @@ from cable_tracker.cable.hypotheses.propose.peaks import (
     draw_about_peaks,
     no_peaks,
 )
-from cable_tracker.cable.hypotheses.propose.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.propose.proposal_inputs import ProposalInputs
 from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     fill_log_likelihoods,
     importance_log_weights,
 )
-from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.measure.borders.likelihood_ratio import fill_measures
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -74,34 +72,30 @@ class Drawn(NamedTuple):
 
 
 @compiled_part
-def draw_sample(
-    sample: Sample, inputs: ProposalInputs, counts: SampleCounts, config: ProposalConfig
-) -> Drawn:
+def draw_sample(sample: Sample, inputs: FrameInputs, config: FrameConfig) -> Drawn:
     """Draw the particles of all rounds."""
-    drawn = _draw_first(sample, inputs, counts, config)
+    drawn = _draw_first(sample, inputs, config)
     for number in range(len(config.refined)):
         weights = normalise_log_weights(
             importance_log_weights(sample, drawn.filled, config.powers[number])
         )
         if config.refined[number] and not weights.degenerate:
-            drawn = _draw_round(sample, drawn, weights.log_weights, number, inputs, counts, config)
+            drawn = _draw_round(sample, drawn, weights.log_weights, number, inputs, config)
     return drawn
 
 
 @compiled_part
-def _draw_first(
-    sample: Sample, inputs: ProposalInputs, counts: SampleCounts, config: ProposalConfig
-) -> Drawn:
+def _draw_first(sample: Sample, inputs: FrameInputs, config: FrameConfig) -> Drawn:
     """Draw and measure survivors, births, border switches, and cables about detections."""
-    centres = _poses_in_chart(inputs.detected, inputs.reference_angle)
+    counts, centres = inputs.counts, _poses_in_chart(inputs.detected, inputs.reference_angle)
     first = counts.survivors + counts.births
     end = first + counts.switches + counts.detections
-    _place_first(sample.states, inputs, counts, config, centres)
+    _place_first(sample.states, inputs, config, centres)
     fill_densities(sample.states, first, inputs.predicted, sample.densities)
     _measure(sample, inputs, config, 0, first)
     _draw_rates_and_measure(sample, inputs, config, first, end)
     drawn = Drawn(end, centres, no_peaks(), np.empty((0, STATE_SIZE)))
-    _fill_proposal_density(sample, 0, drawn, counts, config)
+    _fill_proposal_density(sample, 0, drawn, inputs, config)
     return drawn
 
 
@@ -111,9 +105,8 @@ def _draw_round(
     before: Drawn,
     log_weights: FloatArray,
     number: int,
-    inputs: ProposalInputs,
-    counts: SampleCounts,
-    config: ProposalConfig,
+    inputs: FrameInputs,
+    config: FrameConfig,
 ) -> Drawn:
     """Draw and measure the particles of a round, about the best ones so far and the candidates.
 
@@ -125,7 +118,7 @@ def _draw_round(
         Log-weights of those that the round goes by, shape (`before.filled`,).
     number : int
         Number of the round, from 0.
-    inputs, counts, config : ProposalInputs, SampleCounts, ProposalConfig
+    inputs, config : FrameInputs, FrameConfig
         What it is drawn with.
     """
     start, count = before.filled, config.refined[number]
@@ -144,7 +137,7 @@ def _draw_round(
     add_peak_densities(states, 0, start, peaks, tail, density)
     _draw_rates_and_measure(sample, inputs, config, start, start + count)
     drawn = Drawn(start + count, before.centres, all_peaks(before.peaks, peaks), candidates)
-    _fill_proposal_density(sample, start, drawn, counts, config)
+    _fill_proposal_density(sample, start, drawn, inputs, config)
     return drawn
 
 
@@ -160,13 +153,12 @@ def _poses_in_chart(poses: FloatArray, reference_angle: float) -> FloatArray:
 @compiled_part
 def _place_first(
     states: FloatArray,
-    inputs: ProposalInputs,
-    counts: SampleCounts,
-    config: ProposalConfig,
+    inputs: FrameInputs,
+    config: FrameConfig,
     centres: FloatArray,
 ) -> None:
     """Fill in the states of survivors and births, and the poses of the others of `_draw_first`."""
-    predicted, noise = inputs.predicted, inputs.noise
+    predicted, noise, counts = inputs.predicted, inputs.noise, inputs.counts
     for row in range(counts.survivors):
         ancestor, stretch = inputs.ancestors[row], noise.stretches[row, 0]
         for column in range(POSE_SIZE):
@@ -191,7 +183,7 @@ def _place_first(
 
 @compiled_part
 def _draw_rates_and_measure(
-    sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
+    sample: Sample, inputs: FrameInputs, config: FrameConfig, start: int, stop: int
 ) -> None:
     """Draw the rates of states whose poses were proposed, and fill in their log-likelihoods."""
     states = sample.states
@@ -205,7 +197,7 @@ def _draw_rates_and_measure(
 
 @compiled_part
 def _measure(
-    sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
+    sample: Sample, inputs: FrameInputs, config: FrameConfig, start: int, stop: int
 ) -> None:
     fill_measures(
         sample.states,
@@ -225,12 +217,13 @@ def _measure(
 
 @compiled_part
 def _fill_proposal_density(
-    sample: Sample, start: int, drawn: Drawn, counts: SampleCounts, config: ProposalConfig
+    sample: Sample, start: int, drawn: Drawn, inputs: FrameInputs, config: FrameConfig
 ) -> None:
     """Fill in the proposal density q, times the number of particles, from row `start` on.
 
     It is the sum over the proposals k of n_k q_k(x).
     """
+    counts = inputs.counts
     births = float(counts.births) if counts.births else LEAST_PROBABILITY
     states, stop, density = sample.states, drawn.filled, sample.proposal_density
     for row in range(start, stop):

@@ -14,14 +14,14 @@ from cable_tracker.cable.hypotheses.conclude.background import (
     background_of,
     is_within_shared_border_limits,
 )
-from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.model.geometry import project_borders, states_from_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 MODEL = BorderLikelihoodRatio(TrackerParameters())
-CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+CONFIG = frame_config(TrackerParameters(), 4.0, (320, 240))
 
 
 @pytest.fixture

@@ -16,11 +16,11 @@ from cable_tracker.cable.hypotheses.conclude.evidence_correction import (
     reference_group,
 )
 from cable_tracker.cable.hypotheses.predict.predicted_density import empty_densities
-from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))._replace(
+CONFIG = frame_config(TrackerParameters(), 4.0, (320, 240))._replace(
     evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0
 )
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.propose.candidates import MOST_CANDIDATES, likeliest_strips
-from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+CONFIG = frame_config(TrackerParameters(), 4.0, (320, 240))
 NOTHING = np.empty((0, 4))
 CABLE, ELSEWHERE = [40.0, 0.0, 40.0, 0.0], [-80.0, 0.3, 30.0, 0.0]
 

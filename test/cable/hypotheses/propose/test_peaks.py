@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
 from cable_tracker.cable.hypotheses.propose.peaks import (
     MOST_REFINED,
     Peaks,
@@ -16,7 +17,6 @@ from cable_tracker.cable.hypotheses.propose.peaks import (
     draw_about_peaks,
     no_peaks,
 )
-from cable_tracker.cable.hypotheses.propose.proposal_config import proposal_config
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 FACTOR = np.linalg.cholesky(
@@ -24,7 +24,7 @@ FACTOR = np.linalg.cholesky(
 )
 PLACE = np.array([5.0, 0.2, 30.0, 0.0])
 SCALES = np.array([3.0, 0.03, 4.0, 0.03])
-CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+CONFIG = frame_config(TrackerParameters(), 4.0, (320, 240))
 
 
 def literal_density(point, place, factor) -> float:

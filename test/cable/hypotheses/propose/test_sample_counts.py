@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.predict.predicted_density import LEAST_PROBABILITY
-from cable_tracker.cable.hypotheses.propose.proposal_config import refined_counts
+from cable_tracker.cable.hypotheses.propose.frame_inputs import refined_counts
 from cable_tracker.cable.hypotheses.propose.sample_counts import LOST_DETECTOR_SHARE, sample_counts
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 

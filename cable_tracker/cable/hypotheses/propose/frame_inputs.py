@@ -1,4 +1,4 @@
-"""How the particles of a frame are drawn: what is the same in every frame."""
+"""What a frame is concluded from: what changes from frame to frame, and what is always the same."""
 
 from __future__ import annotations
 
@@ -7,9 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.propose.map_log_ratio import MapWeights
+from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
+from cable_tracker.cable.hypotheses.propose.map_log_ratio import ExpectedOverlap, MapWeights
+from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
-from cable_tracker.cable.hypotheses.weigh.presence import SAME_HYPOTHESIS_RADII
+from cable_tracker.cable.hypotheses.weigh.presence import SAME_HYPOTHESIS_RADII, PriorPresence
+from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
+from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
+from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
+from cable_tracker.cable.measure.map.cable_map import CableMap
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -41,7 +48,54 @@ more like a cable it is not left easily, a crisp shadow for instance. But for wh
 one, such as a dark seam along its flank, no more easily than a search would take that."""
 
 
-class ProposalConfig(NamedTuple):
+class FrameInputs(NamedTuple):
+    """What changes from frame to frame.
+
+    Attributes
+    ----------
+    predicted : PredictedDensity
+        The density f before the frame is looked at.
+    noise : FrameNoise
+        Random numbers of the frame.
+    scan, model : ScanInputs, RatioModel
+        The scanned frame, and the tables of its log-likelihood ratios.
+    cable_map : CableMap
+        The map of the frame; beside a clear known cable the kept one, moved along; `NO_MAP` without
+        either.
+    expected_overlap : ExpectedOverlap
+        What overlaps with this map are held against.
+    polarity : PolarityPrior
+        Probability that a cable is brighter than the bottom.
+    reference_angle : float
+        Angle within pi/2 of which the normals of all particles are written [rad].
+    ancestors : IndexArray
+        Index of the kernel of f that each survivor is drawn from, shape (S,).
+    detected : FloatArray
+        d, alpha, w, beta of cables that a detector sees [px, rad], shape (K, 4).
+    anchors : FloatArray
+        Expected state of the leading cluster, shape (0 or 1, 8).
+    counts : SampleCounts
+        Numbers of particles of the frame, by the proposal that they are drawn from.
+    prior : PriorPresence
+        Prior of the log-odds of the hypotheses, and their expected states.
+    """
+
+    predicted: PredictedDensity
+    noise: FrameNoise
+    scan: ScanInputs
+    model: RatioModel
+    cable_map: CableMap
+    expected_overlap: ExpectedOverlap
+    polarity: PolarityPrior
+    reference_angle: float
+    ancestors: IndexArray
+    detected: FloatArray
+    anchors: FloatArray
+    counts: SampleCounts
+    prior: PriorPresence
+
+
+class FrameConfig(NamedTuple):
     """What is the same in every frame with a known cable, and in every one without.
 
     Attributes
@@ -97,14 +151,14 @@ class ProposalConfig(NamedTuple):
     map_weights: MapWeights
 
 
-def proposal_config(
+def frame_config(
     parameters: TrackerParameters, degrees_of_freedom: float, image_size: tuple[int, int]
-) -> ProposalConfig:
+) -> FrameConfig:
     """Return what the parameters make of it for frames of a size [px]."""
     width, height = image_size
     frame_scale = pixel_scale(width)
     units, rounds = pose_units(frame_scale), range(parameters.refinement_rounds)
-    return ProposalConfig(
+    return FrameConfig(
         image_size=(float(width), float(height)),
         limits=possible_limits(parameters, width),
         degrees_of_freedom=degrees_of_freedom,
@@ -124,7 +178,7 @@ def proposal_config(
     )
 
 
-def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
+def beside_a_known_cable(config: FrameConfig, parameters: TrackerParameters) -> FrameConfig:
     """Return a configuration in which other strips count less: where the cable is, is known.
 
     It need not look like a cable, either: it is one.

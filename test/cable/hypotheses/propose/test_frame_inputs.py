@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.propose.proposal_config import (
+from cable_tracker.cable.hypotheses.propose.frame_inputs import (
     FIRST_POWER,
     annealing_power,
     beside_a_known_cable,
-    proposal_config,
+    frame_config,
     round_weights,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -16,7 +16,7 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 def test_beside_a_known_cable_other_strips_count_less_and_the_map_where_it_shows_more():
     parameters = TrackerParameters()
-    search = proposal_config(parameters, 4.0, (320, 240))
+    search = frame_config(parameters, 4.0, (320, 240))
     known = beside_a_known_cable(search, parameters)
     assert known.is_known and not search.is_known
     assert known.map_weights.overlap < search.map_weights.overlap
