@@ -17,9 +17,7 @@ from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 
 class ParticleBelief(Protocol):
@@ -173,12 +171,3 @@ class NoProposer:
     def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         """Return no cables, shape (0, 4)."""
         return NO_PROPOSALS
-
-
-def resampled_states(
-    belief: ParticleBelief, parameters: TrackerParameters, rng: np.random.Generator
-) -> FloatArray:
-    """Draw the wanted number of equally weighted states from a belief, shape (N, 8)."""
-    particles = belief.particles
-    resample = RESAMPLING_SCHEMES[parameters.resampling]
-    return particles.states[resample(particles.weights, parameters.particle_count, rng)]

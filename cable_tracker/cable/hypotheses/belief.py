@@ -140,7 +140,7 @@ def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
     )
     return replace(
         belief,
-        particles=Particles.equally_weighted(belief.particles.states[indices]),
+        particles=belief.particles.selected(indices),
         hypotheses=belief.hypotheses._replace(clusters=clusters, effective_size=float(count)),
     )
 

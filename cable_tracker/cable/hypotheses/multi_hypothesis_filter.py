@@ -35,12 +35,7 @@ from dataclasses import replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter_interface import (
-    BeliefSummary,
-    CableFilter,
-    ParticleBelief,
-    resampled_states,
-)
+from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.hypotheses.belief import (
     Belief,
     initial_belief,
@@ -151,14 +146,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def converted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
-        if not isinstance(belief, Belief):
-            states = resampled_states(belief, self._parameters, self._rng)
-            return self.guessed_belief(states)
-        count = self._parameters.particle_count
-        if belief.particles.count == count:
+        particles, count = belief.particles, self._parameters.particle_count
+        if isinstance(belief, Belief) and particles.count == count:
             return belief
-        indices = self._resample(belief.particles.weights, count, self._rng)
-        return resampled_belief(belief, indices)
+        indices = self._resample(particles.weights, count, self._rng)
+        if isinstance(belief, Belief):
+            return resampled_belief(belief, indices)
+        return self.guessed_belief(particles.states[indices])
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether there is more likely no cable than one, or the search begins anew."""

@@ -8,12 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter_interface import (
-    BeliefSummary,
-    CableFilter,
-    ParticleBelief,
-    resampled_states,
-)
+from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -85,9 +80,10 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
 
     def converted(self, belief: ParticleBelief) -> BootstrapBelief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
-        if belief.particles.count == self._parameters.particle_count:
-            return BootstrapBelief(belief.particles)
-        return self.given_belief(resampled_states(belief, self._parameters, self._rng))
+        particles, count = belief.particles, self._parameters.particle_count
+        if particles.count != count:
+            particles = particles.selected(self._resample(particles.weights, count, self._rng))
+        return BootstrapBelief(particles)
 
     def step(
         self,
