@@ -45,6 +45,7 @@ from cable_tracker.cable.hypotheses.belief import (
 )
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.conclude.conclusion import draw_and_conclude
+from cable_tracker.cable.hypotheses.conclude.first_claim import are_borders_clear
 from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import fixture_test_after
 from cable_tracker.cable.hypotheses.predict.births import draw_births
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
@@ -222,11 +223,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
         It is while no cable is known, where a border of it is faint, and when the last map is old.
         """
-        borders_are_clear = (
-            belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
-        )
+        are_clear = are_borders_clear(belief.hypotheses, self._parameters)
         map_is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
-        is_worth_it = not (is_known and borders_are_clear and map_is_recent)
+        is_worth_it = not (is_known and are_clear and map_is_recent)
         return is_worth_it and self._parameters.uses_map
 
     def _inputs(

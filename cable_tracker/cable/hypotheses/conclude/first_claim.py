@@ -73,8 +73,14 @@ def is_new_clear(
         return False
     leader = hypotheses.clusters.means[0]
     is_narrow = leader[WIDTH] < WIDE * image_size[0]
-    are_borders_clear = hypotheses.weaker_border_mean >= parameters.evidence_to_find
-    return is_narrow or are_borders_clear or are_borders_in_view(leader, image_size)
+    if is_narrow or are_borders_clear(hypotheses, parameters):
+        return True
+    return are_borders_in_view(leader, image_size)
+
+
+def are_borders_clear(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
+    """Tell whether each border of the leader is clear enough for a first claim by itself."""
+    return hypotheses.weaker_border_mean >= parameters.evidence_to_find
 
 
 def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:
