@@ -163,8 +163,8 @@ def _log_ratio_of_score(score: float, model: ScoreModel) -> float:
     # Below its mode the Gumbel density falls steeply, and the ratio would speak for a cable.
     score = min(max(score, model.empty_mode), model.highest_score)
     place = (score - model.empty_mode) / model.empty_scale
-    empty = -place - math.exp(min(-place, 50.0)) - math.log(model.empty_scale)
+    empty = -place - math.exp(-place) - math.log(model.empty_scale)
     deviation = (score - model.cable_mean) / model.cable_deviation
     cable = -0.5 * deviation * deviation - math.log(model.cable_deviation * math.sqrt(2 * math.pi))
-    visible = (1.0 - model.hidden_share) * math.exp(min(cable - empty, 50.0))
+    visible = (1.0 - model.hidden_share) * math.exp(cable - empty)
     return math.log(visible + model.hidden_share)
