@@ -32,7 +32,7 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     find_groups,
     find_groups_about,
     group_centres,
-    leading_covariance,
+    group_covariance,
     most_probable_first,
     reordered,
 )
@@ -271,7 +271,9 @@ def _hypotheses(
     border_mean, visible_length = _weaker_border_of_leader(clusters, weights, sample, inputs)
     return Hypotheses(
         clusters,
-        leading_covariance(states, weights, clusters),
+        group_covariance(
+            states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0]
+        ),
         effective_sample_size(corrected.log_weights),
         border_mean,
         visible_length,

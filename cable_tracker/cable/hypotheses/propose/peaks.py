@@ -106,12 +106,13 @@ def cluster_peaks(
     total = masses[:number].sum()
     for index in range(number):
         peaks.counts[index] = int(count * (masses[index] / total))
+        mean = means[index, :POSE_SIZE]
         covariance = group_covariance(
-            states, weights, groups.labels, order[index], masses[index], means[index], POSE_SIZE
+            states, weights, groups.labels, order[index], masses[index], mean
         )
         covariance *= widening
         for row in range(POSE_SIZE):
-            peaks.locations[index, row] = means[index, row]
+            peaks.locations[index, row] = mean[row]
             covariance[row, row] += config.smallest_sigmas[row] ** 2
         cholesky_factor(covariance, peaks.factors[index])
     peaks.counts[0] += count - peaks.counts.sum()

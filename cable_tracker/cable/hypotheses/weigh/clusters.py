@@ -122,14 +122,6 @@ def reordered(clusters: Clusters, order: IndexArray) -> Clusters:
 
 
 @compiled_part
-def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Clusters) -> FloatArray:
-    """Return the covariance (8, 8) of the first cluster, in its mean's chart."""
-    return group_covariance(
-        states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0], STATE_SIZE
-    )
-
-
-@compiled_part
 def find_groups(
     states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int, least: float
 ) -> Groups:
@@ -396,9 +388,12 @@ def group_covariance(
     label: int,
     mass: float,
     mean: FloatArray,
-    size: int,
 ) -> FloatArray:
-    """Return the covariance of the first `size` components of a group, in its mean's chart."""
+    """Return the covariance (K, K) of a group about the first K components of its mean, (K,).
+
+    It is that in the mean's chart.
+    """
+    size = len(mean)
     covariance = np.zeros((size, size))
     deviation = np.empty(STATE_SIZE)
     for row in range(len(labels)):

@@ -58,7 +58,10 @@ def find_clusters(states, weights, width) -> list[Found]:
 
 def spread_of_leader(states, weights, width) -> np.ndarray:
     clusters = grouped(states, weights, width)
-    return np.sqrt(np.diag(kernels.leading_covariance(states, weights, clusters)))
+    covariance = kernels.group_covariance(
+        states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0]
+    )
+    return np.sqrt(np.diag(covariance))
 
 
 def find_groups(states, log_weights, width, anchor=None) -> list[np.ndarray]:
