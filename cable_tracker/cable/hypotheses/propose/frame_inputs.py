@@ -167,7 +167,7 @@ def frame_config(
         smallest_sigmas=SMALLEST_SIGMAS * units,
         refined=refined_counts(parameters),
         powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
-        widenings=np.array([widening_in(number) for number in rounds]),
+        widenings=np.array([WIDENINGS[min(number, 1)] for number in rounds]),
         evidence_limit=parameters.evidence_limit,
         evidence_repeated=parameters.evidence_repeated,
         thin_width=parameters.thin_width * frame_scale,
@@ -195,21 +195,9 @@ def annealing_power(number: int, rounds: int) -> float:
     return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
 
 
-def widening_in(number: int) -> float:
-    """Return the factor on the covariance of the particles that a round draws about."""
-    return WIDENINGS[min(number, len(WIDENINGS) - 1)]
-
-
-def round_weights(rounds: int) -> list[float]:
-    """Return the share of each round; the last, which counts most, has more than the others."""
-    if rounds == 0:
-        return []
-    parts = [1.0] * (rounds - 1) + [1.5]
-    return [part / sum(parts) for part in parts]
-
-
 def refined_counts(parameters: TrackerParameters) -> IndexArray:
-    """Return how many particles each round draws, shape (R,)."""
+    """Return how many particles each round draws, shape (R,): most the last, which counts most."""
     refined = parameters.refinement_share * parameters.particle_count
-    shares = round_weights(parameters.refinement_rounds)
-    return np.array([int(refined * share) for share in shares], np.int64)
+    rounds = parameters.refinement_rounds
+    parts = [1.0] * (rounds - 1) + [1.5] if rounds else []
+    return np.array([int(refined * (part / sum(parts))) for part in parts], np.int64)

@@ -9,7 +9,7 @@ from cable_tracker.cable.hypotheses.propose.frame_inputs import (
     annealing_power,
     beside_a_known_cable,
     frame_config,
-    round_weights,
+    refined_counts,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -37,10 +37,15 @@ def test_the_power_of_the_likelihood_rises_round_by_round_to_one(rounds):
         assert powers[-1] == 1.0
 
 
-@given(st.integers(1, 6))
+@given(st.integers(1, 4))
 def test_the_rounds_share_all_and_the_last_has_most(rounds):
-    weights = round_weights(rounds)
-    assert len(weights) == rounds
-    assert sum(weights) == pytest.approx(1.0)
-    assert max(weights) == weights[-1]
-    assert round_weights(0) == []
+    parameters = TrackerParameters(refinement_rounds=rounds)
+    refined = parameters.refinement_share * parameters.particle_count
+    counts = refined_counts(parameters)
+    assert len(counts) == rounds
+    assert refined - rounds <= counts.sum() <= refined
+    assert counts.max() == counts[-1]
+
+
+def test_without_a_round_none_is_drawn_in_any():
+    assert len(refined_counts(TrackerParameters(refinement_rounds=0))) == 0
