@@ -25,7 +25,6 @@ from cable_tracker.cable.model.geometry import (
     relative_direction,
 )
 from cable_tracker.cable.model.initial_state import between
-from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 
@@ -64,20 +63,13 @@ class Background(NamedTuple):
 
 
 @compiled_part
-def empty_background(count: int) -> Background:
-    """Return a background that explains nothing."""
-    return Background(np.zeros(count), np.zeros(count), np.full(count, SMALLEST_DEVIATION))
-
-
-@compiled_part
 def background_of(states: FloatArray, inputs: FrameInputs, config: FrameConfig) -> Background:
     """Measure strips beside each of K hypotheses or groups, shape (K, 8), in the inputs' frame.
 
     The strips that are like hypotheses are shared out among them.
     """
-    noise, image_size, scale = inputs.noise, config.image_size, config.frame_scale
-    count = len(states)
-    background = empty_background(count)
+    noise, count = inputs.noise, len(states)
+    background = Background(np.zeros(count), np.zeros(count), np.full(count, SMALLEST_DEVIATION))
     if count == 0:
         return background
     share = len(noise.alike) // count
@@ -85,19 +77,20 @@ def background_of(states: FloatArray, inputs: FrameInputs, config: FrameConfig) 
     # A strip that no hypothesis is held against is not kept: the next one takes its row.
     kinds = 0
     for row in range(len(noise.anywhere)):
-        _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[kinds])
-        kinds += _is_of_use_for_any(strips[kinds], states, image_size, scale)
+        _place_anywhere(noise.anywhere[row], config, strips[kinds])
+        kinds += _is_of_use_for_any(strips[kinds], states, config)
     total, ends = kinds, np.empty(count, np.int64)
     for row in range(count * share):
         index = row // share
-        _place_like(states[index], noise, row, config.limits, image_size, strips[total])
-        total += _is_beside(strips[total], states[index], image_size, scale)
+        _place_like(states[index], noise, row, config, strips[total])
+        total += _is_beside(strips[total], states[index], config)
         ends[index] = total
-    ratios = _ratios_of(strips, total, inputs)
+    measured = measured_cables(strips[:total], inputs.scan, inputs.model)
+    ratios = marginal_log_ratios(measured.log_ratios, inputs.polarity)
     first = kinds
     for index in range(count):
         background.means[index], background.deviations[index] = _moments(
-            strips, ratios, kinds, states[index], scale
+            strips, ratios, kinds, states[index], config.frame_scale
         )
         for row in range(first, ends[index]):
             background.alike[index] = max(background.alike[index], ratios[row])
@@ -105,42 +98,31 @@ def background_of(states: FloatArray, inputs: FrameInputs, config: FrameConfig) 
     return background
 
 
-@compiled_part
-def _ratios_of(strips: FloatArray, count: int, inputs: FrameInputs) -> FloatArray:
-    """Return the log-likelihood ratios (count,) of the first strips."""
-    measured = measured_cables(strips[:count], inputs.scan, inputs.model)
-    return marginal_log_ratios(measured.log_ratios, inputs.polarity)
-
-
 @compiled_loop
-def _is_of_use_for_any(
-    strip: FloatArray, means: FloatArray, image_size: tuple[float, float], scale: float
-) -> bool:
+def _is_of_use_for_any(strip: FloatArray, means: FloatArray, config: FrameConfig) -> bool:
     """Tell whether a strip may be a cable, and at least one hypothesis shares no border with it."""
     apart = False
     for index in range(len(means)):
-        apart = apart or not is_within_shared_border_limits(strip, means[index], scale)
-    return apart and not borders_cross_inside(strip, image_size)
+        apart = apart or not shares_border(strip, means[index], config.frame_scale)
+    return apart and not borders_cross_inside(strip, config.image_size)
 
 
 @compiled_loop
-def _is_beside(
-    strip: FloatArray, mean: FloatArray, image_size: tuple[float, float], scale: float
-) -> bool:
+def _is_beside(strip: FloatArray, mean: FloatArray, config: FrameConfig) -> bool:
     """Tell whether a strip may be a cable, and does not lie on a hypothesis."""
     return (
         abs(strip[DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
-        and not borders_cross_inside(strip, image_size)
-        and not is_within_shared_border_limits(strip, mean, scale)
+        and not borders_cross_inside(strip, config.image_size)
+        and not shares_border(strip, mean, config.frame_scale)
     )
 
 
 @compiled_loop
-def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, scale: float) -> bool:
-    """Tell whether any border of a strip is within both limits of any border of a hypothesis.
+def shares_border(strip: FloatArray, mean: FloatArray, scale: float) -> bool:
+    """Tell whether any border of a strip (8,) may be the same as any of a hypothesis (8,).
 
-    Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
-    have shape (8,); `scale`: pixels of the frame per pixel at the reference width.
+    Distances are between the crossings d -+ w/2 with the centrelines' normals. `scale`: pixels of
+    the frame per pixel at the reference width.
     """
     wrapped, sign = relative_direction(strip[ANGLE], mean[ANGLE])
     offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
@@ -162,7 +144,7 @@ def _moments(
     """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
     for row in range(count):
-        if not is_within_shared_border_limits(strips[row], mean, scale):
+        if not shares_border(strips[row], mean, scale):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION
@@ -172,14 +154,13 @@ def _moments(
 
 
 @compiled_loop
-def _place_anywhere(
-    uniform: FloatArray, limits: StateLimits, image_size: tuple[float, float], strip: FloatArray
-) -> None:
+def _place_anywhere(uniform: FloatArray, config: FrameConfig, strip: FloatArray) -> None:
     """Draw a strip of any kind that crosses the frame."""
+    limits = config.limits
     strip[ANGLE] = (uniform[ANGLE] - 0.5) * math.pi
     strip[WIDTH] = between(limits.lower[WIDTH], limits.upper[WIDTH], uniform[WIDTH])
     strip[SKEW] = between(limits.lower[SKEW], limits.upper[SKEW], uniform[SKEW])
-    reach = image_reach(strip[ANGLE], image_size[0], image_size[1])
+    reach = image_reach(strip[ANGLE], config.image_size[0], config.image_size[1])
     strip[DISTANCE] = (2.0 * uniform[DISTANCE] - 1.0) * reach
 
 
@@ -188,16 +169,15 @@ def _place_like(
     mean: FloatArray,
     noise: FrameNoise,
     row: int,
-    limits: StateLimits,
-    image_size: tuple[float, float],
+    config: FrameConfig,
     strip: FloatArray,
 ) -> None:
     """Draw a strip that runs as a hypothesis does, anywhere in the frame."""
-    lower, upper, deviates = limits.lower, limits.upper, noise.alike[row]
+    (lower, upper), deviates = config.limits, noise.alike[row]
     strip[ANGLE] = mean[ANGLE] + ALIKE_ANGLE * deviates[0]
     width = mean[WIDTH] * math.exp(ALIKE_LOG_WIDTH * deviates[1])
     strip[WIDTH] = min(max(width, lower[WIDTH]), upper[WIDTH])
     skew = mean[SKEW] + ALIKE_SKEW * deviates[2]
     strip[SKEW] = min(max(skew, lower[SKEW]), upper[SKEW])
-    reach = image_reach(strip[ANGLE], image_size[0], image_size[1])
+    reach = image_reach(strip[ANGLE], config.image_size[0], config.image_size[1])
     strip[DISTANCE] = (2.0 * noise.elsewhere[row] - 1.0) * reach

@@ -12,7 +12,7 @@ from cable_tracker.cable.hypotheses.conclude.background import (
     SMALLEST_DEVIATION,
     Background,
     background_of,
-    is_within_shared_border_limits,
+    shares_border,
 )
 from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
@@ -101,7 +101,7 @@ def turned_round(state):
 
 @pytest.mark.parametrize("write", [np.copy, turned_round], ids=["as it is", "turned round"])
 def test_neighbours_have_a_border_in_common(write):
-    assert is_within_shared_border_limits(write(beside()), STRIP, 1.0)
+    assert shares_border(write(beside()), STRIP, 1.0)
 
 
 @given(gap=st.floats(0.0, 20.0), turn=st.floats(0.0, 0.3))
@@ -110,15 +110,15 @@ def test_borders_near_each_other_are_one(gap, turn):
     assume(abs(gap - SHARED_OFFSET) > 0.1)
     assume(abs(turn - SHARED_ANGLE) > 1e-6)
     is_near = gap < SHARED_OFFSET and turn < SHARED_ANGLE
-    assert is_within_shared_border_limits(beside(gap, turn), STRIP, 1.0) == is_near
+    assert shares_border(beside(gap, turn), STRIP, 1.0) == is_near
 
 
 def test_a_strip_elsewhere_shares_none():
-    assert not is_within_shared_border_limits(beside(gap=20.0), STRIP, 1.0)
-    assert not is_within_shared_border_limits(beside(turn=0.3), STRIP, 1.0)
+    assert not shares_border(beside(gap=20.0), STRIP, 1.0)
+    assert not shares_border(beside(turn=0.3), STRIP, 1.0)
 
 
 def test_what_is_near_grows_with_the_picture():
     neighbour = beside(gap=12.0)
-    assert not is_within_shared_border_limits(neighbour, STRIP, 1.0)
-    assert is_within_shared_border_limits(neighbour, STRIP, 2.0)
+    assert not shares_border(neighbour, STRIP, 1.0)
+    assert shares_border(neighbour, STRIP, 2.0)
