@@ -170,8 +170,7 @@ def usual_sigma(image_width: int) -> FloatArray:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SearchBox:
+class SearchBox(NamedTuple):
     """The cables among which a search without knowledge draws, all alike (thesis, Table 5.2).
 
     Attributes

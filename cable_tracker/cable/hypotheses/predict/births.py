@@ -64,8 +64,8 @@ class BirthDensity(NamedTuple):
 
     Attributes
     ----------
-    lower, upper : FloatArray
-        The box of the search without knowledge, shape (8,) [px, rad, per second].
+    box : SearchBox
+        The box of the search without knowledge.
     box_density : float
         Density of d, alpha, w, beta in it.
     pose, scales : FloatArray
@@ -76,16 +76,15 @@ class BirthDensity(NamedTuple):
         Sign of d where it left over the edge, else 0; how far inside it was then [px].
     peak : float
         Density of the births about the remembered cable, at their middle.
-    width, height : float
-        Size of the frames [px].
+    image_size : (float, float)
+        Width and height of the frames [px].
     map_strips : FloatArray
         Strips that the map of the frame shows, shape (S, 8): none beside a known cable.
     map_scales : FloatArray
         `MAP_SCALES` for frames of this size, shape (4,) [px, rad].
     """
 
-    lower: FloatArray
-    upper: FloatArray
+    box: SearchBox
     box_density: float
     pose: FloatArray
     scales: FloatArray
@@ -93,8 +92,7 @@ class BirthDensity(NamedTuple):
     side: float
     inset: float
     peak: float
-    width: float
-    height: float
+    image_size: tuple[float, float]
     map_strips: FloatArray
     map_scales: FloatArray
 
@@ -107,8 +105,7 @@ def births_anywhere(
     `image_size`: width and height of the frames [px]; `frame_scale`: see `WorkingImage`.
     """
     return BirthDensity(
-        lower=box.lower,
-        upper=box.upper,
+        box=box,
         box_density=1.0 / math.prod((box.upper - box.lower)[:POSE_SIZE].tolist()),
         pose=np.zeros(POSE_SIZE),
         scales=np.ones(POSE_SIZE),
@@ -116,8 +113,7 @@ def births_anywhere(
         side=0.0,
         inset=0.0,
         peak=BIRTH_PEAK,
-        width=float(image_size[0]),
-        height=float(image_size[1]),
+        image_size=(float(image_size[0]), float(image_size[1])),
         map_strips=np.empty((0, STATE_SIZE)),
         map_scales=MAP_SCALES * pose_units(frame_scale),
     )
@@ -166,7 +162,7 @@ def place_births(
         else:
             for column in range(STATE_SIZE):
                 states[row, column] = between(
-                    births.lower[column], births.upper[column], uniform[row, column]
+                    births.box.lower[column], births.box.upper[column], uniform[row, column]
                 )
 
 
@@ -186,7 +182,7 @@ def _middle_at(angle: float, births: BirthDensity) -> float:
     """Return the d about which a remembered cable is looked for, for an angle."""
     if births.side == 0.0:
         return float(births.pose[DISTANCE])
-    reach = image_reach(angle, births.width, births.height)
+    reach = image_reach(angle, births.image_size[0], births.image_size[1])
     return births.side * (reach - max(births.inset, 0.0))
 
 
@@ -205,7 +201,7 @@ def drawn_birth_density(state: FloatArray, births: BirthDensity) -> float:
     About its strips particles are drawn in rounds, see `candidates`.
     """
     wrapped, sign = relative_direction(state[ANGLE], 0.0)
-    lower, upper = births.lower, births.upper
+    lower, upper = births.box
     inside = (
         lower[DISTANCE] <= sign * state[DISTANCE] <= upper[DISTANCE]
         and lower[ANGLE] <= wrapped <= upper[ANGLE]

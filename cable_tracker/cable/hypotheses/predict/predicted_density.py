@@ -137,7 +137,7 @@ def choose_rates(
             continue
         for column in range(POSE_SIZE, STATE_SIZE):
             state[column] = between(
-                births.lower[column], births.upper[column], noise.uniform[row, column]
+                births.box.lower[column], births.box.upper[column], noise.uniform[row, column]
             )
 
 

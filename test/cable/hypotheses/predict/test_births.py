@@ -127,7 +127,7 @@ def test_births_are_drawn_from_the_density_that_is_said(memory, rng):
     density = births(memory)
     draws = draw_births(density, 10_000, rng)
     assert ((draws[:, 1] > -np.pi / 2) & (draws[:, 1] <= np.pi / 2)).all()
-    lower, upper = density.lower[:4], density.upper[:4]
+    lower, upper = (limit[:4] for limit in density.box)
     within = ((draws[:, :4] >= lower) & (draws[:, :4] <= upper)).all(axis=1)
     whole = within / densities(density, draws) / np.prod(upper - lower)
     for ratios, expected in ((whole, 1.0), (whole * (draws[:, 0] > 0), 0.5)):

@@ -118,6 +118,6 @@ def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
 def test_far_from_all_ancestors_it_has_the_rates_of_the_search(rng):
     predicted = make_predicted()
     rates = rates_at(predicted, states_at(*[[150.0, -1.2, 80.0, 0.1]] * 200), rng)
-    lower, upper = predicted.births.lower[4:], predicted.births.upper[4:]
+    lower, upper = predicted.births.box.lower[4:], predicted.births.box.upper[4:]
     assert ((rates >= lower) & (rates <= upper)).all(axis=1).mean() > 0.97
     assert np.ptp(rates[:, 0]) > 0.8 * (upper - lower)[0]
