@@ -80,8 +80,8 @@ def belief_summary(
     `frame_scale`: see `WorkingImage`.
     """
     hypotheses = belief.hypotheses
-    shown = belief.kept_map.borders
-    mean, covariance = leading_estimate(hypotheses, shown, parameters, frame_scale)
+    by_map = belief.kept_map.borders
+    mean, covariance = leading_estimate(hypotheses, by_map, parameters, frame_scale)
     visible = hypotheses.visible_length >= MINIMUM_LENGTH
     familiar = is_familiar(belief, parameters, frame_scale)
     is_present = belief.presence >= parameters.presence_to_lose
@@ -126,11 +126,11 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, frame_scale: floa
 
 
 def leading_estimate(
-    hypotheses: Hypotheses, shown: MapBorders, parameters: TrackerParameters, frame_scale: float
+    hypotheses: Hypotheses, by_map: MapBorders, parameters: TrackerParameters, frame_scale: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters.
 
-    `shown`: where maps show its borders.
+    `by_map`: where maps show its borders.
     """
     leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
@@ -141,18 +141,18 @@ def leading_estimate(
         frame_scale,
     )
     # What a map leaves out is told to a cell at best, and mostly too little.
-    doubts = SHADOW_DOUBT * shadow_rims(shown, parameters)
+    doubts = SHADOW_DOUBT * shadow_rims(by_map, parameters)
     offsets = POSE_OF_BORDERS[:, :2]
     displaced[:POSE_SIZE, :POSE_SIZE] += offsets * doubts**2 @ offsets.T
-    return wrapped_estimate(_estimated(leader, shown, parameters, frame_scale), displaced)
+    return wrapped_estimate(_estimated(leader, by_map, parameters, frame_scale), displaced)
 
 
-def shadow_rims(shown: MapBorders, parameters: TrackerParameters) -> FloatArray:
+def shadow_rims(by_map: MapBorders, parameters: TrackerParameters) -> FloatArray:
     """Return the widths of the shadows along the borders that are no part of the cable, (2,) [px].
 
     None where maps have no say in the width.
     """
-    rims = np.array([shown.left_rim, shown.right_rim])
+    rims = np.array([by_map.left_rim, by_map.right_rim])
     return rims if parameters.map_width_share > 0.0 else np.zeros_like(rims)
 
 
@@ -165,16 +165,16 @@ def width_by_map(widening: float, parameters: TrackerParameters, frame_scale: fl
 
 
 def _estimated(
-    mean: FloatArray, shown: MapBorders, parameters: TrackerParameters, frame_scale: float
+    mean: FloatArray, by_map: MapBorders, parameters: TrackerParameters, frame_scale: float
 ) -> FloatArray:
     """Return a cluster's mean (8,) with the width that the cable has, not that of its borders.
 
-    Shadows beside it, which `shown` tells, are no part of it.
+    Shadows beside it, which `by_map` tells, are no part of it.
     """
     state = mean.copy()
     width = width_before_smoothing(float(state[WIDTH]), parameters, frame_scale)
-    state[WIDTH] = width + width_by_map(shown.widening, parameters, frame_scale)
-    left_rim, right_rim = shadow_rims(shown, parameters)
+    state[WIDTH] = width + width_by_map(by_map.widening, parameters, frame_scale)
+    left_rim, right_rim = shadow_rims(by_map, parameters)
     state[WIDTH] -= left_rim + right_rim
     state[DISTANCE] += 0.5 * (left_rim - right_rim)
     return state

@@ -276,8 +276,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
     """Return a belief that keeps the map of its frame and where that shows its leader's borders."""
     leader = belief.hypotheses.clusters.means[0]
-    shown = map_borders(leader, image.cable_map, image.pixels, image.reduction)
-    borders = belief.kept_map.smoothed(shown)
+    by_map = map_borders(leader, image.cable_map, image.pixels, image.reduction)
+    borders = belief.kept_map.smoothed(by_map)
     return replace(belief, kept_map=KeptMap(image.cable_map, leader[:POSE_SIZE], borders))
 
 

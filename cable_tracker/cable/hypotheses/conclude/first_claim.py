@@ -44,7 +44,7 @@ MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
 of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
 weight."""
 
-WIDE, IN_VIEW, RIM = 0.25, 0.5, 0.04
+WIDE, BOTH_IN_VIEW, RIM = 0.25, 0.5, 0.04
 """Width, as a share of the picture's, from which on both borders have to be in view; how much of a
 border is in view at least, over that of the other; and the share of the picture's width along its
 edges that does not count. Where other ground begins, the ground on one side passes for a cable."""
@@ -84,15 +84,15 @@ def are_borders_clear(hypotheses: Hypotheses, parameters: TrackerParameters) -> 
 
 
 def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:
-    """Tell whether each border of a cable (4 or more,) is in view as the other is; see `IN_VIEW`.
+    """Tell whether each border of a cable (4 or more,) is in view as the other is.
 
-    `image_size`: width and height of the frames [px].
+    See `BOTH_IN_VIEW`; `image_size`: width and height of the frames [px].
     """
     borders = project_borders(state[None])
     rims = round(2.0 * RIM * image_size[0])
     inner = (image_size[0] - rims, image_size[1] - rims)
     lengths = lengths_inside(borders.angles[0], borders.offsets[0], inner)
-    return bool(lengths.min() >= IN_VIEW * lengths.max())
+    return bool(lengths.min() >= BOTH_IN_VIEW * lengths.max())
 
 
 def _looks_clear(
