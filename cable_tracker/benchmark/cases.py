@@ -19,11 +19,11 @@ from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoo
 from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles
@@ -212,7 +212,7 @@ class FilterSteps:
         self._rng = np.random.default_rng(parameters.seed)
         self._width = shown.size[0]
         self._moment = moment_of(parameters, shown, FRAMES_BEFORE_STEPS)
-        self._movement = CableMovement(parameters, self._width)
+        self._movement = LimitedMovement(parameters, self._width)
 
     def steps(self) -> dict[str, Step]:
         """Return what can be called alone, by name, in the order of a frame."""

@@ -27,12 +27,12 @@ from cable_tracker.cable.model.initial_state import (
     draw_given_states,
     random_states,
 )
-from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.tracking.status import TrackingStatus
 
 SMALLEST_WEIGHT = 1e-300
@@ -55,7 +55,7 @@ class CableModels:
     def __init__(
         self, parameters: TrackerParameters, image_width: int, rng: np.random.Generator
     ) -> None:
-        self._movement = CableMovement(parameters, image_width)
+        self._movement = LimitedMovement(parameters, image_width)
         self._observation = BorderResponseModel(parameters)
         self._rng = rng
         self._image: WorkingImage | None = None

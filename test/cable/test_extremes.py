@@ -18,12 +18,12 @@ from sound_estimates import assert_sound
 
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.weights import normalise_log_weights
@@ -131,7 +131,7 @@ def test_mean_and_covariance_of_any_cables_are_sound(states, log_weights):
 )
 def test_particles_stay_within_their_limits(name, states, dt, seed):
     parameters = preset(name)
-    moved = CableMovement(parameters, 320).propagate(states, dt, np.random.default_rng(seed))
+    moved = LimitedMovement(parameters, 320).propagate(states, dt, np.random.default_rng(seed))
     assert np.isfinite(moved).all()
     angles = moved[:, StateColumn.ANGLE]
     assert ((angles > -RIGHT) & (angles <= RIGHT)).all()

@@ -13,7 +13,6 @@ from cable_tracker.cable.model.state import (
     POSE_SIZE,
     SKEW,
     WIDTH,
-    StateColumn,
     pose_units,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -83,19 +82,3 @@ def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     # `np.clip` does the same, in four times the time for few particles.
     np.minimum(np.maximum(values, limits.lower), limits.upper, out=values)
     return result
-
-
-def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
-    """Mirror components beyond a limit back inside, and turn the rate of d with it; shape (N, 8).
-
-    Clipping piles particles up at the limit, where they agree with each other and with nothing
-    else. What is still outside after one reflection is clipped.
-    """
-    result = states.copy()
-    values = states[:, :POSE_SIZE]
-    mirrored = np.where(values < limits.lower, 2 * limits.lower - values, values)
-    mirrored = np.where(values > limits.upper, 2 * limits.upper - values, mirrored)
-    result[:, :POSE_SIZE] = mirrored
-    turned = np.abs(states[:, DISTANCE]) > limits.upper[DISTANCE]
-    result[turned, StateColumn.DISTANCE_RATE] *= -1.0
-    return clip_to_limits(result, limits)

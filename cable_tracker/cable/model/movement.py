@@ -8,8 +8,6 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside
@@ -72,8 +70,8 @@ class CableMovement:
     Parameters
     ----------
     parameters : TrackerParameters
-        Squared scales of the diffusion, its variances if it is Gaussian (Table 5.1), tails, damping
-        and limits.
+        Squared scales of the diffusion, its variances if it is Gaussian (Table 5.1), tails and
+        damping.
     image_width : int
         Width of the frames [px]; lengths scale with it.
 
@@ -87,28 +85,6 @@ class CableMovement:
         self.degrees_of_freedom = parameters.diffusion_degrees_of_freedom or math.inf
         self._parameters = parameters
         self._per_frame = variances_per_frame(parameters, image_width)
-        self._limits = state_limits(parameters, image_width)
-        self._limit = (
-            reflect_at_limits if parameters.limit_handling == "reflect" else clip_to_limits
-        )
-
-    def propagate(
-        self,
-        states: FloatArray,
-        dt: float,
-        rng: np.random.Generator,
-        motion: MotionAid | None = None,
-    ) -> FloatArray:
-        """Draw the states `dt` seconds later, shape (N, 8), within the limits.
-
-        `motion` is how odometry says that they have moved; None: by their own rates.
-        """
-        moved = self.draw_centres(states, dt, rng, motion)
-        scales = self.diffusion_scales(dt, motion).reshape(2, POSE_SIZE)
-        for part, columns in enumerate((slice(0, POSE_SIZE), slice(POSE_SIZE, None))):
-            noise = standard_student_t(rng, len(states), POSE_SIZE, self.degrees_of_freedom)
-            moved[:, columns] += noise * scales[part]
-        return self._limit(wrap_states(moved), self._limits)
 
     def draw_centres(
         self,

@@ -14,11 +14,12 @@ from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.initial_state import random_states
-from cable_tracker.cable.model.movement import CableMovement, MotionAid
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.particle_filter.weights import effective_sample_size
@@ -67,7 +68,7 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         self._observation = observation
         self._width = image_width
         self._rng = rng
-        self._movement = CableMovement(parameters, image_width)
+        self._movement = LimitedMovement(parameters, image_width)
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
 
     def first_belief(self) -> BootstrapBelief:

@@ -5,6 +5,7 @@ import pytest
 
 from cable_tracker.cable.model.limits import (
     LEAST_EXTENT,
+    clip_to_limits,
     possible_limits,
     state_limits,
     words_beyond_limits,
@@ -42,3 +43,13 @@ def test_limits_that_leave_one_value_leave_a_little_about_it_possible(width):
 def test_what_lies_beyond_the_limits_is_named_with_its_parameter(pose, words):
     limits = state_limits(TrackerParameters(), 640)
     assert words_beyond_limits(np.array(pose), limits) == words
+
+
+def test_clipping_stops_at_the_limit():
+    parameters = TrackerParameters(
+        distance_limit=220.0, width_minimum=4.0, width_maximum=160.0, skew_limit=20.0
+    )
+    box = state_limits(parameters, 320)
+    states = np.array([[223.0, 0.0, 1.0, -1.0, 50.0, 0.1, 2.0, 0.1]])
+    expected = [[220.0, 0.0, 4.0, -np.deg2rad(20.0), 50.0, 0.1, 2.0, 0.1]]
+    np.testing.assert_allclose(clip_to_limits(states, box), expected)

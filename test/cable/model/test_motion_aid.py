@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.movement import DOUBT_STRIDE, CableMovement
+from cable_tracker.cable.model.movement import DOUBT_STRIDE
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.movement import LimitedMovement
 from cable_tracker.cable.tracker import CableTracker
 
 FRAME = 40_000_000
@@ -45,7 +46,7 @@ STATES = np.tile([5.0, 0.1, 40.0, 0.01, 90.0, 0.0, 0.0, 0.0], (50, 1))
 
 @pytest.fixture
 def movement():
-    return CableMovement(TrackerParameters(), 320)
+    return LimitedMovement(TrackerParameters(), 320)
 
 
 def test_odometry_moves_cables_in_place_of_their_rates(movement):
@@ -69,7 +70,7 @@ def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
 
 def test_rates_that_the_model_never_changes_are_left_alone():
     """The thesis has none of w and beta; odometry would leave them some that nothing ends."""
-    movement = CableMovement(preset("thesis"), 320)
+    movement = LimitedMovement(preset("thesis"), 320)
     rates = movement.expected(STATES, 0.04, Turning())[0, 4:]
     np.testing.assert_array_equal(rates, [3.0, 3.0, 0.0, 0.0])
 

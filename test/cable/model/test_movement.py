@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, state_limits
+from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.movement import (
-    CableMovement,
     effective_time,
     variances_over,
     variances_per_frame,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.movement import LimitedMovement
 
 FRAME = 0.04
 COUNT = 40_000
@@ -36,14 +35,9 @@ STILL = dict.fromkeys(
 )
 
 
-LIMITED = TrackerParameters(
-    distance_limit=220.0, width_minimum=4.0, width_maximum=160.0, skew_limit=20.0
-)
-
-
 def moved(parameters, dt, rng, states=None, width=320):
     states = np.tile(START, (COUNT, 1)) if states is None else states
-    return CableMovement(parameters, width).propagate(states, dt, rng)
+    return LimitedMovement(parameters, width).propagate(states, dt, rng)
 
 
 def thesis(**changes) -> TrackerParameters:
@@ -212,43 +206,6 @@ def test_angles_are_wrapped_with_the_whole_line(rng):
     end = moved(thesis(**STILL), FRAME, rng, state)[0]
     expected = [-5.4, -np.pi / 2 + 0.03, 30.2, -0.12, -10.0, 1.0, 5.0, -0.5]
     np.testing.assert_allclose(end, expected)
-
-
-STATES = arrays(np.float64, (7, 8), elements=st.floats(-1e6, 1e6))
-
-
-@pytest.mark.parametrize("limit", [clip_to_limits, reflect_at_limits])
-@given(states=STATES)
-def test_whatever_is_limited_ends_inside(limit, states):
-    box = state_limits(TrackerParameters(), 320)
-    inside = limit(states, box)
-    assert (inside[:, :4] >= box.lower).all()
-    assert (inside[:, :4] <= box.upper).all()
-    np.testing.assert_array_equal(inside[:, [1, 5, 6, 7]], states[:, [1, 5, 6, 7]])
-
-
-def test_reflection_mirrors_and_turns_the_rate_of_the_distance():
-    box = state_limits(LIMITED, 320)
-    states = np.array(
-        [
-            [223.0, 0.0, 1.0, 0.0, 50.0, 0.1, 2.0, 0.1],
-            [-221.0, 0.0, 163.0, 0.0, -50.0, 0.1, 2.0, 0.1],
-        ]
-    )
-    np.testing.assert_allclose(
-        reflect_at_limits(states, box),
-        [
-            [217.0, 0.0, 7.0, 0.0, -50.0, 0.1, 2.0, 0.1],
-            [-219.0, 0.0, 157.0, 0.0, 50.0, 0.1, 2.0, 0.1],
-        ],
-    )
-
-
-def test_clipping_stops_at_the_limit():
-    box = state_limits(LIMITED, 320)
-    states = np.array([[223.0, 0.0, 1.0, -1.0, 50.0, 0.1, 2.0, 0.1]])
-    expected = [[220.0, 0.0, 4.0, -20 * DEGREE, 50.0, 0.1, 2.0, 0.1]]
-    np.testing.assert_allclose(clip_to_limits(states, box), expected)
 
 
 def test_the_states_given_are_not_changed(rng):
