@@ -13,16 +13,14 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Float32Array
-from cable_tracker.compilation import compiled_inside, compiled_loop
+from cable_tracker.compilation import compiled_loop
 
 LEAST_SHOWN, SHOWN_PART = 3, 3
 """Stretches that are left at least; and one in so many of those in view."""
 
 
 @compiled_loop
-def leave_out_covered_end(
-    stretches: Float32Array, column: int, cost: float, sums: Float32Array
-) -> int:
+def leave_out_covered_end(stretches: Float32Array, cost: float, sums: Float32Array) -> int:
     """Take the stretches of a covered end out of the sums, and return them; 0 if there is none.
 
     Bit k of what is returned is stretch k.
@@ -30,72 +28,53 @@ def leave_out_covered_end(
     Parameters
     ----------
     stretches : Float32Array
-        Sums of both borders, not tempered, shape (2, 8, S) [nats]; 0 where no border is in view.
-    column : int
-        Polarity and class of strength that are looked at.
+        Sums of both borders for one polarity and class of strength, not tempered, shape (2, S)
+        [nats]; 0 where no border is in view.
     cost : float
         What it costs that an end is covered, not tempered [nats].
     sums : Float32Array
-        Those along each border, shape (2, 8).
+        Those along each border, shape (2,).
     """
-    most = _most_covered(stretches, column)
-    from_first, ratio = _covered_from(stretches, column, 1, most, np.float32(-cost))
-    from_last, _ = _covered_from(stretches, column, -1, most, ratio)
+    from_last = stretches[:, ::-1]
+    most = _most_covered(stretches)
+    first_ones, ratio = _first_covered(stretches, most, np.float32(-cost))
+    last_ones, _ = _first_covered(from_last, most, ratio)
     # The last ones are covered only if they speak against the cable by more than the first ones.
-    step, covered = (-1, from_last) if from_last else (1, from_first)
+    end, covered = (from_last, last_ones) if last_ones else (stretches, first_ones)
     if covered == 0:
         return 0
     for border in range(2):
-        for number in range(covered):
-            sums[border, column] -= stretches[border, column, _nth(number, step)]
-        sums[border, column] -= np.float32(0.5 * cost)
-    first_ones: int = (1 << covered) - 1
-    return first_ones if step == 1 else first_ones << (stretches.shape[2] - covered)
+        for stretch in range(covered):
+            sums[border] -= end[border, stretch]
+        sums[border] -= np.float32(0.5 * cost)
+    ones: int = (1 << covered) - 1
+    return ones << (stretches.shape[1] - covered) if last_ones else ones
 
 
 @compiled_loop
-def _covered_from(
-    stretches: Float32Array, column: int, step: int, most: int, least: np.float32
-) -> tuple[int, np.float32]:
-    """Return how many stretches from one end on are covered, and their sum [nats].
+def _most_covered(stretches: Float32Array) -> int:
+    """Return how many of the stretches in view may be covered."""
+    in_view = 0
+    for stretch in range(stretches.shape[1]):
+        both = stretches[0, stretch] + stretches[1, stretch]
+        in_view += 1 if both != np.float32(0.0) else 0
+    return in_view - max((in_view + SHOWN_PART - 1) // SHOWN_PART, LEAST_SHOWN)
+
+
+@compiled_loop
+def _first_covered(stretches: Float32Array, most: int, least: np.float32) -> tuple[int, np.float32]:
+    """Return how many stretches from the first on are covered, and their sum [nats].
 
     That speaks against the cable by the most, and is below `least`; else none are, and `least` is
-    returned. `step`: 1 from the first stretch on, -1 from the last. `most`: how many of those in
-    view may be.
+    returned. `most`: how many of those in view may be.
     """
     covered, seen, total = 0, 0, np.float32(0.0)
-    for number in range(stretches.shape[2]):
-        both = _of_both_borders(stretches, column, _nth(number, step))
+    for stretch in range(stretches.shape[1]):
+        both = stretches[0, stretch] + stretches[1, stretch]
         seen += 1 if both != np.float32(0.0) else 0
         if seen > most:
             break
         total += both
         if total < least:
-            covered, least = number + 1, total
+            covered, least = stretch + 1, total
     return covered, least
-
-
-@compiled_loop
-def _most_covered(stretches: Float32Array, column: int) -> int:
-    """Return how many of the stretches in view may be covered."""
-    in_view = 0
-    for stretch in range(stretches.shape[2]):
-        both = _of_both_borders(stretches, column, stretch)
-        in_view += 1 if both != np.float32(0.0) else 0
-    return in_view - max((in_view + SHOWN_PART - 1) // SHOWN_PART, LEAST_SHOWN)
-
-
-@compiled_inside
-def _of_both_borders(stretches: Float32Array, column: int, stretch: int) -> np.float32:
-    """Return the sum of both borders in a stretch [nats]."""
-    both: np.float32 = stretches[0, column, stretch] + stretches[1, column, stretch]
-    return both
-
-
-@compiled_inside
-def _nth(number: int, step: int) -> int:
-    """Return the index of the n-th stretch from the first on, or from the last for a step of -1.
-
-    From behind it is negative, as in Python.
-    """
-    return number if step == 1 else -1 - number

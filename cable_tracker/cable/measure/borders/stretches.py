@@ -158,7 +158,7 @@ def sum_stretches(
                 if found > 0:
                     _fill_reversed_sums(stretches, own, other, each, found, sums)
             if found == 0:
-                covered = leave_out_covered_end(stretches, own, covered_cost, sums)
+                covered = leave_out_covered_end(stretches[:, own], covered_cost, sums[:, own])
             both = sums[0, own] + sums[1, own]
             either = striped[0, strength] + striped[1, strength] - np.float32(cost)
             if either > both:

@@ -6,10 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.borders.covered_end import SHOWN_PART, leave_out_covered_end
-from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import STRETCHES, has_stretch
 
-COLUMN = 2
 COST = 6.0
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -21,13 +19,10 @@ def summed(left, right, cost=COST) -> np.ndarray:
 
 def summed_and_covered(left, right, cost=COST) -> tuple[np.ndarray, list[int]]:
     """Return these sums, and the numbers of the stretches that are covered."""
-    stretches = np.zeros((2, 2 * CLASSES, STRETCHES), np.float32)
-    stretches[0, COLUMN], stretches[1, COLUMN] = left, right
-    sums = stretches.sum(axis=2)
-    covered = leave_out_covered_end(stretches, COLUMN, cost, sums)
-    others = np.delete(np.arange(2 * CLASSES), COLUMN)
-    assert not sums[:, others].any()
-    return sums[:, COLUMN], [k for k in range(STRETCHES) if has_stretch(covered, k)]
+    stretches = np.stack((left, right)).astype(np.float32)
+    sums = stretches.sum(axis=1)
+    covered = leave_out_covered_end(stretches, cost, sums)
+    return sums, [k for k in range(STRETCHES) if has_stretch(covered, k)]
 
 
 def with_covered(shown, hidden, first) -> np.ndarray:
