@@ -62,7 +62,12 @@ from cable_tracker.cable.measure.map.cable_map import (
     map_match,
 )
 from cable_tracker.cable.model.geometry import border_side
-from cable_tracker.compilation import compiled_fast_loop, compiled_loop, compiled_part
+from cable_tracker.compilation import (
+    compiled_fast_loop,
+    compiled_inside,
+    compiled_loop,
+    compiled_part,
+)
 
 REACH = 22
 """Up to where beside a border responses are averaged [px at the reference width]."""
@@ -133,21 +138,18 @@ def appearances_of(
     along = np.empty(max(len(scan.rows.places), len(scan.columns.places)))
     stretch_signs = np.empty(STRETCHES)
     for row in range(count):
+        state, length = states[row], measured.visible_lengths[row]
         log_ratios = measured.log_ratios[row]
         polarity, sign = (BRIGHT, 1.0) if log_ratios[BRIGHT] >= log_ratios[DARK] else (DARK, -1.0)
-        for stretch in range(STRETCHES):
-            turned = has_stretch(measured.reversed[row, polarity], stretch)
-            stretch_signs[stretch] = -sign if turned else sign
-        in_view = min(measured.visible_lengths[row] / scan.points_across, ENOUGH_IN_VIEW)
-        looks = _looks(states[row], in_view, stretch_signs, scan, crossings, profile, along)
+        turned, covered = measured.reversed[row, polarity], measured.covered[row, polarity]
+        _fill_stretch_signs(sign, turned, 0, stretch_signs)
+        looks = _looks(state, length, stretch_signs, scan, crossings, profile, along)
         if is_worked_out(cable_map):
-            if measured.covered[row, polarity]:
-                for stretch in range(STRETCHES):
-                    if has_stretch(measured.covered[row, polarity], stretch):
-                        stretch_signs[stretch] = 0.0
-                shown = _looks(states[row], in_view, stretch_signs, scan, crossings, profile, along)
+            if covered:
+                _fill_stretch_signs(sign, turned, covered, stretch_signs)
+                shown = _looks(state, length, stretch_signs, scan, crossings, profile, along)
                 looks = max(looks, shown - COVERED_END)
-            match = map_match(states[row], cable_map)
+            match = map_match(state, cable_map)
             mapped = MAP_OVERLAP * bounded_log_odds(match.overlap_share)
             mapped += MAP_INSIDE * bounded_log_odds(match.inside_share)
             looks = mapped + MAP_REST * looks
@@ -155,10 +157,22 @@ def appearances_of(
     return found
 
 
+@compiled_inside
+def _fill_stretch_signs(sign: float, turned: int, covered: int, signs: FloatArray) -> None:
+    """Fill in the `stretch_signs` of a cable: 1 for a bright one, -1 for a dark one.
+
+    `turned` and `covered`: those of the other polarity, and those that are not looked at, by bits.
+    """
+    for stretch in range(STRETCHES):
+        signs[stretch] = -sign if has_stretch(turned, stretch) else sign
+        if has_stretch(covered, stretch):
+            signs[stretch] = 0.0
+
+
 @compiled_part
 def _looks(
     state: FloatArray,
-    in_view: float,
+    length: float,
     stretch_signs: FloatArray,
     scan: ScanInputs,
     crossings: Crossings,
@@ -167,9 +181,10 @@ def _looks(
 ) -> float:
     """Return how much the borders of a strip look like those of a cable [nats].
 
-    `in_view`: length in view of the shorter one, as a share of a border through the picture. The
-    others are those of `border_appearance`.
+    `length`: that in view of the shorter one [distances of the scan lines]. The others are those of
+    `border_appearance`.
     """
+    in_view = min(length / scan.points_across, ENOUGH_IN_VIEW)
     looks, continuity = UNDECIDED + IN_VIEW * in_view, 0.0
     for border in range(2):
         more, continuous = border_appearance(
