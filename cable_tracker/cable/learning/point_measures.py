@@ -24,7 +24,7 @@ class PointMeasures:
         Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
         ridge of an edge. Only its size counts.
     contrasts : Float32Array
-        Inside minus outside, smoothed [`ScanInputs.contrast_scale`].
+        Inside minus outside, smoothed, see `ScanLines.smooth`.
     """
 
     responses: Float32Array

@@ -62,9 +62,6 @@ class ScanInputs(NamedTuple):
     gradient_scale : float
         Robust standard deviation of the gradient over the frame [grey levels per px]. A cable
         covers too little of it to move the median.
-    contrast_scale : float
-        Robust standard deviation of the smoothed picture over a few pixels [grey levels]: what slow
-        changes of the light alone make of the inside and the outside of a border.
     reduction : float
         Working pixels per frame pixel.
     scale : float
@@ -79,7 +76,6 @@ class ScanInputs(NamedTuple):
     rows: ScanLines
     columns: ScanLines
     gradient_scale: float
-    contrast_scale: float
     reduction: float
     scale: float
     points_across: float
@@ -130,18 +126,9 @@ def scan_frame(
     pixels = np.require(picture, np.float32, ("C", "W", "A"))
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
     turned = np.asarray(cv2.rotate(pixels, cv2.ROTATE_90_CLOCKWISE))
-    along_rows, along_columns, gradient_scale, contrast_scale, shape = _scan_both(
-        pixels, turned, rows, columns, places, kernels
-    )
-    return ScanInputs(
-        rows=along_rows,
-        columns=along_columns,
-        gradient_scale=gradient_scale,
-        contrast_scale=contrast_scale,
-        reduction=reduction,
-        scale=scale,
-        points_across=min(height, width) / spacing,
-        shape=shape,
+    points_across = min(height, width) / spacing
+    return _scan_both(
+        pixels, turned, rows, columns, places, kernels, reduction, scale, points_across
     )
 
 
@@ -153,18 +140,22 @@ def _scan_both(
     columns: IndexArray,
     places: tuple[FloatArray, FloatArray],
     kernels: ScanKernels,
-) -> tuple[ScanLines, ScanLines, float, float, GradientShape]:
-    """Return rows, columns, both scales and shape of `ScanInputs`.
+    reduction: float,
+    scale: float,
+    points_across: float,
+) -> ScanInputs:
+    """Work out the gradients of a picture along its rows, and of the turned one along its columns.
 
-    `places` are those of the rows and of the columns.
+    `places` are those of the rows and of the columns; `reduction`, `scale` and `points_across` are
+    those of `ScanInputs`.
     """
     # Rows run down where v runs up.
     gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
     turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)
-    scale = max(_gradient_scale(gradients, turned_gradients), NOISE_FLOOR)
+    gradient_scale = max(_gradient_scale(gradients, turned_gradients), NOISE_FLOOR)
     for values in (gradients, turned_gradients):
-        _multiply(values.reshape(-1), np.float32(1.0 / scale))
-    contrast_scale, shape = SMALLEST_CONTRAST, ROUND
+        _multiply(values.reshape(-1), np.float32(1.0 / gradient_scale))
+    shape = ROUND
     if len(kernels.region):
         contrast_scale = max(
             _contrast_scale(smooth, turned_smooth, kernels.contrast_lag), SMALLEST_CONTRAST
@@ -172,11 +163,13 @@ def _scan_both(
         for values in (smooth, turned_smooth):
             _multiply(values.reshape(-1), np.float32(1.0 / contrast_scale))
         shape = gradient_shape(gradients, turned_gradients)
-    return (
+    return ScanInputs(
         ScanLines(gradients, smooth, places[0]),
         ScanLines(turned_gradients, turned_smooth, places[1]),
+        gradient_scale,
+        reduction,
         scale,
-        contrast_scale,
+        points_across,
         shape,
     )
 
@@ -197,7 +190,10 @@ def _gradient_scale(gradients: Image, turned_gradients: Image) -> float:
 
 @compiled_part
 def _contrast_scale(smooth: Image, turned_smooth: Image, lag: int) -> float:
-    """Return the robust scale of differences along the lines, over a lag [grey levels]."""
+    """Return the robust scale of differences along the lines, over a lag [grey levels].
+
+    That is what slow changes of the light alone make of the inside and the outside of a border.
+    """
     sizes, count = np.empty(smooth.size + turned_smooth.size, np.float32), 0
     for family in (smooth, turned_smooth):
         for line in range(len(family)):
