@@ -10,13 +10,11 @@ from cable_tracker.arrays import Float32Array, FloatArray, IndexArray
 from cable_tracker.cable.learning.point_measures import PointMeasures
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
-    border_on_scan,
-    contrast_depths,
+    border_line,
     find_crossings,
     measure_contrasts,
     measure_responses,
     room_for_crossings,
-    width_across,
 )
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -55,14 +53,12 @@ def _record_points(
     """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
     count, crossings = 0, room_for_crossings()
     for border in range(2 * len(states)):
-        state, side = states[border // 2], border_side(border % 2)
-        depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
-        steep, _, crossing = border_on_scan(state, side, scan, -side, depths)
-        lines = scan.rows if steep else scan.columns
+        line = border_line(states[border // 2], border_side(border % 2), scan)
+        lines = scan.rows if line.is_steep else scan.columns
         for start in range(0, len(lines.places), BLOCK):
-            first, found = find_crossings(lines, start, crossing, crossings)
-            measure_responses(lines, first, found, crossing, crossings)
-            measure_contrasts(lines, first, found, crossing, crossings)
+            first, found = find_crossings(lines, start, line, crossings)
+            measure_responses(lines, first, found, line, crossings)
+            measure_contrasts(lines, first, found, line, crossings)
             for index in range(found):
                 measures[0, count + index] = crossings.responses[index]
                 measures[1, count + index] = crossings.slopes[index]

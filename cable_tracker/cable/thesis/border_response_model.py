@@ -13,8 +13,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     MINIMUM_LENGTH,
-    NO_DEPTHS,
-    border_on_scan,
+    border_line,
     find_crossings,
     measure_responses,
     room_for_crossings,
@@ -103,8 +102,8 @@ def _sum_responses(
     for cable in range(len(states)):
         for border in range(2):
             side = border_side(border)
-            steep, along, line = border_on_scan(states[cable], side, scan, 1.0, NO_DEPTHS)
-            lines = scan.rows if steep else scan.columns
+            line = border_line(states[cable], side, scan)
+            lines = scan.rows if line.is_steep else scan.columns
             total, count = np.float32(0.0), 0
             for start in range(0, len(lines.places), BLOCK):
                 first, found = find_crossings(lines, start, line, crossings)
@@ -112,5 +111,5 @@ def _sum_responses(
                 for index in range(found):
                     total += crossings.responses[index]
                 count += found
-            sums[cable, border] = float(total) / abs(along)
-            lengths[cable, border] = count / abs(along)
+            sums[cable, border] = -side * float(total) / abs(line.inward)
+            lengths[cable, border] = count / abs(line.inward)

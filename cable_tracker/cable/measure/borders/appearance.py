@@ -32,10 +32,9 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
-    NO_DEPTHS,
     BorderLine,
     Crossings,
-    border_on_scan,
+    border_line,
     find_crossings,
     pixel_at,
     room_for_crossings,
@@ -223,10 +222,10 @@ def border_appearance(
         Room for crossings, for sums and numbers of responses, shape (2, `PROFILE`), and for the
         responses of the border on each line.
     """
-    steep, component, line = border_on_scan(state, side, scan, -side, NO_DEPTHS)
-    lines = scan.rows if steep else scan.columns
-    stretch = -side / component
-    scale = stretch_scale(stretch_axis(state, scan), line, steep)
+    line = border_line(state, side, scan)
+    lines = scan.rows if line.is_steep else scan.columns
+    stretch = 1.0 / line.inward
+    scale = stretch_scale(stretch_axis(state, scan), line)
     signs = np.empty(BLOCK)
     profile[:] = 0.0
     shown = 0

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import Float32Array, FloatArray
-from cable_tracker.cable.measure.gradients.gradient_shape import GradientShape, directional_gain
+from cable_tracker.cable.measure.gradients.gradient_shape import directional_gain
 from cable_tracker.cable.measure.gradients.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.model.geometry import border_offset
@@ -32,9 +32,6 @@ NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
 OUTSIDE = 6.0
 """Distance before the border at which the outside level is read [px at the reference width]."""
 
-NO_DEPTHS = (0.0, 0.0, 0.0)
-"""Of borders beside which nothing is looked at."""
-
 MINIMUM_LENGTH = 3.0
 """Minimum length of a border inside the image for a claim [distances of the scan lines]."""
 
@@ -50,6 +47,10 @@ class BorderLine(NamedTuple):
 
     Attributes
     ----------
+    is_steep : bool
+        It is measured where it crosses rows, else where it crosses columns.
+    inward : float
+        Component along the lines of its normal that points into the cable.
     start, step : float
         It crosses the line at v in u = start + step v, u from the middle of the line [working px].
     length : float
@@ -64,6 +65,8 @@ class BorderLine(NamedTuple):
         [working px], plus half a pixel, so that rounding down gives the nearest pixel.
     """
 
+    is_steep: bool
+    inward: float
     start: float
     step: float
     length: float
@@ -121,23 +124,6 @@ def room_for_crossings() -> Crossings:
 
 
 @compiled_inside
-def border_normal(
-    state: FloatArray, side: float, reduction: float
-) -> tuple[bool, float, float, float]:
-    """Return how a border lies to the scan lines; `side`: -1 left, 1 right.
-
-    Whether it is measured where it crosses rows (else columns), its normal along and across these
-    lines, and its distance from the image centre [working px].
-    """
-    normal = state[ANGLE] + side * state[SKEW]
-    offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side) * reduction
-    cos, sin = math.cos(normal), math.sin(normal)
-    if abs(cos) >= abs(sin):
-        return True, cos, sin, offset
-    return False, sin, cos, offset
-
-
-@compiled_inside
 def width_across(state: FloatArray, reduction: float) -> float:
     """Return the width of a cable across its borders [working px]; state (8,)."""
     return float(abs(state[WIDTH] * math.cos(state[SKEW])) * reduction)
@@ -154,84 +140,32 @@ def contrast_depths(width: float, scale: float) -> tuple[float, float, float]:
 
 
 @compiled_inside
-def border_line(
-    along: float,
-    across: float,
-    offset: float,
-    inward: float,
-    depths: tuple[float, float, float],
-    scale: float,
-    gain: float,
-) -> BorderLine:
-    """Return how a border crosses its scan lines.
+def border_line(state: FloatArray, side: float, scan: ScanInputs) -> BorderLine:
+    """Return how a border of a cable, shape (8,), crosses the scan lines of a frame.
 
-    Parameters
-    ----------
-    along, across : float
-        Its normal, along and across the lines.
-    offset : float
-        Distance from the image centre [working px].
-    inward : float
-        1 if the normal points into the cable, else -1.
-    depths : (float, float, float)
-        See `contrast_depths`.
-    scale : float
-        See `ScanInputs`.
-    gain : float
-        Responses across the border, and slopes with them, are multiplied by it.
+    `side`: -1 for the left border, 1 for the right one.
     """
-    stretch = inward / along
+    normal = state[ANGLE] + side * state[SKEW]
+    offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side) * scan.reduction
+    x, y = math.cos(normal), math.sin(normal)
+    is_steep = abs(x) >= abs(y)
+    along, across = (x, y) if is_steep else (y, x)
+    inward, gain = -side * along, directional_gain(scan.shape, x, y)
+    stretch = 1.0 / inward
+    outside, behind, deep = contrast_depths(width_across(state, scan.reduction), scan.scale)
     return BorderLine(
+        is_steep,
+        inward,
         offset / along,
         -across / along,
         1.0 / abs(along),
-        np.float32(inward * along * gain),
-        np.float32(inward * across * gain),
-        np.float32(scale / along * gain),
-        0.5 - depths[0] * stretch,
-        0.5 + depths[1] * stretch,
-        0.5 + depths[2] * stretch,
+        np.float32(inward * gain),
+        np.float32(-side * across * gain),
+        np.float32(scan.scale / along * gain),
+        0.5 - outside * stretch,
+        0.5 + behind * stretch,
+        0.5 + deep * stretch,
     )
-
-
-@compiled_inside
-def gain_across(steep: bool, along: float, across: float, shape: GradientShape) -> float:
-    """Return the gain of responses across a border, for its normal along and across the lines."""
-    if steep:
-        return directional_gain(shape, along, across)
-    return directional_gain(shape, across, along)
-
-
-@compiled_inside
-def border_on_scan(
-    state: FloatArray,
-    side: float,
-    scan: ScanInputs,
-    inward: float,
-    depths: tuple[float, float, float],
-) -> tuple[bool, float, BorderLine]:
-    """Return how a border of a cable lies on the scan lines of a frame.
-
-    Parameters
-    ----------
-    state : FloatArray
-        The cable, shape (8,).
-    side : float
-        -1 for the left border, 1 for the right one.
-    scan : ScanInputs
-        The frame.
-    inward, depths : float, (float, float, float)
-        See `border_line`.
-
-    Returns
-    -------
-    (bool, float, BorderLine)
-        Whether it is measured where it crosses rows (else columns); component of its normal along
-        these lines; how it crosses them.
-    """
-    steep, along, across, offset = border_normal(state, side, scan.reduction)
-    gain = gain_across(steep, along, across, scan.shape)
-    return steep, along, border_line(along, across, offset, inward, depths, scan.scale, gain)
 
 
 @compiled_inside

@@ -22,14 +22,12 @@ from cable_tracker.cable.measure.borders.border_points import (
     BLOCK,
     BorderLine,
     Crossings,
-    border_on_scan,
-    contrast_depths,
+    border_line,
     find_crossings,
     measure_contrasts,
     measure_responses,
     padded_count,
     room_for_crossings,
-    width_across,
 )
 from cable_tracker.cable.measure.borders.polarity_prior import (
     PolarityPrior,
@@ -234,14 +232,11 @@ def fill_measures(
     crossings = room_for_crossings()
     for cable in range(start, stop):
         state = states[cable]
-        width = width_across(state, scan.reduction)
-        depths = contrast_depths(width, scan.scale)
         axis = stretch_axis(state, scan)
         for border in range(2):
-            side = border_side(border)
-            steep, _, line = border_on_scan(state, side, scan, -side, depths)
-            lines = scan.rows if steep else scan.columns
-            scale = stretch_scale(axis, line, steep)
+            line = border_line(state, border_side(border), scan)
+            lines = scan.rows if line.is_steep else scan.columns
+            scale = stretch_scale(axis, line)
             lengths[border] = _sum_border(
                 lines, line, scale, model, crossings, stretches[border], striped[border]
             )

@@ -72,9 +72,9 @@ def stretch_axis(state: FloatArray, scan: ScanInputs) -> StretchAxis:
 
 
 @compiled_inside
-def stretch_scale(axis: StretchAxis, border: BorderLine, is_steep: bool) -> StretchScale:
-    """Return which stretches a border of a cable is in; `is_steep`: it is measured on rows."""
-    along_line, across = (axis.x, axis.y) if is_steep else (axis.y, axis.x)
+def stretch_scale(axis: StretchAxis, border: BorderLine) -> StretchScale:
+    """Return which stretches a border of a cable is in."""
+    along_line, across = (axis.x, axis.y) if border.is_steep else (axis.y, axis.x)
     step = (border.step * along_line + across) * axis.per_pixel
     return StretchScale(border.start * along_line * axis.per_pixel + 0.5 * STRETCHES, step)
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plain_images import plain_image
 
-from cable_tracker.cable.measure.borders.border_points import border_on_scan, contrast_depths
+from cable_tracker.cable.measure.borders.border_points import border_line
 from cable_tracker.cable.measure.borders.response_bins import CLASSES
 from cable_tracker.cable.measure.borders.stretches import (
     STRETCHES,
@@ -157,14 +157,12 @@ def test_of_a_striped_cable_the_likelier_polarity_of_each_stretch_is_told(seed):
 def test_a_stretch_lies_across_the_cable_on_both_borders(angle, distance, skew):
     state = CableState(distance, angle, 40.0, skew).to_array()
     scan = plain_image(np.zeros((240, 320), np.uint8)).scan
-    depths = contrast_depths(40.0, 1.0)
     for border in range(2):
-        side = border_side(border)
-        steep, _, line = border_on_scan(state, side, scan, -side, depths)
-        scale = stretch_scale(stretch_axis(state, scan), line, steep)
+        line = border_line(state, border_side(border), scan)
+        scale = stretch_scale(stretch_axis(state, scan), line)
         for place in (-50.0, 0.0, 70.0):
             along = line.start + line.step * place
-            x, y = (along, place) if steep else (place, along)
+            x, y = (along, place) if line.is_steep else (place, along)
             axial = y * np.cos(angle) - x * np.sin(angle)
             expected = np.clip((axial / 400.0 + 0.5) * STRETCHES, 0.0, STRETCHES - 1.0)
             assert stretch_at(scale, place) == pytest.approx(np.floor(expected), abs=1e-6) or (
