@@ -149,15 +149,12 @@ def _covered(state: FloatArray, width: float, cable_map: CableMap) -> tuple[floa
     """
     borders = strip_borders(state, width, cable_map)
     if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
-        return _covered_along(
-            cable_map.sums_along_rows,
-            (borders.left, borders.left_row, borders.left_column),
-            (borders.right, borders.right_row, borders.right_column),
-        )
+        return _covered_along(cable_map.sums_along_rows, borders.left, borders.right)
+    left, right = borders
     return _covered_along(
         cable_map.sums_along_columns,
-        (borders.left, borders.left_column, borders.left_row),
-        (borders.right, borders.right_column, borders.right_row),
+        (left[0], left[2], left[1]),
+        (right[0], right[2], right[1]),
     )
 
 
@@ -195,15 +192,11 @@ def _sum_before(sums: FloatArray, edge: float) -> float:
 class StripBorders(NamedTuple):
     """How far inwards of each border the centre of a cell lies [cells]: linear in row and column.
 
-    The distance from the left border is left + left_row * row + left_column * column.
+    Of each: that of the first cell, and what one row and one column change.
     """
 
-    left: float
-    left_row: float
-    left_column: float
-    right: float
-    right_row: float
-    right_column: float
+    left: tuple[float, float, float]
+    right: tuple[float, float, float]
 
 
 @compiled_fast_loop
@@ -215,21 +208,25 @@ def strip_borders(state: FloatArray, width: float, cable_map: CableMap) -> Strip
     left_offset = border_offset(state[DISTANCE], width, skew, -1.0)
     right_offset = border_offset(state[DISTANCE], width, skew, 1.0)
     return StripBorders(
-        (cable_map.left * left_x + cable_map.top * left_y - left_offset) / cable_map.cell,
-        -left_y,
-        left_x,
-        (right_offset - cable_map.left * right_x - cable_map.top * right_y) / cable_map.cell,
-        right_y,
-        -right_x,
+        (
+            (cable_map.left * left_x + cable_map.top * left_y - left_offset) / cable_map.cell,
+            -left_y,
+            left_x,
+        ),
+        (
+            (right_offset - cable_map.left * right_x - cable_map.top * right_y) / cable_map.cell,
+            right_y,
+            -right_x,
+        ),
     )
 
 
 @compiled_inside
 def _share(row: int, column: int, borders: StripBorders) -> float:
     """Return which share of a cell lies between the borders."""
-    left = borders.left + borders.left_row * row + borders.left_column * column
-    right = borders.right + borders.right_row * row + borders.right_column * column
-    share: float = share_inside(left) * share_inside(right)
+    left, right = borders
+    share: float = share_inside(left[0] + left[1] * row + left[2] * column)
+    share *= share_inside(right[0] + right[1] * row + right[2] * column)
     return share
 
 

@@ -238,9 +238,8 @@ def _widening_by_cells(state: FloatArray, cable_map: CableMap) -> float:
     """Return what cells beside both borders have more than those of the strip would [px]."""
     borders = strip_borders(state, state[WIDTH], cable_map)
     reach = min(max(0.5 * state[WIDTH] / cable_map.cell, NEAREST), FARTHEST)
-    left = (borders.left, borders.left_row, borders.left_column)
-    right = (borders.right, borders.right_row, borders.right_column)
-    outwards = _outwards(left, reach, cable_map) + _outwards(right, reach, cable_map)
+    outwards = _outwards(borders.left, reach, cable_map)
+    outwards += _outwards(borders.right, reach, cable_map)
     return outwards * cable_map.cell
 
 
