@@ -16,6 +16,7 @@ from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
     POSE_SIZE,
+    POSE_WORDS,
     STATE_SIZE,
     CableState,
     StateColumn,
@@ -112,18 +113,10 @@ class GivenState:
 
     def words(self) -> str:
         """Return what is known of d, alpha, w and beta, or of a point, for a log."""
-        state = self.state
         known = [
-            words
-            for words, sigma in zip(
-                (
-                    f"d {state.distance:.1f} px",
-                    f"alpha {state.angle:.3f} rad",
-                    f"w {state.width:.1f} px",
-                    f"beta {state.skew:.3f} rad",
-                ),
-                self.sigma,
-                strict=False,
+            words.format(value)
+            for words, value, sigma in zip(
+                POSE_WORDS, self.state.to_array(), self.sigma, strict=False
             )
             if not np.isinf(sigma)
         ]

@@ -11,6 +11,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import (
     DISTANCE,
     POSE_SIZE,
+    POSE_WORDS,
     SKEW,
     WIDTH,
     pose_units,
@@ -63,16 +64,16 @@ def words_beyond_limits(pose: FloatArray, limits: StateLimits) -> str:
     A component that is NaN lies beyond nothing.
     """
     beyond = (
-        (
-            f"d {pose[DISTANCE]:.1f} px",
-            "distance_limit",
-            abs(pose[DISTANCE]) > limits.upper[DISTANCE],
-        ),
-        (f"w {pose[WIDTH]:.1f} px", "width_minimum", pose[WIDTH] < limits.lower[WIDTH]),
-        (f"w {pose[WIDTH]:.1f} px", "width_maximum", pose[WIDTH] > limits.upper[WIDTH]),
-        (f"beta {pose[SKEW]:.3f} rad", "skew_limit", abs(pose[SKEW]) > limits.upper[SKEW]),
+        (DISTANCE, "distance_limit", abs(pose[DISTANCE]) > limits.upper[DISTANCE]),
+        (WIDTH, "width_minimum", pose[WIDTH] < limits.lower[WIDTH]),
+        (WIDTH, "width_maximum", pose[WIDTH] > limits.upper[WIDTH]),
+        (SKEW, "skew_limit", abs(pose[SKEW]) > limits.upper[SKEW]),
     )
-    return ", ".join(f"{value} by {name}" for value, name, is_beyond in beyond if is_beyond)
+    return ", ".join(
+        f"{POSE_WORDS[column].format(pose[column])} by {name}"
+        for column, name, is_beyond in beyond
+        if is_beyond
+    )
 
 
 def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:

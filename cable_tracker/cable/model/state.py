@@ -80,6 +80,9 @@ COMPONENTS = (
 
 POSE_COMPONENTS = COMPONENTS[:POSE_SIZE]
 
+POSE_WORDS = ("d {:.1f} px", "alpha {:.3f} rad", "w {:.1f} px", "beta {:.3f} rad")
+"""What logs say of a pose, by column."""
+
 STATE_SYMBOLS = tuple(each.symbol for each in COMPONENTS)
 POSE_SYMBOLS = STATE_SYMBOLS[:POSE_SIZE]
 
