@@ -111,7 +111,7 @@ UNDECIDED = -12.3
 COVERED_END = 4.0
 """What it costs that a covered end of a cable is not looked at [nats]: the less, the more strips
 that are none pass for cables. Chosen on the worlds to tune on and three simulators written apart
-from this project."""
+from this project; see also `MOST_UNSEEN` of `covered_end`."""
 
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
 """With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make

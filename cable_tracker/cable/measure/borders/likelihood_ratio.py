@@ -90,7 +90,7 @@ class CableMeasures(NamedTuple):
         Stretches of a bright and of a dark cable that are of the other polarity, see `stretches`,
         shape (N, 2): bit k is stretch k.
     covered : IndexArray
-        Those of an end that is covered, see `covered_end`, likewise.
+        Those of a covered end without which the cable is looked at, see `covered_end`, likewise.
     """
 
     log_ratios: FloatArray

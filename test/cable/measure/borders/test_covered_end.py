@@ -5,7 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.borders.covered_end import SHOWN_PART, leave_out_covered_end
+from cable_tracker.cable.measure.borders.covered_end import (
+    MOST_UNSEEN,
+    SHOWN_PART,
+    leave_out_covered_end,
+)
 from cable_tracker.cable.measure.borders.stretches import STRETCHES, has_stretch
 
 COST = 6.0
@@ -44,6 +48,13 @@ def test_what_is_covered_is_told(turned):
     expected = range(STRETCHES - 6, STRETCHES) if turned else covered
     assert summed_and_covered(border, border)[1] == list(expected)
     assert summed_and_covered(np.abs(border), np.abs(border))[1] == []
+
+
+def test_of_what_is_mostly_covered_nothing_is_to_be_looked_at_without():
+    covered = int(MOST_UNSEEN * STRETCHES)
+    told, more = (with_covered(3.0, -5.0, first) for first in (covered, covered + 1))
+    assert summed_and_covered(told, told)[1] == list(range(covered))
+    assert summed_and_covered(more, more)[1] == []
 
 
 def test_a_cable_in_full_view_is_summed_as_it_is():
