@@ -28,7 +28,7 @@ LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
 on."""
 
 UNLIKE_A_CABLE = 1.5
-"""With a map, what looks less like a cable than this is not claimed, however clear its borders are
+"""With a map, what looks less like a cable than this is not claimed, unless it is crisp and wide
 [nats]: of 179 right first claims on the worlds to tune on, S1 to S6 and a simulator written apart
 from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
 crisp troughs, pairs of lines, soft bands. Hardly any of these are both crisp and wide."""
@@ -103,8 +103,7 @@ def _looks_clear(
 ) -> bool:
     """Tell whether borders or map are clear enough; see `is_new_clear`."""
     width = float(hypotheses.clusters.means[0, WIDTH])
-    is_wide = width >= CRISP_WIDTH * parameters.thin_width * frame_scale
-    if not (is_wide and hypotheses.scaled_clearness >= CRISP) and is_unlike_a_cable(hypotheses):
+    if is_unlike_a_cable(hypotheses, width, parameters, frame_scale):
         return False
     factor = 1.0
     if memory is not None:
@@ -120,9 +119,17 @@ def _looks_clear(
     return claim_score_by_map(hypotheses) >= max(needed, needed * factor)
 
 
-def is_unlike_a_cable(hypotheses: Hypotheses) -> bool:
-    """Tell whether a map says that the leader is no cable."""
-    return hypotheses.is_mapped and hypotheses.appearance < UNLIKE_A_CABLE
+def is_unlike_a_cable(
+    hypotheses: Hypotheses, width: float, parameters: TrackerParameters, frame_scale: float
+) -> bool:
+    """Tell whether a map says that the leader is no cable, and it is not both crisp and wide.
+
+    `width` of the leader [px]; `frame_scale`: see `WorkingImage`.
+    """
+    is_wide = width >= CRISP_WIDTH * parameters.thin_width * frame_scale
+    if not hypotheses.is_mapped or (is_wide and hypotheses.scaled_clearness >= CRISP):
+        return False
+    return hypotheses.appearance < UNLIKE_A_CABLE
 
 
 def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:

@@ -167,7 +167,7 @@ def frame_config(
         smallest_sigmas=SMALLEST_SIGMAS * units,
         refined=refined_counts(parameters),
         powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
-        widenings=np.array([WIDENINGS[min(number, 1)] for number in rounds]),
+        widenings=np.array([WIDENINGS[min(number, len(WIDENINGS) - 1)] for number in rounds]),
         evidence_limit=parameters.evidence_limit,
         evidence_repeated=parameters.evidence_repeated,
         thin_width=parameters.thin_width * frame_scale,
