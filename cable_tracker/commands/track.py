@@ -138,7 +138,7 @@ def track(  # noqa: PLR0917
                 _words_for_node(start, given),
                 described,
             )
-            damage = client.track_recording_over_ros(frames, nodes, results, described)
+            damage = client.track_cable_over_ros(frames, nodes, results, described)
         else:
             tracker = make_tracker(parameters)
             if given is not None:

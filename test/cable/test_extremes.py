@@ -49,11 +49,11 @@ PLACES = {
 }
 
 
-def draw_cable(distance: float = 0.0, angle: float = 0.0, width: float = 20.0) -> np.ndarray:
+def draw_cable(angle: float = 0.0) -> np.ndarray:
     x = np.arange(SIZE[0]) - (SIZE[0] - 1) / 2
     y = (SIZE[1] - 1) / 2 - np.arange(SIZE[1])
-    across = x[None, :] * math.cos(angle) + y[:, None] * math.sin(angle) - distance
-    return np.where(np.abs(across) <= width / 2, 180, 60).astype(np.uint8)
+    across = x[None, :] * math.cos(angle) + y[:, None] * math.sin(angle)
+    return np.where(np.abs(across) <= 10.0, 180, 60).astype(np.uint8)
 
 
 PICTURES = {

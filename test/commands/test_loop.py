@@ -109,7 +109,7 @@ def test_each_run_of_several_finds_the_parameter_file_from_any_folder(
     (tmp_path / "mine.yaml").write_text("particle_count: 100\n")
     chosen = []
     monkeypatch.setattr(loop_command, "_run_several", lambda tasks, *_, **__: chosen.append(tasks))
-    command("loop", "--seeds", "2", "--length", "20", "--params", "mine.yaml")
+    assert command("loop", "--seeds", "2", "--length", "20", "--params", "mine.yaml").code == 0
     assert [(task.method, task.seed) for task in chosen[0]] == [("default", 0), ("default", 1)]
     for task in chosen[0]:
         assert f"--params={tmp_path / 'mine.yaml'}" in task.arguments

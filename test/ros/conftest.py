@@ -376,6 +376,13 @@ class NodeProcess:
     def words(self) -> str:
         return self._log.read_text()
 
+    def wait_until(self, condition: Callable[[], bool], pause: float = 0.02) -> None:
+        """Ask again after each pause [s]; it is true before long, and before the process ends."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline and self.process.poll() is None, self.words
+            time.sleep(pause)
+
     def end(self, signal_number: int | None = None) -> int:
         """Send a signal; return the exit code, which comes before long."""
         if signal_number is not None:

@@ -143,7 +143,7 @@ class TestProcesses:
     ) -> None:
         # An empty cache: everything is compiled, as at first use on a machine.
         tracker = start_process("tracker", NUMBA_CACHE_DIR=str(tmp_path / "cache"))
-        wait(lambda: "warming up" in tracker.words, tracker)
+        tracker.wait_until(lambda: "warming up" in tracker.words)
         assert tracker.end(number) == 0
         assert "Traceback" not in tracker.words
 
@@ -260,18 +260,11 @@ class TestNetwork:
         monkeypatch.delenv(PROFILE_VARIABLE)
         monkeypatch.delenv(RANGE_VARIABLE)
         tracker = start_process("tracker")
-        wait(lambda: "waiting for images" in tracker.words, tracker)
+        tracker.wait_until(lambda: "waiting for images" in tracker.words)
         addresses = {address for _, address in listening(tracker.process.pid)}
         assert "0.0.0.0" in addresses
         page = Path(__file__).resolve().parents[2] / "docs" / "security.md"
         assert "0.0.0.0" in page.read_text(encoding="utf-8")
-
-
-def wait(condition: Callable[[], bool], process: Any, patience: float = 300.0) -> None:
-    deadline = time.monotonic() + patience
-    while not condition():
-        assert time.monotonic() < deadline and process.process.poll() is None, process.words
-        time.sleep(0.02)
 
 
 def segments_of(pid: int) -> set[Path]:

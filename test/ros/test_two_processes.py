@@ -27,7 +27,7 @@ from cable_tracker.offline.track_cable import (
     given_state_for,
     track_frame,
 )
-from cable_tracker.ros.clients.track_cable import cable_nodes, track_recording_over_ros
+from cable_tracker.ros.clients.track_cable import cable_nodes, track_cable_over_ros
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
@@ -80,7 +80,7 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
             if over_ros:
                 vehicle, replay = recorded_vehicle(source), {"source": str(path)}
                 nodes = cable_nodes(source.compressed, replay, PARAMETERS, words, vehicle)
-                damage = track_recording_over_ros(source.frames(), nodes, results, vehicle)
+                damage = track_cable_over_ros(source.frames(), nodes, results, vehicle)
             else:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:

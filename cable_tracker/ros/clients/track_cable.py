@@ -54,7 +54,7 @@ def cable_nodes(
     return LockstepNodes("tracker", compressed, own, replay)
 
 
-def track_recording_over_ros(
+def track_cable_over_ros(
     frames: Iterable[Frame],
     nodes: LockstepNodes,
     results: CableFolder,

@@ -10,7 +10,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.existence import PredictedExistence, update_existence
 from cable_tracker.particle_filter.weights import log_sum_exp
 from cable_tracker.target.measure.clutter import clutter_of, log_ratio_of_likeness
-from cable_tracker.target.model.state import distances_from
+from cable_tracker.target.model.state import X, Y, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import DrawnParticles, FrameSampler
 from cable_tracker.target.poses.known_target import ShownTarget
@@ -55,7 +55,7 @@ def _random_places(
     count = sampler.parameters.clutter_places
     states = np.tile(best, (count, 1))
     states[:, :2] = (rng.random((count, 2)) - 0.5) * [width, height]
-    apart = distances_from(best[0], best[1], states)
+    apart = distances_from(best[X], best[Y], states)
     clear: FloatArray = states[apart > CLEAR_OF_TARGET * sampler.belief.size]
     return clear
 

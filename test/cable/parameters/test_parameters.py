@@ -11,7 +11,6 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 
 NUMBERS = [spec for spec in PARAMETER_TABLE if spec.kind in (int, float)]
-WORDS = [spec for spec in PARAMETER_TABLE if spec.choices]
 
 
 def test_every_default_is_acceptable_and_everything_is_explained():

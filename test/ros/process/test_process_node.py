@@ -3,7 +3,6 @@ from __future__ import annotations
 import io
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -22,21 +21,15 @@ from cable_tracker.ros.process.stop_request import StopRequest
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 """Both are handled by the same function: each is sent in some of the tests for every change."""
 
-LONGEST_END = 300.0
-"""What has not ended by then does not end [s]."""
-
 NO_WATCH = "input_timeout:=3600.0"
 NO_HASTE = "answer_timeout:=3600.0"
 """How long frames and answers stay away says how busy the machine is."""
 
 
-def wait_until_it_listens_to_signals(process: subprocess.Popen[bytes]) -> None:
+def wait_until_it_listens_to_signals(run: Any) -> None:
     handled = 1 << (signal.SIGTERM - 1)
-    status = Path(f"/proc/{process.pid}/status")
-    deadline = time.monotonic() + LONGEST_END
-    while not _caught(status.read_text()) & handled:
-        assert time.monotonic() < deadline and process.poll() is None
-        time.sleep(0.001)
+    status = Path(f"/proc/{run.process.pid}/status")
+    run.wait_until(lambda: bool(_caught(status.read_text()) & handled), pause=0.001)
 
 
 def _caught(status: str) -> int:
@@ -51,7 +44,7 @@ class TestSignals:
         self, start_process: Callable[..., Any], delay: float
     ) -> None:
         run = start_process("tracker", NO_WATCH)
-        wait_until_it_listens_to_signals(run.process)
+        wait_until_it_listens_to_signals(run)
         time.sleep(delay)
         code = run.end(signal.SIGTERM)
         unexpected = [line for line in run.words.splitlines() if not line.startswith("[INFO]")]

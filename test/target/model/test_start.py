@@ -45,6 +45,18 @@ def test_what_is_no_area_is_refused(corners):
         TargetStart(np.array(corners, dtype=float))
 
 
+@pytest.mark.parametrize(
+    ("box", "reason"),
+    [
+        ((-10, -10, 400, 300), "is as large as the picture of 320x240"),
+        ((400, 100, 460, 150), "lies outside the picture of 320x240"),
+    ],
+)
+def test_a_mark_must_be_in_the_picture_and_less_than_all_of_it(box, reason):
+    with pytest.raises(FrameError, match=reason):
+        TargetStart.from_box(*box).check((320, 240))
+
+
 @pytest.mark.parametrize("far", [1e7, 1e9, 1e30])
 @pytest.mark.filterwarnings("error")
 def test_corners_far_outside_mark_what_they_enclose_of_the_picture(far):
