@@ -30,7 +30,8 @@ IMAGE_READERS: dict[NodeTopic, Callable[[Message], RawImage | CompressedImage]] 
 }
 
 LiveTopics = dict[NodeTopic, str]
-"""What the topics of a node are called on the graph; those alone that are there."""
+"""What the topics of a node are called on the graph, those alone that are there, in the order in
+which they are listened to."""
 
 
 def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
@@ -74,11 +75,13 @@ def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
         for each in (*(image for topic in IMAGE_READERS for image in read[topic]), name)
     ]
     truth = [each for each in beside if watcher.count_publishers(each)]
+    # Messages that have come together are taken in the order of these: a frame is shown as soon as
+    # all is there that the node says of it, and must not leave its truth behind.
     found = {
+        node_topics.GROUND_TRUTH: truth,
         **read,
         **published,
         node_topics.FRAME_REPORT: [report],
-        node_topics.GROUND_TRUTH: truth,
     }
     return {topic: those[0] for topic, those in found.items() if those}
 

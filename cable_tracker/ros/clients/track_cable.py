@@ -99,6 +99,7 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message, *, in_metres: bo
     """
     facts = report_facts(recorded.read(node_topics.FRAME_REPORT))
     row = cable_row(frame.index, frame.stamp, recorded.status, state, facts)
+    if not in_metres:
+        row = replace(row, metres=None, no_metres="")
     # Of a frame that the recording cannot give the node is sent nothing, and knows no more.
-    row = replace(row, event=frame.image.missing or row.event)
-    return row if in_metres else replace(row, metres=None, no_metres="")
+    return replace(row, event=frame.image.missing or row.event)

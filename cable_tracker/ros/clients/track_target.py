@@ -88,6 +88,7 @@ def track_target_over_ros(
             picture = decode_bgr(overlay)
         facts = report_facts(recorded.read(node_topics.TARGET_REPORT))
         row = target_row(frame.index, frame.stamp, recorded.status, state, facts)
+        # Of a frame that the recording cannot give the node is sent nothing, and knows no more.
         row = replace(row, event=frame.image.missing or row.event)
         if with_metres:
             results.metres.append(_metres_row(frame, facts, row))

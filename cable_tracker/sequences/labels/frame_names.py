@@ -49,6 +49,10 @@ class FrameNames(ABC):
             Two labelled files have one name, and nothing tells which of them is meant.
         """
 
+    def lists(self, filename: str) -> bool:
+        """Tell whether frames of a file of this name are listed, whichever of them."""
+        return False
+
     def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
         """Return the frame of each label of a file; None for labels of another recording.
 
@@ -223,3 +227,7 @@ class EntryNames(FrameNames):
         """Pass over names that are not listed; see `FrameNames`."""
         names = map(str, labels)
         return {name: self._numbers[name] for name in names if name in self._numbers}
+
+    def lists(self, filename: str) -> bool:
+        """Tell whether it lists frames of a file; see `FrameNames`."""
+        return any(entry.filename == filename for entry in self._entries)

@@ -25,7 +25,8 @@ def labels_by_frame(source: Source, truth: Path, allow_outside: bool) -> dict[in
     labels = read_labels(truth, allow_outside=allow_outside)
     names, count = names_of(source), source.frame_count
     frames = names.own_frames(labels, truth)
-    if not frames and len({label.filename for label in labels}) == 1:
+    files = {label.filename for label in labels}
+    if not frames and len(files) == 1 and not any(map(names.lists, files)):
         frames = {str(label): label.frame for label in labels}
     names.need_any(frames.values(), truth)
     found: dict[int, Label] = {}

@@ -2,6 +2,7 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
 
 from cable_tracker.ros.clients.live_topics import find_topics
 from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
@@ -9,6 +10,7 @@ from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.sequences.node_topics import (
     CONTOUR,
     FRAME_REPORT,
+    GROUND_TRUTH,
     IMAGE,
     INITIAL_STATE,
     INITIAL_TARGET,
@@ -62,6 +64,18 @@ def test_the_contour_is_told_from_the_box_also_where_one_is_remapped(world, rema
 
     world.spin(lambda: CONTOUR in found())
     assert found()[CONTOUR] == f"{world.namespace}/{contour}"
+
+
+def test_ground_truth_is_listened_to_first(world):
+    """A frame is shown once all that the node says of it has come: its truth must be there."""
+    tracker = world.tracker()
+    world.me.create_publisher(JointState, f"{world.namespace}/ground_truth", 1)
+
+    def found():
+        return list(find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_STATE))
+
+    world.spin(lambda: GROUND_TRUTH in found())
+    assert found()[0] is GROUND_TRUTH
 
 
 def test_a_node_that_is_gone_has_no_topics(world):

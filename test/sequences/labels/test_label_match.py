@@ -79,6 +79,19 @@ def test_a_picture_may_be_named_after_a_frame_of_a_video(pictures, truth_of):
     assert open_source(pictures, truth=truth_of("dive.avi:0.png")).has_truth
 
 
+def test_labels_of_frames_that_a_sequence_file_does_not_list_are_not_taken_for_others(
+    make_video, truth_of
+):
+    folder = make_video().parent
+    listed = folder / "listed.txt"
+    listed.write_text("9 0.1 30 0 # dive.avi:5\n9 0.1 30 0 # dive.avi:7\n")
+    with pytest.raises(RecordingError, match="none for a frame that"):
+        open_source(listed, truth=truth_of("dive.avi:1"))
+    with open_source(listed, truth=truth_of("dive.avi:1", "dive.avi:7")) as source:
+        labelled = [frame.index for frame in source.frames() if frame.truth is not None]
+    assert labelled == [1]
+
+
 def test_a_second_label_of_a_frame_is_named(pictures, truth_of):
     with pytest.raises(RecordingError, match=r"line 4 labels 1\.png again, after line 3"):
         open_source(pictures, truth=truth_of("0.png", "1.png", "1.png"))
