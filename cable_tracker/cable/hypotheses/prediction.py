@@ -175,7 +175,7 @@ class Predictor:
         """
         parameters = self._parameters
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
-        scales = self._movement.diffusion_scales(time, motion)
+        diffusion = self._movement.diffusion(time, motion)
         births = self._births_anywhere
         if memory is not None:
             births = births_with_memory(births, memory, parameters.memory_time, self._frame_scale)
@@ -183,12 +183,13 @@ class Predictor:
         return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
-                np.maximum(scales[:POSE_SIZE], self._smallest_kernel),
+                np.maximum(diffusion.pose_scales, self._smallest_kernel),
                 self._movement.degrees_of_freedom,
                 ancestors.weights,
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
-            rate_scales=np.ascontiguousarray(scales[POSE_SIZE:]),
+            rate_gains=diffusion.rate_gains,
+            rate_scales=np.ascontiguousarray(diffusion.rate_scales),
             mass_survived=max(existence.survived, LEAST_PROBABILITY),
             mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,

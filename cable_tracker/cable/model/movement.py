@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -35,6 +35,25 @@ class MotionAid(Protocol):
     def scales(self) -> FloatArray:
         """Return the scales of the diffusion over what is still unknown, shape (8,)."""
         ...
+
+
+class Diffusion(NamedTuple):
+    """How states spread about where they drift to.
+
+    Attributes
+    ----------
+    pose_scales : FloatArray
+        Scales of d, alpha, w, beta, shape (4,) [px, rad].
+    rate_gains : FloatArray
+        What a rate changes by, in the mean, for each pixel or radian that its component has spread:
+        both come of the same changes of the rate within the gap, shape (4,) [1/s].
+    rate_scales : FloatArray
+        Scales of the rates about that, shape (4,) [px/s, rad/s].
+    """
+
+    pose_scales: FloatArray
+    rate_gains: FloatArray
+    rate_scales: FloatArray
 
 
 @compiled_inside
@@ -136,6 +155,19 @@ class CableMovement:
         scales: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
         return scales if motion is None else np.minimum(scales, motion.scales())
 
+    def diffusion(self, dt: float, motion: MotionAid | None = None) -> Diffusion:
+        """Return the diffusion over `dt` seconds, of the rates given that of the pose.
+
+        What odometry leaves unknown of the pose says nothing of the rates.
+        """
+        scales = self.diffusion_scales(dt, motion)
+        pose, rates = scales[:POSE_SIZE], scales[POSE_SIZE:]
+        if motion is not None:
+            return Diffusion(pose, np.zeros(POSE_SIZE), rates)
+        covariances = covariances_over(self._per_frame, self._parameters, dt)
+        gains = np.divide(covariances, pose**2, out=np.zeros(POSE_SIZE), where=covariances > 0.0)
+        return Diffusion(pose, gains, np.sqrt(np.maximum(rates**2 - gains * covariances, 0.0)))
+
 
 def variances_per_frame(
     parameters: TrackerParameters, image_width: int
@@ -178,6 +210,17 @@ def variances_over(
     return np.concatenate((pose * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
 
 
+def covariances_over(
+    per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
+) -> FloatArray:
+    """Return the covariance of each component with its rate after `dt` seconds, see `variances_over`.
+
+    Shape (4,) [px²/s, rad²/s].
+    """
+    shared = _shared_with_rates(dt * REFERENCE_RATE, parameters.rate_damping)
+    return per_frame[1] * shared * REFERENCE_RATE
+
+
 def _kept_by_rates(frames: float, damping: float) -> float:
     """Return the variance of a damped rate after some frames, in units of that of one frame."""
     if damping == 1.0 or frames == 0.0:
@@ -195,11 +238,31 @@ def _carried_by_rates(frames: float, damping: float) -> float:
     later = max(frames - 1.0, 0.0)
     if damping == 0.0:
         return later
-    decay = -math.log(damping)
-    if decay * later < ALMOST_UNDAMPED:
+    if _is_almost_undamped(later, damping):
         return later * (later + 1.0) * (2.0 * later + 1.0) / 6.0
-    once, twice = (
-        math.exp(-power * decay) * math.expm1(-power * decay * later) / math.expm1(-power * decay)
-        for power in (1, 2)
-    )
+    once, twice = (_sum_of_powers(damping, power, later) for power in (1, 2))
     return (later - 2.0 * once + twice) / (1.0 - damping) ** 2
+
+
+def _shared_with_rates(frames: float, damping: float) -> float:
+    """Return the covariance of the pose and its rate from changes of the rate over some frames.
+
+    The sum of a^k (1 - a^k) / (1 - a) over k from 1 to frames - 1, of k without damping.
+    """
+    later = max(frames - 1.0, 0.0)
+    if damping == 0.0:
+        return 0.0
+    if _is_almost_undamped(later, damping):
+        return later * (later + 1.0) / 2.0
+    once, twice = (_sum_of_powers(damping, power, later) for power in (1, 2))
+    return (once - twice) / (1.0 - damping)
+
+
+def _is_almost_undamped(frames: float, damping: float) -> bool:
+    return -math.log(damping) * frames < ALMOST_UNDAMPED
+
+
+def _sum_of_powers(damping: float, power: int, frames: float) -> float:
+    """Return the sum of a^(power k) over k from 1 to `frames`, which need not be whole."""
+    decay = -power * math.log(damping)
+    return math.exp(-decay) * math.expm1(-decay * frames) / math.expm1(-decay)

@@ -43,10 +43,13 @@ class LimitedMovement(CableMovement):
         `motion` is how odometry says that they have moved; None: by their own rates.
         """
         moved = self.draw_centres(states, dt, rng, motion)
-        scales = self.diffusion_scales(dt, motion).reshape(2, POSE_SIZE)
-        for part, columns in enumerate((slice(0, POSE_SIZE), slice(POSE_SIZE, None))):
-            noise = standard_student_t(rng, len(states), POSE_SIZE, self.degrees_of_freedom)
-            moved[:, columns] += noise * scales[part]
+        diffusion = self.diffusion(dt, motion)
+        pose, rates = (
+            standard_student_t(rng, len(states), POSE_SIZE, self.degrees_of_freedom) * scales
+            for scales in (diffusion.pose_scales, diffusion.rate_scales)
+        )
+        moved[:, :POSE_SIZE] += pose
+        moved[:, POSE_SIZE:] += rates + pose * diffusion.rate_gains
         return self._limit(wrap_states(moved), self._limits)
 
 

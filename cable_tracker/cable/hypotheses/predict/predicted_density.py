@@ -38,8 +38,10 @@ class PredictedDensity(NamedTuple):
     kernels : KernelMixture
         About the drifted ancestors, for d, alpha, w, beta. Their weights are those in f; survivors
         are drawn from each alike.
-    rates, rate_scales : FloatArray
-        Drifted rates of the ancestors, shape (M, 4), and scale of their diffusion, shape (4,).
+    rates : FloatArray
+        Drifted rates of the ancestors, shape (M, 4).
+    rate_gains, rate_scales : FloatArray
+        Diffusion of the rates given that of the pose, shape (4,), see `Diffusion`.
     mass_survived, mass_born : float
         Probability mass of the survivors' part of f, P(survived), and of the births' part, P(born).
     log_width, width_spread : float
@@ -54,6 +56,7 @@ class PredictedDensity(NamedTuple):
 
     kernels: KernelMixture
     rates: FloatArray
+    rate_gains: FloatArray
     rate_scales: FloatArray
     mass_survived: float
     mass_born: float
@@ -145,11 +148,13 @@ def choose_rates(
 def add_rates(
     state: FloatArray, row: int, ancestor: int, predicted: PredictedDensity, noise: FrameNoise
 ) -> None:
-    """Fill in the rates of the child of an ancestor."""
+    """Fill in the rates of the child of an ancestor, given how far it is from where that drifts."""
     stretch = noise.stretches[row, 1]
     for column in range(POSE_SIZE):
+        moved = state[column] - predicted.kernels.places[ancestor, column]
         spread = noise.normal[row, POSE_SIZE + column] * stretch * predicted.rate_scales[column]
-        state[POSE_SIZE + column] = predicted.rates[ancestor, column] + spread
+        changed = predicted.rate_gains[column] * moved + spread
+        state[POSE_SIZE + column] = predicted.rates[ancestor, column] + changed
 
 
 @compiled_inside
