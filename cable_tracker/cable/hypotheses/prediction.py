@@ -45,6 +45,10 @@ SMALLEST_CLUSTER_SHARE = 0.06
 MOST_OF_MAP = 2
 """Number of strips of the map about which cables are born, and which are candidates."""
 
+MOST_RATED = 2.0 / REFERENCE_RATE
+"""Time for which the rates of a hypothesis say where it is expected [s]. They are known from few
+particles: over longer gaps their noise takes the expected place farther than most cables go."""
+
 LEAST_SURVIVING = 1e-300
 """Positive floor of an ancestor's weight, so that the weights can be normalised."""
 
@@ -146,8 +150,9 @@ class Predictor:
         existence = predict_existence(belief.presence, survival, birth)
         # Without movement a kernel would be a point: the first frame after a given prior.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
+        rated = dt if motion is not None else min(dt, MOST_RATED)
         expected = means.copy()
-        expected[:, :POSE_SIZE] = self._movement.expected(means, dt, motion)[:, :POSE_SIZE]
+        expected[:, :POSE_SIZE] = self._movement.expected(means, rated, motion)[:, :POSE_SIZE]
         prior = PriorPresence(
             expected=expected,
             log_odds=belief.log_odds,

@@ -213,9 +213,9 @@ def variances_over(
 def covariances_over(
     per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
 ) -> FloatArray:
-    """Return the covariance of each component with its rate after `dt` seconds, see `variances_over`.
+    """Return the covariance of each component with its rate after `dt` seconds, (4,) [px²/s].
 
-    Shape (4,) [px²/s, rad²/s].
+    It comes of changes of the rates within the time, see `variances_over`.
     """
     shared = _shared_with_rates(dt * REFERENCE_RATE, parameters.rate_damping)
     return per_frame[1] * shared * REFERENCE_RATE

@@ -107,9 +107,21 @@ def test_survivors_diffuse_and_frames_count_by_the_time_between_and_by_one_after
     prediction = Predictor(parameters, movement, box, SIZE, rng).predict(belief, dt, None)
     repeated = 1.0 - parameters.presence_gain
     assert prediction.prior.gain == pytest.approx(1.0 - repeated ** (25.0 * time))
-    density, scales = prediction.density, movement.diffusion_scales(time)
-    np.testing.assert_allclose(density.kernels.scales, scales[:4])
-    np.testing.assert_allclose(density.rate_scales, scales[4:])
+    density, diffusion = prediction.density, movement.diffusion(time)
+    np.testing.assert_allclose(density.kernels.scales, diffusion.pose_scales)
+    np.testing.assert_allclose(density.rate_gains, diffusion.rate_gains)
+    np.testing.assert_allclose(density.rate_scales, diffusion.rate_scales)
+
+
+@pytest.mark.parametrize(("dt", "rated"), [(0.04, 0.04), (0.08, 0.08), (0.5, 0.08)])
+def test_a_cable_is_expected_no_farther_than_rates_can_be_trusted(dt, rated, rng):
+    parameters = TrackerParameters()
+    movement = CableMovement(parameters, SIZE[0])
+    predictor = Predictor(parameters, movement, search_box(parameters, SIZE[0]), SIZE, rng)
+    belief = initial_belief(np.tile([10.0, 0.1, 30.0, 0.0, 60.0, 0.1, 0.0, 0.0], (50, 1)), 0.9)
+    expected = predictor.predict(belief, dt, None).prior.expected
+    means = belief.hypotheses.clusters.means
+    np.testing.assert_allclose(expected[:, :4], movement.expected(means, rated)[:, :4])
 
 
 def test_strips_of_a_map_stand_in_the_chart_of_the_particles(rng):

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.movement import (
+    CableMovement,
+    covariances_over,
     effective_time,
     variances_over,
     variances_per_frame,
@@ -131,6 +133,37 @@ def test_after_a_gap_the_prior_is_as_wide_as_it_would_be_frame_by_frame(rng):
     at_once = moved(parameters, 20 * FRAME, rng, at_once)
     for column in (0, 2, 4, 6):
         assert at_once[:, column].std() == pytest.approx(states[:, column].std(), rel=0.1)
+
+
+@pytest.mark.parametrize("frames", [1, 2, 5, 20])
+@pytest.mark.parametrize("damping", [0.0, 0.5, 0.9, 1.0])
+def test_places_and_rates_vary_together_as_frame_by_frame(frames, damping):
+    # A rate's change is damped from then on, and the sum of what is left has moved the cable.
+    left = damping ** np.arange(frames)
+    carried = np.concatenate(([0.0], np.cumsum(left)[:-1]))
+    parameters = SOME.replaced({"rate_damping": damping})
+    shared = covariances_over(variances_per_frame(parameters, 320), parameters, frames * FRAME)
+    assert shared[0] == pytest.approx(25 * 3.0 * (left * carried).sum())
+
+
+@given(st.floats(0.0, 1.0), st.floats(1e-3, 3600.0))
+def test_the_diffusion_of_rates_has_their_variance_however_much_the_places_explain(damping, dt):
+    parameters = SOME.replaced({"rate_damping": damping})
+    found = CableMovement(parameters, 320).diffusion(dt)
+    explained = (found.rate_gains * found.pose_scales) ** 2
+    np.testing.assert_allclose(explained + found.rate_scales**2, variances(dt, damping)[4:])
+
+
+def test_within_a_reference_frame_places_say_nothing_of_changes_of_the_rates():
+    for dt in (0.0, FRAME / 2, FRAME):
+        assert (CableMovement(SOME, 320).diffusion(dt).rate_gains == 0.0).all()
+
+
+def test_a_particle_that_has_gone_far_goes_fast(rng):
+    distances, rates = moved(thesis(), 0.5, rng)[:, [0, 4]].T
+    per_frame, dt = variances_per_frame(preset("thesis"), 320), 0.5
+    shared = covariances_over(per_frame, preset("thesis"), dt)[0]
+    assert np.cov(distances, rates)[0, 1] == pytest.approx(shared, rel=0.05)
 
 
 @pytest.mark.parametrize("dt", [FRAME / 2, FRAME, 0.5])

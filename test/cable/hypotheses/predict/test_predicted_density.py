@@ -31,11 +31,17 @@ SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
 
 def make_predicted(
-    mass_survived=0.8, mass_born=0.1, mass_switched=1e-12, log_width=0.0, width_spread=math.inf
+    mass_survived=0.8,
+    mass_born=0.1,
+    mass_switched=1e-12,
+    log_width=0.0,
+    width_spread=math.inf,
+    rate_gains=(0.0, 0.0, 0.0, 0.0),
 ) -> PredictedDensity:
     return PredictedDensity(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
         rates=RATES,
+        rate_gains=np.array(rate_gains),
         rate_scales=np.array([1.0, 0.1, 1.0, 0.1]),
         mass_survived=mass_survived,
         mass_born=mass_born,
@@ -107,6 +113,14 @@ def test_a_pose_that_was_proposed_has_the_rates_of_its_likely_ancestor(rng):
     rates = rates_at(make_predicted(), states_at(*np.repeat(CENTRES, 50, axis=0)), rng)
     np.testing.assert_allclose(np.median(rates[:50], axis=0), RATES[0], atol=0.7)
     np.testing.assert_allclose(np.median(rates[50:], axis=0), RATES[1], atol=0.7)
+
+
+def test_a_particle_beside_its_ancestor_has_the_rates_that_have_taken_it_there(rng):
+    gains = (10.0, 2.0, 0.0, 0.0)
+    beside = CENTRES[0] + [3.0, -0.02, 1.0, 0.0]
+    rates = rates_at(make_predicted(rate_gains=gains), states_at(*[beside] * 100), rng)
+    expected = RATES[0] + [30.0, -0.04, 0.0, 0.0]
+    np.testing.assert_allclose(np.median(rates, axis=0), expected, atol=0.7)
 
 
 def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
