@@ -21,7 +21,7 @@ from cable_tracker.cable.model.geometry import (
     wrap_angles,
 )
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
-from cable_tracker.compilation import compiled, compiled_loop
+from cable_tracker.compilation import compiled
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.altitude import Altitude
@@ -360,7 +360,6 @@ def _headings(normals: FloatArray) -> FloatArray:
     return headings
 
 
-@compiled
 def _moments(
     rays: FloatArray, rotations: FloatArray, least_drop: float
 ) -> tuple[FloatArray, IndexArray]:
@@ -380,40 +379,7 @@ def _moments(
     (FloatArray, IndexArray)
         Of rays in the level frame, shape (N, L, 3, 3), and (N, L).
     """
-    cameras, lines = rays.shape[:2]
-    moments, usable = np.zeros((cameras, lines, 3, 3)), np.zeros((cameras, lines), np.int64)
-    level = np.empty(3)
-    for n in range(cameras):
-        for line in range(lines):
-            usable[n, line] = _add_moments(
-                rays[n, line], rotations[n], least_drop, level, moments[n, line]
-            )
-    return moments, usable
-
-
-@compiled_loop
-def _add_moments(
-    rays: FloatArray,
-    rotation: FloatArray,
-    least_drop: float,
-    level: FloatArray,
-    moments: FloatArray,
-) -> int:
-    """Add up second moments (3, 3) of a line's rays (K, 3); return how many of them go down.
-
-    `level` (3,) is room for a ray in the level frame; see `_moments`.
-    """
-    usable = 0
-    for k in range(len(rays)):
-        for i in range(3):
-            level[i] = (
-                rotation[i, 0] * rays[k, 0]
-                + rotation[i, 1] * rays[k, 1]
-                + rotation[i, 2] * rays[k, 2]
-            )
-        if level[2] < -least_drop:
-            usable += 1
-            for i in range(3):
-                for j in range(3):
-                    moments[i, j] += level[i] * level[j]
-    return usable
+    level = rays @ np.swapaxes(rotations, 1, 2)[:, np.newaxis]
+    goes_down = level[..., 2] < -least_drop
+    usable = np.where(goes_down[..., np.newaxis], level, 0.0)
+    return np.swapaxes(usable, -1, -2) @ usable, goes_down.sum(axis=-1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.state import POSE_SYMBOLS
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import AGAIN, STATUSES
@@ -60,15 +61,13 @@ def _table(
     rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
-        "recording": pa.DictionaryArray.from_arrays(np.zeros(count, np.int32), [recording]),
-        "status": pa.DictionaryArray.from_arrays(rows["status"].astype(np.int32), list(STATUSES)),
+        "recording": pa.array([recording] * count, pa.string()),
+        "status": _words(rows["status"], STATUSES),
     }
     for name in PLAIN:
         columns[name] = pa.array(rows[name], from_pandas=rows[name].dtype.kind == "f")
-    columns["no_metres"] = pa.DictionaryArray.from_arrays(
-        rows["reason"].astype(np.int32), dive.table.reasons
-    )
-    columns["again"] = pa.DictionaryArray.from_arrays(rows["again"].astype(np.int32), list(AGAIN))
+    columns["no_metres"] = _words(rows["reason"], dive.table.reasons)
+    columns["again"] = _words(rows["again"], AGAIN)
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
     if course is not None and way is not None:
         places = way[part]
@@ -91,6 +90,11 @@ def _table(
     return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
 
 
+def _words(numbers: IndexArray, words: Sequence[str]) -> pa.Array:
+    """Return the words that rows have by their numbers in a list."""
+    return pa.array(words, pa.string()).take(pa.array(numbers))
+
+
 def check_frames(path: Path) -> None:
     """Read a table that `write_frames` has written, to see that it is whole.
 
@@ -110,19 +114,13 @@ def check_frames(path: Path) -> None:
 
 def join_frames(parts: list[Path], path: Path) -> None:
     """Put the tables of several dives into one file, a row group at a time."""
-    writer: pq.ParquetWriter | None = None
-    try:
+    with ExitStack() as stack:
+        writer: pq.ParquetWriter | None = None
         for part in parts:
             with pq.ParquetFile(part) as file:
+                if writer is None:
+                    writer = stack.enter_context(
+                        pq.ParquetWriter(path, file.schema_arrow, compression="zstd")
+                    )
                 for number in range(file.num_row_groups):
-                    table = file.read_row_group(number)
-                    table = table.set_column(0, "recording", table["recording"].cast(pa.string()))
-                    for name in ("status", "no_metres"):
-                        place = table.schema.get_field_index(name)
-                        table = table.set_column(place, name, table[name].cast(pa.string()))
-                    if writer is None:
-                        writer = pq.ParquetWriter(path, table.schema, compression="zstd")
-                    writer.write_table(table.cast(writer.schema))
-    finally:
-        if writer is not None:
-            writer.close()
+                    writer.write_table(file.read_row_group(number))

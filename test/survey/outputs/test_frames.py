@@ -1,4 +1,5 @@
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 from survey_dives import Plan, make_dive
 
@@ -18,6 +19,8 @@ def test_frames_of_several_dives_are_one_table(tmp_path):
     table = pq.read_table(tmp_path / "frames.parquet")
     assert table.num_rows == 400
     assert set(table["recording"].to_pylist()) == {"a", "b"}
+    words = ("recording", "status", "no_metres", "again")
+    assert [table.schema.field(name).type for name in words] == [pa.string()] * 4
     assert table.schema.field("smoothed_aside").metadata == {b"unit": b"m"}
     aside, smoothed = (np.array(table[name].to_pylist(), float) for name in ("x", "smoothed_aside"))
     assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9
