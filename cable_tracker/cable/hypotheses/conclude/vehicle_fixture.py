@@ -2,10 +2,10 @@
 
 The shadow of a vehicle's frame, a beam of light or a part of the vehicle itself looks like a cable
 in each single picture. But a cable moves with the ground it lies on. Every `LOOK_INTERVAL` the
-ground to either side of the hypothesis is held against the last look (`ground_shift`), and how far
-it has moved across the hypothesis against how far that has moved. Ground that moves along it, as
-below a vehicle that follows a cable, tells nothing; nor does ground that moves to one side here
-and to the other there, as it does in perspective.
+ground to either side of the hypothesis, or to the one where there is room, is held against the
+last look (`ground_shift`), and how far it has moved across the hypothesis against how far that has
+moved. Ground that moves along it, as below a vehicle that follows a cable, tells nothing; nor does
+ground that moves to one side here and to the other there, as it does in perspective.
 
 What was once found to be a fixture is one wherever it comes back, until it moves with the ground.
 """
@@ -54,9 +54,9 @@ class FixtureTest:
     state : FloatArray
         The hypothesis then, shape (8,).
     patches : GroundPatches or None
-        Ground beside it then; None: there is no room for it, or no hypothesis.
+        Ground beside it then; None: there is no room on either side, or no hypothesis.
     looks : int
-        Number of looks in which both sides have shifted the same way.
+        Number of looks in which all ground looked at has shifted the same way.
     ground, strip : float
         How far ground and hypothesis have travelled across the hypothesis, less of what is long ago
         [px].
@@ -140,15 +140,15 @@ def _patches(leader: FloatArray, image: WorkingImage) -> GroundPatches | None:
 def _travelled(
     before: FixtureTest, leader: FloatArray, shifts: FloatArray, image_size: tuple[int, int]
 ) -> FixtureTest:
-    """Return a test with one more shift of the ground to either side, shape (2, 2) [px]."""
+    """Return a test with one more shift of the ground beside the strip, shape (1 or 2, 2) [px]."""
     (then,) = states_in_chart(before.state[None], float(leader[ANGLE]))
     normal = np.array([np.cos(then[ANGLE]), np.sin(then[ANGLE])])
-    left, right = shifts @ normal
+    sides = shifts @ normal
     middle = middle_inside(float(leader[ANGLE]), float(leader[DISTANCE]), image_size)
     across, strip, looks = 0.0, 0.0, before.looks
     # Where the two sides do not go the same way, the strip is held against nothing.
-    if middle is not None and left * right > 0.0:
-        across = float(min(left, right, key=abs))
+    if middle is not None and (np.sign(sides) == np.sign(sides[0])).all():
+        across = float(min(sides, key=abs))
         strip = float(normal @ middle - then[DISTANCE])
         looks += 1
     return replace(

@@ -1,8 +1,8 @@
-"""How far the ground has moved in the picture, to either side of a strip that has not.
+"""How far the ground has moved in the picture, beside a strip that has not.
 
-A patch of the picture to either side of the strip is held against the same place in a later
-picture: the phase of their cross-power spectrum tells the shift. Ground without texture, or two
-patches too far apart, give a peak that is too low, and nothing is told.
+A patch of the picture to either side of the strip, if there is room for it, is held against the
+same place in a later picture: the phase of their cross-power spectrum tells the shift. Ground
+without texture, or two patches too far apart, give a peak that is too low, and nothing is told.
 
 References
 ----------
@@ -46,7 +46,8 @@ class GroundPatches(NamedTuple):
     shape : tuple of int
         Height and width of the picture [px].
     corners : tuple of (int, int)
-        Column and row of their first pixel, the left side of the strip first [px].
+        Column and row of their first pixel, the left side of the strip first [px]; one beside a
+        strip at the edge of the picture, else two.
     patches : tuple of Image
         Grey levels, float32, square.
     """
@@ -57,7 +58,7 @@ class GroundPatches(NamedTuple):
 
 
 def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatches | None:
-    """Return the patches beside a strip; None where the picture has no room on both sides.
+    """Return the patches beside a strip; None where the picture has no room on either side.
 
     Parameters
     ----------
@@ -80,17 +81,18 @@ def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatc
         column = min(max(round(centre[0] + 0.5 * (width - side)), 0), width - side)
         row = min(max(round(0.5 * (height - side) - centre[1]), 0), height - side)
         inside = np.array([column - 0.5 * (width - side), 0.5 * (height - side) - row])
-        if (inside - middle) @ outwards < 0.5 * pose[WIDTH] + LEAST_BESIDE * side:
-            return None
-        corners.append((column, row))
+        if (inside - middle) @ outwards >= 0.5 * pose[WIDTH] + LEAST_BESIDE * side:
+            corners.append((column, row))
+    if not corners:
+        return None
     patches = tuple(_patch(picture, corner, side) for corner in corners)
     return GroundPatches(picture.shape, tuple(corners), patches)
 
 
 def ground_shifts(before: GroundPatches, picture: Image) -> FloatArray | None:
-    """Return how far the ground of each patch has moved, x to the right, y up, shape (2, 2) [px].
+    """Return how far the ground of each patch has moved, x to the right, y up, shape (K, 2) [px].
 
-    None where that cannot be told of both, or the picture has another size than the one before.
+    None where that cannot be told of all, or the picture has another size than the one before.
     """
     if picture.shape != before.shape:
         return None

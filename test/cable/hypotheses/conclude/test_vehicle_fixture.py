@@ -113,8 +113,15 @@ def test_a_fixture_that_moves_with_the_ground_is_forgotten():
     assert dive((2.0, 0.0), lambda frame: aside(2.0 * frame), before=found).fixture is None
 
 
-def test_a_strip_at_the_edge_of_the_picture_is_not_tested():
-    test = dive((3.0, 0.0), lambda frame: aside(140.0))
+def test_a_strip_at_the_edge_of_the_picture_is_held_against_the_ground_of_one_side():
+    edge = aside(135.0)
+    np.testing.assert_array_equal(dive((-2.0, 1.0), lambda frame: edge).fixture, edge)
+    assert dive((-2.0, 1.0), lambda frame: aside(135.0 - 2.0 * frame)).fixture is None
+
+
+def test_a_strip_as_wide_as_the_picture_is_not_tested():
+    wide = np.array([10.0, 0.0, 280.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    test = dive((3.0, 0.0), lambda frame: wide)
     assert test.patches is None
     assert test.looks == 0
 

@@ -52,13 +52,17 @@ def test_patches_lie_to_either_side_and_clear_of_the_strip():
 @pytest.mark.parametrize(
     "pose",
     [
-        [150.0, 0.0, 20.0, 0.0],  # at the edge: no ground to its right
         [0.0, 0.0, 280.0, 0.0],  # as wide as the picture
         [400.0, 0.0, 20.0, 0.0],  # out of view
     ],
 )
-def test_without_room_on_both_sides_there_are_no_patches(pose):
+def test_without_room_on_either_side_there_are_no_patches(pose):
     assert patches_beside(np.array(pose), ground(), 1.0) is None
+
+
+def test_at_the_edge_of_the_picture_the_ground_of_one_side_is_told():
+    told = shifts_of(ground(), ground(5.0, -3.0), pose=np.array([150.0, 0.0, 20.0, 0.0]))
+    np.testing.assert_allclose(told, [[5.0, -3.0]], atol=1.5)
 
 
 def test_a_picture_smaller_than_a_patch_has_no_room():
