@@ -379,7 +379,9 @@ class SequenceFileSource(Source):
                     picture = frames.next_picture()
                     number += 1
                     if picture is None:
-                        raise damage(self.path, index, f"{label.filename} has only {number} frames")
+                        fault = f"has a frame {number} that cannot be decoded: {frames.fault}"
+                        end = fault if frames.fault else f"has only {number} frames"
+                        raise damage(self.path, index, f"{label.filename} {end}")
                 if picture is not None:
                     image = raw_from_array(picture, "bgr8")
                     stamp = self._begins[label.filename] + frames.stamp

@@ -137,12 +137,15 @@ class VideoSource(Source):
                 yield self._frame(count, frames.stamp, picture)
                 count += 1
             seconds = _missing_seconds(self.path, container.streams.video[0], frames.tally)
-        if _misses_frames(self.path, self.frame_count, count, frames.tally):
-            raise damage(self.path, count, f"the file promises {self.frame_count or 'some'}")
+        reasons = []
         if frames.fault:
-            raise damage(self.path, count, f"the next one cannot be decoded: {frames.fault}")
+            reasons.append(f"the next one cannot be decoded: {frames.fault}")
+        if _misses_frames(self.path, self.frame_count, count, frames.tally):
+            reasons.append(f"the file promises {self.frame_count or 'some'}")
         if seconds is not None:
-            raise damage(self.path, count, f"the file promises {seconds:.1f} s of them")
+            reasons.append(f"the file promises {seconds:.1f} s of them")
+        if reasons:
+            raise damage(self.path, count, "; ".join(reasons))
 
     @staticmethod
     def _frame(index: int, stamp: int, picture: Image) -> Frame:

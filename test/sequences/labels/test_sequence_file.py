@@ -248,6 +248,18 @@ def test_a_frame_beyond_the_end_of_the_video_is_damage(write, make_video):
         next(frames)
 
 
+def test_a_frame_of_a_video_that_cannot_be_decoded_is_told_as_that(write, make_video):
+    path = make_video("dive.avi")
+    with av.open(str(path)) as container:
+        packets = [(packet.pos, packet.size) for packet in container.demux(video=0)]
+    data, (place, size) = bytearray(path.read_bytes()), packets[5]
+    data[place + 8 : place + size] = bytes(size - 8)
+    path.write_bytes(data)
+    source = open_source(write("0 0 30 0 # dive.avi:2", "0 0 30 0 # dive.avi:8"))
+    with pytest.raises(RecordingError, match=r"frame 5 that cannot be decoded: Invalid"):
+        list(source.frames())
+
+
 @pytest.mark.parametrize(
     ("line", "reason"),
     [
