@@ -180,7 +180,10 @@ def run_sequence_file(data: bytes) -> None:
 def sequence_file_seeds() -> dict[str, bytes]:
     """Return a sequence file of pictures and of a video."""
     states = [CableState(1.5, 0.1, 30.0, -0.01), CableState(-7.25, 1.5, 4.0)]
-    labels = [Label(states[0], "frame 1.png"), Label(states[1], "deep/dive.mp4", 12)]
+    labels = [
+        Label("frame 1.png", state=states[0]),
+        Label("deep/dive.mp4", 12, state=states[1]),
+    ]
     with as_file(b"", "seed.txt") as path:
         write_labels(path, labels)
         written = path.read_bytes()

@@ -25,7 +25,7 @@ def write_truth(tmp_path, state):
 
     def write(*names: tuple[str, int | None]):
         path = tmp_path / "truth.txt"
-        write_labels(path, [Label(state(k), *name) for k, name in enumerate(names)])
+        write_labels(path, [Label(*name, state=state(k)) for k, name in enumerate(names)])
         return path
 
     return write

@@ -9,10 +9,9 @@ from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import POSE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.csv_rows import read_rows
-from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
 from cable_tracker.sequences.labels.frame_names import FrameNames
-from cable_tracker.sequences.labels.sequence_file import Label, parse_place
+from cable_tracker.sequences.labels.sequence_file import FrameName, parse_name
 from cable_tracker.sequences.tables.csv_tables import csv_text
 
 HEADER = ("frame", "stamp", "flag", *POSE_SYMBOLS, "file")
@@ -46,7 +45,7 @@ def write_autosave(
             stamps.get(frame, ""),
             label.flag,
             *_places(label),
-            Label(NOWHERE, *names.name(frame, folder)),
+            names.name(frame, folder),
         )
         for frame, label in sorted(labels.items())
     )
@@ -80,7 +79,7 @@ def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel],
     rows = read_rows(path, HEADER, _parse)
     labels, stamps = {}, {}
     try:
-        frames = names.frames([place for _, _, place in rows], path)
+        frames = names.frames([name for _, _, name in rows], path)
     except RecordingError as error:
         raise RecordingError(
             f"{path}: holds unsaved labels, but not of this recording; move it away, or remove it"
@@ -94,10 +93,10 @@ def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel],
     return labels, stamps
 
 
-def _parse(fields: list[str]) -> tuple[FrameLabel, int | None, Label]:
+def _parse(fields: list[str]) -> tuple[FrameLabel, int | None, FrameName]:
     _, stamp, flag, *places, name = fields
     state = None if flag == NO_CABLE else _state(places)
-    return flagged_label(state, flag), int(stamp) if stamp else None, parse_place(name)
+    return flagged_label(state, flag), int(stamp) if stamp else None, parse_name(name)
 
 
 def _state(places: list[str]) -> CableState:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_text
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError, read_failure, write_failure
 from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.labels import (
@@ -20,18 +19,16 @@ from cable_tracker.gui.labelling.labels import (
 )
 from cable_tracker.sequences.labels.frame_names import FrameNames
 from cable_tracker.sequences.labels.sequence_file import (
+    FrameName,
     Label,
     format_labels,
-    parse_place,
+    parse_name,
     read_any_labels,
 )
 from cable_tracker.sequences.tables.csv_tables import csv_text
 
 FLAGS_HEADER = ("frame", "stamp", "flag", "file")
 FLAGS_SUFFIX = ".flags.csv"
-
-NOWHERE = CableState(0.0, 0.0, 0.0)
-"""Stands where a name needs a state and has none."""
 
 
 class OverwriteError(OutputError):
@@ -50,14 +47,14 @@ class Flag:
         Its time [ns]; None if it was not known.
     word : str
         ``hand``, ``proposed``, ``interpolated`` or ``no_cable``.
-    place : Label
-        The frame as the label file calls it; its state means nothing.
+    name : FrameName
+        The frame as the label file calls it.
     """
 
     frame: int
     stamp: int | None
     word: str
-    place: Label
+    name: FrameName
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +107,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
     read = read_any_labels(path, allow_outside=allow_outside)
     flags = read_rows(flags_path(path), FLAGS_HEADER, _parse_flag)
     # Names of both files are looked at together: a recording that was renamed is in both.
-    frames = names.frames([*read, *(flag.place for flag in flags)], path)
+    frames = names.frames([*read, *(flag.name for flag in flags)], path)
     states, others = {}, []
     for label, frame in zip(read, frames[: len(read)], strict=True):
         if frame is None:
@@ -136,7 +133,7 @@ def _parse_flag(fields: list[str]) -> Flag:
     frame, stamp, word, name = fields
     if word != NO_CABLE:
         Origin(word)
-    return Flag(int(frame), int(stamp) if stamp else None, word, parse_place(name))
+    return Flag(int(frame), int(stamp) if stamp else None, word, parse_name(name))
 
 
 def format_label_file(
@@ -151,13 +148,13 @@ def format_label_file(
     """
     labels = [*content.others]
     rows = [
-        (f.frame, "" if f.stamp is None else f.stamp, f.word, f.place) for f in content.other_flags
+        (f.frame, "" if f.stamp is None else f.stamp, f.word, f.name) for f in content.other_flags
     ]
     for frame, label in sorted(content.labels.items()):
-        place = Label(label.state or NOWHERE, *names.name(frame, folder))
+        name = names.name(frame, folder)
         if label.state is not None:
-            labels.append(place)
-        rows.append((frame, content.stamps.get(frame, ""), label.flag, place))
+            labels.append(Label(name.filename, name.frame, state=label.state))
+        rows.append((frame, content.stamps.get(frame, ""), label.flag, name))
     flags = csv_text(FLAGS_HEADER, rows)
     return format_labels(labels, allow_outside=allow_outside), flags
 

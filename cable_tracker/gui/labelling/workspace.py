@@ -18,7 +18,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import OutputError, ParameterError, RecordingError, one_line
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
-from cable_tracker.gui.labelling.label_file import NOWHERE, FileContent, LabelFile, OverwriteError
+from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
@@ -27,7 +27,7 @@ from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.labels.frame_names import FrameNames, names_of
 from cable_tracker.sequences.labels.sequence_file import (
     SEQUENCE_SUFFIXES,
-    Label,
+    FrameName,
     SequenceFileSource,
     is_usable,
 )
@@ -61,16 +61,14 @@ def _need_usable_names(source: Source, names: FrameNames, folder: Path) -> None:
     """
     pictures = source.pictures if isinstance(source, ImageFolderSource) else ()
     odd = (
-        number
-        for number, picture in enumerate(pictures)
-        if not is_usable(Label(NOWHERE, picture.name))
+        number for number, picture in enumerate(pictures) if not is_usable(FrameName(picture.name))
     )
     # The first one stands for the folder of all; names of thousands take seconds.
     for frame in (0, *odd):
-        place = Label(NOWHERE, *names.name(frame, folder))
-        if is_usable(place):
+        frame_name = names.name(frame, folder)
+        if is_usable(frame_name):
             continue
-        name = place.filename
+        name = frame_name.filename
         if name != printable(name):
             raise RecordingError(
                 f"{printable(name)}: labels cannot name it, for its name is not UTF-8; rename it,"

@@ -10,12 +10,9 @@ from functools import lru_cache
 from pathlib import Path, PurePath
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.labels.sequence_file import Label, SequenceFileSource
+from cable_tracker.sequences.labels.sequence_file import FrameName, SequenceFileSource
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.source_base import Source
-
-FrameName = tuple[str, int | None]
-"""File name, relative to the folder of the label file, and number of the frame in it if any."""
 
 _IN_ANOTHER, _MAY_BE_IN_FOLDER, _IN_FOLDER = range(3)
 """How surely a labelled file lies in a folder, see `_nearness`."""
@@ -38,7 +35,7 @@ class FrameNames(ABC):
         """Return the name of a frame in a label file that lies in a folder."""
 
     @abstractmethod
-    def own_frames(self, labels: Sequence[Label], file: Path) -> dict[str, int | None]:
+    def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
         """Return the frames of those labels of a file that are of this recording, by their names.
 
         None: the recording holds no such frame.
@@ -53,7 +50,7 @@ class FrameNames(ABC):
         """Tell whether frames of a file of this name are listed, whichever of them."""
         return False
 
-    def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
+    def frames(self, labels: Sequence[FrameName], file: Path) -> list[int | None]:
         """Return the frame of each label of a file; None for labels of another recording.
 
         Raises
@@ -156,9 +153,10 @@ class NumberedNames(FrameNames):
         A label file that lies elsewhere names the recording without its folder; its labels can be
         given as truth all the same.
         """
-        return _seen_from(folder, self._recording) or plain_path(self._recording).name, frame
+        seen = _seen_from(folder, self._recording)
+        return FrameName(seen or plain_path(self._recording).name, frame)
 
-    def own_frames(self, labels: Sequence[Label], file: Path) -> dict[str, int | None]:
+    def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
         """Count labels of a single file that is gone as of this one, which was then renamed."""
         recording = plain_path(self._recording)
         files = {label.filename for label in labels}
@@ -182,9 +180,9 @@ class PictureNames(FrameNames):
         """Return the name of a frame; see `FrameNames`."""
         picture = self._pictures[frame]
         elsewhere = f"{plain_path(self._folder).name}/{picture}"
-        return _seen_from(folder, self._folder / picture) or elsewhere, None
+        return FrameName(_seen_from(folder, self._folder / picture) or elsewhere)
 
-    def own_frames(self, labels: Sequence[Label], file: Path) -> dict[str, int | None]:
+    def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
         """Count what stands in a folder with pictures from here; see `FrameNames`."""
         names = {
             label.filename: PurePath(label.filename) for label in labels if label.frame is None
@@ -208,7 +206,7 @@ class EntryNames(FrameNames):
         The file lists a frame more than once: its labels could not be told apart.
     """
 
-    def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:
+    def __init__(self, sequence: Path, entries: Sequence[FrameName]) -> None:
         super().__init__(f"frame that {sequence} lists")
         self._entries = tuple(entries)
         self._numbers = {str(entry): number for number, entry in enumerate(entries)}
@@ -221,9 +219,9 @@ class EntryNames(FrameNames):
     def name(self, frame: int, folder: Path) -> FrameName:
         """Return the name of a frame; see `FrameNames`."""
         entry = self._entries[frame]
-        return entry.filename, entry.frame
+        return FrameName(entry.filename, entry.frame)
 
-    def own_frames(self, labels: Sequence[Label], file: Path) -> dict[str, int | None]:
+    def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
         """Pass over names that are not listed; see `FrameNames`."""
         names = map(str, labels)
         return {name: self._numbers[name] for name in names if name in self._numbers}

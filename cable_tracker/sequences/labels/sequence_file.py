@@ -46,40 +46,46 @@ _LARGEST_SKEW = math.pi / 2
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
-    """The true cable in one frame.
+class FrameName:
+    """How a sequence file calls a frame.
 
     Attributes
     ----------
-    state : CableState
-        d, alpha, w, beta [px, rad]; the rates are zero.
     filename : str
         The picture or video, relative to the folder of the sequence file.
     frame : int or None
         Frame number in a video, from 0; None for a picture.
-    line : int
-        Number of its line in the sequence file that it was read from, from 1; else 0.
     """
 
-    state: CableState
     filename: str
     frame: int | None = None
-    line: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         return self.filename if self.frame is None else f"{self.filename}:{self.frame}"
 
 
-def _parse_name(text: str) -> tuple[str, int | None]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Label(FrameName):
+    """The true cable in a frame that is named.
+
+    Attributes
+    ----------
+    state : CableState
+        d, alpha, w, beta [px, rad]; the rates are zero.
+    line : int
+        Number of its line in the sequence file that it was read from, from 1; else 0.
+    """
+
+    state: CableState
+    line: int = field(default=0, compare=False)
+
+
+def parse_name(text: str) -> FrameName:
+    """Return the name of a picture, or of a video with the frame's number."""
     filename, colon, number = text.rpartition(":")
     if colon and filename and number.isascii() and number.isdecimal():
-        return filename, int(number)
-    return text, None
-
-
-def parse_place(text: str) -> Label:
-    """Return an empty label for the name of a picture, or of a video with the frame's number."""
-    return Label(CableState(0.0, 0.0, 0.0), *_parse_name(text))
+        return FrameName(filename, int(number))
+    return FrameName(text)
 
 
 def _check_name(name: str, allow_outside: bool = False) -> None:
@@ -93,7 +99,7 @@ def _check_name(name: str, allow_outside: bool = False) -> None:
         )
 
 
-def _check_video(filename: str, frame: int | None) -> None:
+def _check_video(named: FrameName) -> None:
     """See that a video is named with the number of a frame, and with nothing else behind a colon.
 
     Raises
@@ -101,8 +107,9 @@ def _check_video(filename: str, frame: int | None) -> None:
     ValueError
         It is not.
     """
-    if frame is not None:
+    if named.frame is not None:
         return
+    filename = named.filename
     name, colon, rest = filename.rpartition(":")
     is_picture = PurePosixPath(rest).suffix.lower() in PICTURE_SUFFIXES
     if colon and name.lower().endswith(VIDEO_SUFFIXES) and not is_picture:
@@ -137,10 +144,11 @@ def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
     _check_angles(values[1], values[3])
     if values[2] <= 0.0:
         raise ValueError(f"w is {values[2]:g} px; leave out frames without a cable")
-    filename, frame = _parse_name(name)
-    _check_name(filename, allow_outside)
-    _check_video(filename, frame)
-    return Label(wrapped_cable(CableState(*values)), filename, frame, line)
+    named = parse_name(name)
+    _check_name(named.filename, allow_outside)
+    _check_video(named)
+    state = wrapped_cable(CableState(*values))
+    return Label(named.filename, named.frame, state=state, line=line)
 
 
 def _read_lines(path: Path) -> Iterator[str]:
@@ -230,15 +238,15 @@ def _format_label(label: Label, allow_outside: bool) -> str:
     if not is_usable(label):
         raise ValueError(f"{name!r} is no usable file name")
     _check_name(label.filename, allow_outside)
-    _check_video(label.filename, label.frame)
+    _check_video(label)
     numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
     return f"{numbers} # {name}\n"
 
 
-def is_usable(place: Label) -> bool:
+def is_usable(frame_name: FrameName) -> bool:
     """Tell whether a label file can name a frame in such a way that it is read back as it is."""
-    name = str(place)
-    is_read_back = _parse_name(name.strip()) == (place.filename, place.frame)
+    name = str(frame_name)
+    is_read_back = parse_name(name.strip()) == FrameName(frame_name.filename, frame_name.frame)
     return bool(name) and is_read_back and not _breaks_a_line(name)
 
 

@@ -52,7 +52,7 @@ def _write_all(folder: Path, frames: Iterable[Frame]) -> int:
         name = picture_name(frame.index)
         write_picture(folder / name, frame.image)
         if frame.truth is not None:
-            labels.append(Label(frame.truth, name))
+            labels.append(Label(name, state=frame.truth))
         count += 1
     write_labels(folder / SEQUENCE_NAME, labels)
     return count

@@ -5,11 +5,11 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.labels.frame_names import EntryNames, NumberedNames, PictureNames
-from cable_tracker.sequences.labels.sequence_file import Label
+from cable_tracker.sequences.labels.sequence_file import FrameName, Label
 
 
 def label(name, frame=None):
-    return Label(CableState(0.0, 0.0, 9.0), name, frame)
+    return Label(name, frame, state=CableState(0.0, 0.0, 9.0))
 
 
 @pytest.fixture
@@ -34,27 +34,27 @@ def names(request):
 
 
 def test_a_video_is_named_as_it_lies_from_the_label_file(video, tmp_path):
-    assert video.name(7, tmp_path) == ("dive.avi", 7)
-    assert video.name(7, tmp_path.parent) == (f"{tmp_path.name}/dive.avi", 7)
+    assert video.name(7, tmp_path) == FrameName("dive.avi", 7)
+    assert video.name(7, tmp_path.parent) == FrameName(f"{tmp_path.name}/dive.avi", 7)
 
 
 def test_a_video_elsewhere_is_named_without_its_folder(video, tmp_path):
-    assert video.name(7, tmp_path / "labels") == ("dive.avi", 7)
+    assert video.name(7, tmp_path / "labels") == FrameName("dive.avi", 7)
 
 
 def test_pictures_go_by_their_names(folder, tmp_path):
-    assert folder.name(7, tmp_path) == ("dive/007.png", None)
-    assert folder.name(7, tmp_path / "dive") == ("007.png", None)
-    assert folder.name(7, tmp_path / "labels") == ("dive/007.png", None)
+    assert folder.name(7, tmp_path) == FrameName("dive/007.png")
+    assert folder.name(7, tmp_path / "dive") == FrameName("007.png")
+    assert folder.name(7, tmp_path / "labels") == FrameName("dive/007.png")
 
 
 def test_frames_of_a_sequence_file_keep_their_names(sequence, tmp_path):
-    assert sequence.name(2, tmp_path / "labels") == ("dive/002.png", None)
+    assert sequence.name(2, tmp_path / "labels") == FrameName("dive/002.png")
 
 
 @pytest.mark.parametrize("below", ["", "dive", "labels"])
 def test_names_lead_back_to_their_frames(names, tmp_path, below):
-    named = [label(*names.name(frame, tmp_path / below)) for frame in (2, 0, 1)]
+    named = [names.name(frame, tmp_path / below) for frame in (2, 0, 1)]
     assert names.frames(named, tmp_path / "labels.txt") == [2, 0, 1]
 
 
@@ -77,7 +77,7 @@ def test_a_file_about_other_recordings_only_is_refused(names):
 def test_labels_of_another_folder_are_of_no_picture_here(tmp_path):
     names = PictureNames(tmp_path / "day1", ["0.png", "1.png"])
     state = CableState(1.0, 0.0, 20.0)
-    labels = [Label(state, name) for name in ("day1/0.png", "day2/0.png", "day1/1.png")]
+    labels = [Label(name, state=state) for name in ("day1/0.png", "day2/0.png", "day1/1.png")]
     assert names.frames(labels, tmp_path / "truth.txt") == [0, None, 1]
 
 

@@ -27,9 +27,9 @@ angles = st.floats(-math.pi / 2, math.pi / 2, exclude_min=True)
 names = st.from_regex(r"[a-zA-Z0-9_][a-zA-Z0-9_ .#-]{0,20}\.png", fullmatch=True)
 labels = st.builds(
     Label,
-    st.builds(CableState, numbers, angles, widths, angles),
     names,
     st.none() | st.integers(0, 10**6),
+    state=st.builds(CableState, numbers, angles, widths, angles),
 )
 
 
@@ -61,8 +61,8 @@ def test_the_format_of_the_thesis(write):
         "1e1\t-.5 4.0e1 0 #dive.mp4:12",
     )
     assert read_labels(path) == [
-        Label(CableState(-12.5, 0.25, 40.0, 0.01), "pictures/a b.png"),
-        Label(CableState(10.0, -0.5, 40.0, 0.0), "dive.mp4", 12),
+        Label("pictures/a b.png", state=CableState(-12.5, 0.25, 40.0, 0.01)),
+        Label("dive.mp4", 12, state=CableState(10.0, -0.5, 40.0, 0.0)),
     ]
 
 
@@ -131,7 +131,7 @@ def test_a_missing_file_is_refused(tmp_path):
 @pytest.mark.parametrize("name", ["/a.png", "../a.png", "a\nb.png", "a.png:3", " a.png", ""])
 def test_a_name_that_would_not_be_read_back_is_not_written(tmp_path, name):
     with pytest.raises(OutputError):
-        write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), name)])
+        write_labels(tmp_path / "s.txt", [Label(name, state=CableState(1, 0, 2))])
 
 
 def test_labels_cannot_be_written_to_a_missing_folder(tmp_path):
@@ -144,14 +144,14 @@ def test_labels_cannot_be_written_to_a_missing_folder(tmp_path):
     [("rec at 3.04\u202fPM.mp4", 4), ("a\u00a0b.png", None), ("Tauchgang ä #2.png", None)],
 )
 def test_names_with_blanks_of_any_kind_are_read_back(tmp_path, name, frame):
-    labels = [Label(CableState(1, 0, 2), name, frame)]
+    labels = [Label(name, frame, state=CableState(1, 0, 2))]
     write_labels(tmp_path / "s.txt", labels)
     assert read_labels(tmp_path / "s.txt") == labels
 
 
 def test_a_name_that_cannot_be_written_asks_for_another_name_and_not_for_room(tmp_path):
     with pytest.raises(OutputError, match="rename the recording"):
-        write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), " lead.mp4")])
+        write_labels(tmp_path / "s.txt", [Label(" lead.mp4", state=CableState(1, 0, 2))])
 
 
 def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
@@ -306,7 +306,7 @@ def test_a_long_name_outside_the_folder_does_not_cut_off_what_to_do(write):
 def test_the_real_labels(footage):
     labels = read_labels(footage / "strip.txt")
     assert len(labels) == 138
-    assert labels[0] == Label(CableState(199.97, -0.44943, 118.35, 0.00114), "strip.mp4", 0)
+    assert labels[0] == Label("strip.mp4", 0, state=CableState(199.97, -0.44943, 118.35, 0.00114))
     with open_source(footage / "strip.txt") as source:
         frames = list(source.frames())
     assert len(frames) == source.frame_count == 138
