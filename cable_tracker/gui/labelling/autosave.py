@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_text
@@ -23,9 +23,7 @@ def autosave_path(path: Path) -> Path:
     return path.with_name(path.name + SUFFIX)
 
 
-def write_autosave(
-    path: Path, labels: Labels, stamps: Mapping[int, int], names: FrameNames
-) -> None:
+def write_autosave(path: Path, labels: Labels, names: FrameNames) -> None:
     """Write labels; numbers read back are equal to the last bit.
 
     Parameters
@@ -42,7 +40,7 @@ def write_autosave(
     rows = (
         (
             frame,
-            stamps.get(frame, ""),
+            label.stamp,
             label.flag,
             *_places(label),
             names.name(frame, folder),
@@ -59,16 +57,11 @@ def _places(label: FrameLabel) -> Iterator[str]:
     return map(repr, (state.distance, state.angle, state.width, state.skew))
 
 
-def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel], dict[int, int]]:
+def read_autosave(path: Path, names: FrameNames) -> dict[int, FrameLabel]:
     """Read what `write_autosave` wrote.
 
     Frames are found by their names, as those of a label file: pictures may have come or gone since.
     Labels of frames that are gone are left out.
-
-    Returns
-    -------
-    dict, dict
-        Labels and times [ns] by frame.
 
     Raises
     ------
@@ -77,26 +70,21 @@ def read_autosave(path: Path, names: FrameNames) -> tuple[dict[int, FrameLabel],
         message names it.
     """
     rows = read_rows(path, HEADER, _parse)
-    labels, stamps = {}, {}
     try:
-        frames = names.frames([name for _, _, name in rows], path)
+        frames = names.frames([name for _, name in rows], path)
     except RecordingError as error:
         raise RecordingError(
             f"{path}: holds unsaved labels, but not of this recording; move it away, or remove it"
         ) from error
-    for frame, (label, stamp, _) in zip(frames, rows, strict=True):
-        if frame is None:
-            continue
-        labels[frame] = label
-        if stamp is not None:
-            stamps[frame] = stamp
-    return labels, stamps
+    return {
+        frame: label for frame, (label, _) in zip(frames, rows, strict=True) if frame is not None
+    }
 
 
-def _parse(fields: list[str]) -> tuple[FrameLabel, int | None, FrameName]:
+def _parse(fields: list[str]) -> tuple[FrameLabel, FrameName]:
     _, stamp, flag, *places, name = fields
     state = None if flag == NO_CABLE else _state(places)
-    return flagged_label(state, flag), int(stamp) if stamp else None, parse_name(name)
+    return flagged_label(state, flag, int(stamp) if stamp else None), parse_name(name)
 
 
 def _state(places: list[str]) -> CableState:

@@ -174,7 +174,11 @@ class LabelDocument:
             between = [n for n in interpolated_in(self._labels, gap) if n not in changes]
             if between and can_be_filled(self._labels, gap):
                 filled = filled_gap(self._labels, gap, self.times)
-                followers.update((number, filled[number]) for number in between)
+                followers.update(
+                    (number, filled[number])
+                    for number in between
+                    if filled[number] != self._labels[number]
+                )
             else:
                 followers.update(dict.fromkeys(between))
         second = self._write(frame, followers)
@@ -187,6 +191,9 @@ class LabelDocument:
         for changed, label in changes.items():
             old = self._labels.get(changed)
             if old == label:
+                if label is not None:
+                    # It may be of another time.
+                    self._labels[changed] = label
                 continue
             before[changed], after[changed] = old, label
             if label is None:

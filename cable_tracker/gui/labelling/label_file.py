@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -65,8 +64,6 @@ class FileContent:
     ----------
     labels : Labels
         Labels of this recording.
-    stamps : mapping
-        Times of its labelled frames [ns], as far as they are known.
     others : tuple of Label
         Labels of other recordings, which are kept as they are.
     other_flags : tuple of Flag
@@ -74,7 +71,6 @@ class FileContent:
     """
 
     labels: Labels = field(default_factory=dict)
-    stamps: Mapping[int, int] = field(default_factory=dict)
     others: tuple[Label, ...] = ()
     other_flags: tuple[Flag, ...] = ()
 
@@ -115,7 +111,6 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
         else:
             states[frame] = label.state
     labels = {frame: FrameLabel(state) for frame, state in states.items()}
-    stamps: dict[int, int] = {}
     other_flags = []
     for flag, frame in zip(flags, frames[len(read) :], strict=True):
         if frame is None:
@@ -123,10 +118,8 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
             continue
         # Where the two disagree, as after a label file was edited elsewhere, the label counts.
         if (frame in states) == (flag.word != NO_CABLE):
-            labels[frame] = flagged_label(states.get(frame), flag.word)
-            if flag.stamp is not None:
-                stamps[frame] = flag.stamp
-    return FileContent(labels, stamps, tuple(others), tuple(other_flags))
+            labels[frame] = flagged_label(states.get(frame), flag.word, flag.stamp)
+    return FileContent(labels, tuple(others), tuple(other_flags))
 
 
 def _parse_flag(fields: list[str]) -> Flag:
@@ -147,14 +140,12 @@ def format_label_file(
         A name would not be read back as it is.
     """
     labels = [*content.others]
-    rows = [
-        (f.frame, "" if f.stamp is None else f.stamp, f.word, f.name) for f in content.other_flags
-    ]
+    rows = [(flag.frame, flag.stamp, flag.word, flag.name) for flag in content.other_flags]
     for frame, label in sorted(content.labels.items()):
         name = names.name(frame, folder)
         if label.state is not None:
             labels.append(Label(name.filename, name.frame, state=label.state))
-        rows.append((frame, content.stamps.get(frame, ""), label.flag, name))
+        rows.append((frame, label.stamp, label.flag, name))
     flags = csv_text(FLAGS_HEADER, rows)
     return format_labels(labels, allow_outside=allow_outside), flags
 

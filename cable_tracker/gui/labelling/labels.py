@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect, bisect_left
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from itertools import pairwise
 from typing import TypeAlias
@@ -58,10 +58,14 @@ class FrameLabel:
         d, alpha, w, beta [px, rad], the rates zero; None: no cable is in view.
     origin : Origin
         Origin of the state.
+    stamp : int or None
+        Time that the frame had when it was labelled, as it stands in a file [ns]; None: it is
+        labelled here, at the time that it has now.
     """
 
     state: CableState | None
     origin: Origin = Origin.HAND
+    stamp: int | None = field(default=None, compare=False)
 
     @property
     def is_key(self) -> bool:
@@ -77,11 +81,17 @@ class FrameLabel:
 Labels: TypeAlias = Mapping[int, FrameLabel]
 """Labels by the number of the frame. A frame that is not in it is not labelled."""
 
+
+def stamps_of(labels: Labels) -> dict[int, int]:
+    """Return the times of those labels that have one [ns]."""
+    return {frame: label.stamp for frame, label in labels.items() if label.stamp is not None}
+
+
 WITHOUT_CABLE = FrameLabel(None)
 """The label of a frame that shows no cable."""
 
 
-def flagged_label(state: CableState | None, flag: str) -> FrameLabel:
+def flagged_label(state: CableState | None, flag: str, stamp: int | None = None) -> FrameLabel:
     """Return the label that a flag stands for.
 
     Raises
@@ -93,7 +103,7 @@ def flagged_label(state: CableState | None, flag: str) -> FrameLabel:
         raise ValueError(
             f"the flag {flag!r} does not go with {'no' if state is None else 'a'} cable"
         )
-    return WITHOUT_CABLE if state is None else FrameLabel(state, Origin(flag))
+    return FrameLabel(state, Origin.HAND if state is None else Origin(flag), stamp)
 
 
 def state_from_page(values: Iterable[object]) -> CableState:

@@ -10,7 +10,8 @@ import os
 import threading
 import time
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -19,7 +20,7 @@ from cable_tracker.errors import OutputError, ParameterError, RecordingError, on
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
 from cable_tracker.gui.labelling.label_file import FileContent, LabelFile, OverwriteError
-from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
+from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels, stamps_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.printable import printable
@@ -80,12 +81,6 @@ def _need_usable_names(source: Source, names: FrameNames, folder: Path) -> None:
         )
 
 
-def _times_by_label(
-    labels: Labels, stamps: Mapping[int, int]
-) -> dict[tuple[int, FrameLabel | None], int]:
-    return {(frame, labels[frame]): stamp for frame, stamp in stamps.items()}
-
-
 class Workspace:
     """Recording and labels that the window works on.
 
@@ -134,21 +129,20 @@ class Workspace:
                     for number, entry in enumerate(self.source.entries)
                 }
             )
-        self.autosaved, self._autosaved_stamps = self._unsaved(path, content)
+        self.autosaved = self._unsaved(path, content)
         self._owns_autosave = False
         self._file, self._content = file, content
-        # Times of frames as they stand in files, and those of labels that are as they stand there.
-        self._known = dict(content.stamps)
-        self._drawn = _times_by_label(content.labels, content.stamps)
+        # Times of frames as they stand in files.
+        self._known = stamps_of(content.labels)
         self.document = LabelDocument(content.labels, ChainMap(self._times, self._known))
 
-    def _unsaved(self, path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
-        """Return the autosaved labels and their times, if they say other things than the file."""
+    def _unsaved(self, path: Path, content: FileContent) -> Labels | None:
+        """Return the autosaved labels, if they say other things than the file."""
         kept = autosave_path(path)
         if not kept.exists():
-            return None, {}
-        labels, stamps = read_autosave(kept, self._names)
-        return (labels, stamps) if labels != content.labels else (None, {})
+            return None
+        labels = read_autosave(kept, self._names)
+        return labels if labels != content.labels else None
 
     def autosaved_words(self) -> str:
         """Return what the user should know of the unsaved labels of an earlier run."""
@@ -200,7 +194,9 @@ class Workspace:
         A label that is as it was saved may be of another picture, whatever was drawn meanwhile.
         """
         label = self.document.labels.get(frame)
-        return self._drawn.get((frame, label), self.document.times.get(frame))
+        if label is not None and label.stamp is not None:
+            return label.stamp
+        return self.document.times.get(frame)
 
     def is_displaced(self, picture: Picture) -> bool:
         """Tell whether the frame of a picture was labelled when its number had another time.
@@ -244,13 +240,11 @@ class Workspace:
         times_here = dict(self._times)
         is_another = any(self._known.get(frame, now) != now for frame, now in times_here.items())
         known = times_here if is_another else self.document.times
-        labels, count = self.document.labels, self.count
+        told, count = stamps_of(self.document.labels), self.count
         return [
             frame
             for frame in frames
-            if (frame, labels.get(frame)) not in self._drawn
-            and frame not in known
-            and (count is None or frame < count)
+            if frame not in told and frame not in known and (count is None or frame < count)
         ]
 
     def need_frame(self, frame: int) -> None:
@@ -266,8 +260,6 @@ class Workspace:
 
     def change(self, frame: int, label: FrameLabel | None, *, merges: bool = False) -> None:
         """Label a frame; see `LabelDocument.change`. The label is of the time that it has now."""
-        # Drawn once more as it was saved, it is of the picture of now.
-        self._drawn.pop((frame, label), None)
         changes = self.document.change(frame, {frame: label}, merges=merges)
         self.tell({frame: label, **changes})
 
@@ -316,22 +308,18 @@ class Workspace:
             old.unlink(missing_ok=True)
 
     def _write_to(self, file: LabelFile, overwrite: bool) -> None:
-        labels = dict(self.document.labels)
-        content = FileContent(
-            labels, self._stamps(), self._content.others, self._content.other_flags
-        )
+        content = replace(self._content, labels=self._stamped_labels())
         file.write(content, overwrite=overwrite)
         self._file, self._content = file, content
-        self._drawn = _times_by_label(labels, content.stamps)
         autosave_path(file.path).unlink(missing_ok=True)
         self._owns_autosave = False
         self.trouble = ""
         self.tell({})
 
-    def _stamps(self) -> dict[int, int]:
-        """Return the times of labelled frames [ns], as far as they are known."""
-        stamps = ((frame, self.stamp(frame)) for frame in self.document.labels)
-        return {frame: stamp for frame, stamp in stamps if stamp is not None}
+    def _stamped_labels(self) -> dict[int, FrameLabel]:
+        """Return the labels with their times, as far as they are known."""
+        labels = self.document.labels
+        return {frame: replace(label, stamp=self.stamp(frame)) for frame, label in labels.items()}
 
     def open(self, path: Path) -> None:
         """Work on another label file.
@@ -356,8 +344,7 @@ class Workspace:
         """Take up the unsaved labels of an earlier run."""
         if self.autosaved is not None:
             self.document.replace(self.autosaved)
-            self._known |= self._autosaved_stamps
-            self._drawn |= _times_by_label(self.autosaved, self._autosaved_stamps)
+            self._known |= stamps_of(self.autosaved)
             self.autosaved = None
             self._owns_autosave = True
             self.tell(None)
@@ -379,7 +366,7 @@ class Workspace:
         path = autosave_path(self.path)
         try:
             if self.is_changed:
-                write_autosave(path, self.document.labels, self._stamps(), self._names)
+                write_autosave(path, self._stamped_labels(), self._names)
                 self._owns_autosave = True
             elif self._owns_autosave:
                 path.unlink(missing_ok=True)

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ from label_strategies import label_maps
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.autosave import read_autosave, write_autosave
-from cable_tracker.gui.labelling.labels import WITHOUT_CABLE
+from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, stamps_of
 from cable_tracker.sequences.labels.frame_names import NumberedNames, PictureNames
 
 NAMES = NumberedNames(Path("a.avi"))
@@ -19,9 +20,14 @@ PICTURES = PictureNames(Path("dive"), [f"{number:03d}.png" for number in range(3
 @given(label_maps, st.sampled_from([NAMES, PICTURES]))
 def test_unsaved_labels_are_read_back_as_they_were(tmp_path, labels, names):
     path = tmp_path / "dive.txt.autosave"
-    stamps = {frame: 40_000_000 * frame for frame in labels if frame % 2}
-    write_autosave(path, labels, stamps, names)
-    assert read_autosave(path, names) == (labels, stamps)
+    labels = {
+        frame: replace(label, stamp=40_000_000 * frame if frame % 2 else None)
+        for frame, label in labels.items()
+    }
+    write_autosave(path, labels, names)
+    read = read_autosave(path, names)
+    assert read == labels
+    assert stamps_of(read) == stamps_of(labels)
 
 
 @pytest.mark.parametrize(
@@ -50,9 +56,12 @@ def test_a_damaged_file_is_told_by_line(tmp_path, text, reason):
 
 def test_labels_stay_with_their_pictures_when_some_came_or_went(tmp_path):
     path = tmp_path / "dive.txt.autosave"
-    write_autosave(path, dict.fromkeys((2, 3, 4), WITHOUT_CABLE), {4: 70}, PICTURES)
+    labels = {2: WITHOUT_CABLE, 3: WITHOUT_CABLE, 4: FrameLabel(None, stamp=70)}
+    write_autosave(path, labels, PICTURES)
     changed = PictureNames(Path("dive"), ["000a.png", "001.png", "003.png", "004.png"])
-    assert read_autosave(path, changed) == ({2: WITHOUT_CABLE, 3: WITHOUT_CABLE}, {3: 70})
+    read = read_autosave(path, changed)
+    assert read == {2: WITHOUT_CABLE, 3: WITHOUT_CABLE}
+    assert stamps_of(read) == {3: 70}
 
 
 pieces = st.sampled_from(

@@ -1,4 +1,5 @@
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,19 +16,18 @@ from cable_tracker.gui.labelling.label_file import (
     OverwriteError,
     flags_path,
 )
-from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
+from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin, stamps_of
 from cable_tracker.sequences.labels.frame_names import NumberedNames, PictureNames, names_of
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT, true_state
 
 LABELS = {
-    0: FrameLabel(true_state(0)),
+    0: FrameLabel(true_state(0), stamp=10),
     1: FrameLabel(true_state(1), Origin.INTERPOLATED),
     2: FrameLabel(true_state(2), Origin.PROPOSED),
-    5: WITHOUT_CABLE,
+    5: FrameLabel(None, stamp=60),
 }
-STAMPS = {0: 10, 1: 20, 2: 30, 5: 60}
 
 
 @pytest.fixture
@@ -60,10 +60,14 @@ def test_labels_are_read_back_as_they_were_written(tmp_path, labels, below, kind
         if kind == "video"
         else PictureNames(tmp_path / "dive", pictures)
     )
-    stamps = {frame: 40_000_000 * frame for frame in labels if frame % 3}
-    LabelFile(path, names).write(FileContent(labels, stamps), overwrite=True)
+    labels = {
+        frame: replace(label, stamp=40_000_000 * frame if frame % 3 else None)
+        for frame, label in labels.items()
+    }
+    LabelFile(path, names).write(FileContent(labels), overwrite=True)
     content = read_back(path, names)
-    assert content == FileContent(labels, stamps)
+    assert content == FileContent(labels)
+    assert stamps_of(content.labels) == stamps_of(labels)
 
 
 def test_a_missing_file_holds_no_labels(file):
@@ -77,8 +81,7 @@ def test_other_commands_read_the_labels_as_truth(kind, request, tmp_path):
     with open_source(recording) as source:
         LabelFile(path, names_of(source)).write(
             FileContent(
-                LABELS if kind != "sequence" else {frame: LABELS[frame] for frame in range(3)},
-                STAMPS,
+                LABELS if kind != "sequence" else {frame: LABELS[frame] for frame in range(3)}
             )
         )
     with open_source(recording, truth=path) as source:
@@ -88,13 +91,13 @@ def test_other_commands_read_the_labels_as_truth(kind, request, tmp_path):
 
 def test_a_label_file_beside_its_video_is_a_recording_itself(video):
     path = video.with_name("labels.txt")
-    LabelFile(path, NumberedNames(video)).write(FileContent(LABELS, STAMPS))
+    LabelFile(path, NumberedNames(video)).write(FileContent(LABELS))
     with open_source(path) as source:
         assert [frame.truth for frame in source.frames()] == [LABELS[n].state for n in range(3)]
 
 
 def test_flags_name_frame_time_and_kind(file, path):
-    file.write(FileContent(LABELS, {0: 10, 5: 60}))
+    file.write(FileContent(LABELS))
     assert flags_path(path).read_text().splitlines() == [
         "frame,stamp,flag,file",
         "0,10,hand,dive.avi:0",
@@ -110,7 +113,7 @@ def test_labels_without_flags_were_drawn_by_hand(path, names):
 
 
 def test_where_label_and_flag_disagree_the_label_counts(file, path, names):
-    file.write(FileContent({0: FrameLabel(true_state(0)), 5: WITHOUT_CABLE}, {}))
+    file.write(FileContent({0: FrameLabel(true_state(0)), 5: WITHOUT_CABLE}))
     path.write_text("1 0.1 40 0 # dive.avi:5\n")
     assert read_back(path, names).labels == {5: FrameLabel(CableState(1.0, 0.1, 40.0))}
 
@@ -121,7 +124,7 @@ def test_labels_of_other_recordings_stay_in_the_file(path, names):
     file = LabelFile(path, names)
     content = file.read()
     assert set(content.labels) == {0}
-    file.write(FileContent({}, {}, content.others, content.other_flags))
+    file.write(FileContent({}, content.others, content.other_flags))
     assert path.read_text().splitlines()[1:] == ["1.0 0.1 40.0 0.0 # other.avi:3"]
     assert "3,70,interpolated,other.avi:3" in flags_path(path).read_text()
 
@@ -150,7 +153,7 @@ def test_an_unreadable_label_file_is_told_by_line_and_left_alone(path, names, li
     ],
 )
 def test_unreadable_flags_are_told_by_line(file, path, names, row, reason):
-    file.write(FileContent(LABELS, STAMPS))
+    file.write(FileContent(LABELS))
     flags_path(path).write_text(f"frame,stamp,flag,file\n{row}\n")
     with pytest.raises(RecordingError, match=f"flags.csv: line 2 is malformed .*{reason}"):
         read_back(path, names)
@@ -173,29 +176,29 @@ def test_whatever_the_flags_hold_only_one_error_comes_of_it(path, names, parts):
 
 
 def test_a_file_that_was_opened_may_be_written_again_and_again(path, names):
-    LabelFile(path, names).write(FileContent(LABELS, STAMPS))
+    LabelFile(path, names).write(FileContent(LABELS))
     file = LabelFile(path, names)
     file.read()
-    file.write(FileContent({}, {}))
-    file.write(FileContent(LABELS, STAMPS))
+    file.write(FileContent({}))
+    file.write(FileContent(LABELS))
     assert read_back(path, names).labels == LABELS
 
 
 def test_a_file_that_was_not_opened_is_not_overwritten(path, names):
-    LabelFile(path, names).write(FileContent(LABELS, STAMPS))
+    LabelFile(path, names).write(FileContent(LABELS))
     with pytest.raises(OverwriteError, match="exists already"):
-        LabelFile(path, names).write(FileContent({}, {}))
+        LabelFile(path, names).write(FileContent({}))
     assert read_back(path, names).labels == LABELS
 
 
 @pytest.mark.parametrize("part", ["labels", "flags"])
 def test_a_file_that_has_changed_since_is_not_overwritten(file, path, part):
-    file.write(FileContent(LABELS, STAMPS))
+    file.write(FileContent(LABELS))
     changed = path if part == "labels" else flags_path(path)
     text = changed.read_text() + "\n"
     changed.write_text(text)
     with pytest.raises(OverwriteError, match="has changed on the disk"):
-        file.write(FileContent({}, {}))
+        file.write(FileContent({}))
     assert changed.read_text() == text
 
 
@@ -203,19 +206,19 @@ def test_a_file_that_appeared_meanwhile_is_not_overwritten(file, path):
     file.read()
     path.write_text("1 0.1 40 0 # dive.avi:3\n")
     with pytest.raises(OverwriteError):
-        file.write(FileContent({}, {}))
+        file.write(FileContent({}))
 
 
 def test_the_user_may_overwrite_labels(file, path, names):
     path.write_text("1 0.1 40 0 # dive.avi:3\n")
-    file.write(FileContent(LABELS, STAMPS), overwrite=True)
+    file.write(FileContent(LABELS), overwrite=True)
     assert read_back(path, names).labels == LABELS
 
 
 def test_what_is_no_label_file_is_never_overwritten(video, names):
     before = video.read_bytes()
     with pytest.raises(OutputError, match="is no label file"):
-        LabelFile(video, names).write(FileContent(LABELS, STAMPS), overwrite=True)
+        LabelFile(video, names).write(FileContent(LABELS), overwrite=True)
     assert video.read_bytes() == before
 
 
@@ -231,14 +234,14 @@ def no_digest(monkeypatch):
 
 def test_a_recording_is_refused_before_all_of_it_is_read(video, names, no_digest):
     with pytest.raises(OutputError, match="is no label file"):
-        LabelFile(video, names).write(FileContent(LABELS, STAMPS))
+        LabelFile(video, names).write(FileContent(LABELS))
     with pytest.raises(RecordingError):
         LabelFile(video, names).read()
 
 
 def test_a_device_is_no_label_file(names, no_digest):
     with pytest.raises(OutputError, match="is no label file"):
-        LabelFile(Path("/dev/null"), names).write(FileContent(LABELS, STAMPS))
+        LabelFile(Path("/dev/null"), names).write(FileContent(LABELS))
 
 
 def test_labels_whose_flags_could_not_be_written_can_be_saved_again(file, path, names, monkeypatch):
@@ -247,17 +250,17 @@ def test_labels_whose_flags_could_not_be_written_can_be_saved_again(file, path, 
             raise OSError(28, "No space left on device")
         write_text(target, text)
 
-    file.write(FileContent(LABELS, STAMPS))
+    file.write(FileContent(LABELS))
     with monkeypatch.context() as patch:
         patch.setattr("cable_tracker.gui.labelling.label_file.write_text", only_labels)
         with pytest.raises(OutputError, match="No space left"):
-            file.write(FileContent({0: LABELS[0]}, STAMPS))
-    file.write(FileContent({0: LABELS[0]}, STAMPS))
+            file.write(FileContent({0: LABELS[0]}))
+    file.write(FileContent({0: LABELS[0]}))
     assert set(read_back(path, names).labels) == {0}
 
 
 def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch):
-    file.write(FileContent(LABELS, STAMPS))
+    file.write(FileContent(LABELS))
     before = path.read_bytes()
 
     def full(_descriptor):
@@ -265,7 +268,7 @@ def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch):
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OutputError, match="No space left"):
-        file.write(FileContent({}, {}))
+        file.write(FileContent({}))
     assert path.read_bytes() == before
     assert sorted(item.name for item in path.parent.iterdir()) == [
         path.name, flags_path(path).name,
@@ -274,7 +277,7 @@ def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch):
 
 def test_a_missing_folder_is_told(tmp_path, names):
     with pytest.raises(OutputError, match="cannot be written"):
-        LabelFile(tmp_path / "no" / "labels.txt", names).write(FileContent(LABELS, STAMPS))
+        LabelFile(tmp_path / "no" / "labels.txt", names).write(FileContent(LABELS))
 
 
 def test_a_link_is_followed_and_rights_are_kept(tmp_path, names):
@@ -282,7 +285,7 @@ def test_a_link_is_followed_and_rights_are_kept(tmp_path, names):
     target.write_text("")
     target.chmod(0o640)
     link.symlink_to(target)
-    LabelFile(link, names).write(FileContent(LABELS, STAMPS), overwrite=True)
+    LabelFile(link, names).write(FileContent(LABELS), overwrite=True)
     assert link.is_symlink()
     assert "dive.avi:0" in target.read_text()
     assert target.stat().st_mode & 0o777 == 0o640

@@ -1,5 +1,6 @@
 import os
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -150,7 +151,7 @@ def test_undoing_everything_ends_it_too(workspace, path):
 
 
 def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, folder, path):
-    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {}, names_of(open_source(folder)))
+    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, names_of(open_source(folder)))
     assert "older" not in start().autosaved_words()
     path.write_text("1 0.1 40 0 # dive/000.png\n")
     os.utime(autosave_path(path), (1, 1))
@@ -164,7 +165,7 @@ def test_unsaved_labels_that_say_the_same_are_not_offered(start, folder, path):
     first = start()
     edit(first)
     first.save()
-    write_autosave(autosave_path(path), {0: LABEL}, {}, names_of(open_source(folder)))
+    write_autosave(autosave_path(path), {0: LABEL}, names_of(open_source(folder)))
     assert start().autosaved is None
 
 
@@ -304,7 +305,8 @@ def reopened(video, path):
         source = open_source(video)
         between = FrameLabel(LABEL.state, Origin.INTERPOLATED)
         labels = {0: LABEL, 4: LABEL, **dict.fromkeys((1, 2, 3), between)}
-        LabelFile(path, names_of(source)).write(FileContent(labels, stamps))
+        drawn = {frame: replace(label, stamp=stamps[frame]) for frame, label in labels.items()}
+        LabelFile(path, names_of(source)).write(FileContent(drawn))
         return Workspace(source, path)
 
     return write_and_open
@@ -350,6 +352,12 @@ def test_times_in_the_file_serve_for_new_labels_where_they_are_those_of_the_reco
     workspace.change(4, MOVED)
     assert workspace.missing_stamps(range(6)) == [5]
     assert [workspace.stamp(frame) for frame in range(5)] == [stamps[n] for n in range(5)]
+
+
+def test_a_label_that_is_drawn_as_it_was_leaves_those_beside_it_their_time(displaced):
+    pictures = [displaced.picture(frame) for frame in range(5)]
+    displaced.change(4, LABEL)
+    assert [displaced.is_displaced(each) for each in pictures] == [True] * 4 + [False]
 
 
 def test_undo_gives_a_label_back_the_time_that_stands_in_its_file(displaced):
