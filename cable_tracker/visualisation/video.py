@@ -17,7 +17,7 @@ from av.video.stream import VideoStream
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import AtomicFile
 from cable_tracker.errors import OutputError, write_failure
-from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
+from cable_tracker.sequences.videos.video_frames import ffmpeg_name
 from cable_tracker.stamps import NANOSECONDS
 
 TICKS = 1000

@@ -17,6 +17,7 @@ from cable_tracker.cable.model.segments import (
 )
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session.snapshot import CableSnapshot, TargetSnapshot
+from cable_tracker.sequences.messages.line_markers import sides_of_polygon
 from cable_tracker.target.model.estimate import box_corners
 from cable_tracker.tracking.image_frame import to_page
 from cable_tracker.visualisation.drawable import (
@@ -104,15 +105,28 @@ def _lines(
     width: float,
     size: tuple[int, int],
 ) -> Layer:
-    points = [number for segment in segments for number in _to_page(np.array(segment), size)]
+    ends = np.array(list(segments)).reshape(-1, 2)
+    places = np.column_stack(to_page(ends[:, 0], ends[:, 1], size))
+    return _lines_on_page(name, places, colour, width, size)
+
+
+def _lines_on_page(
+    name: str, ends: FloatArray, colour: str, width: float, size: tuple[int, int]
+) -> Layer:
+    """Return lines, both ends of one after the other, from the upper left corner, (2K, 2)."""
+    points = _rounded(ends, size)
     return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
 
 
-def _to_page(points: FloatArray, size: tuple[int, int]) -> list[float]:
-    """Turn points (N, 2) of the image frame into x, y, x, y ... from the upper left corner."""
-    places = np.column_stack(to_page(points[:, 0], points[:, 1], size))
-    page = within_reach(places, size)
-    return [round(number, 2) for number in page.ravel().tolist()]
+def _area(rim: FloatArray, colour: str, opacity: float, size: tuple[int, int]) -> Layer:
+    """Return the area in a rim (N, 2) of the image frame: where a centre or centreline may be."""
+    points = _rounded(np.column_stack(to_page(rim[:, 0], rim[:, 1], size)), size)
+    return {"kind": "area", "name": "band", "colour": colour, "opacity": opacity, "points": points}
+
+
+def _rounded(places: FloatArray, size: tuple[int, int]) -> list[float]:
+    """Turn places on the page (N, 2) into x, y, x, y ..."""
+    return [round(number, 2) for number in within_reach(places, size).ravel().tolist()]
 
 
 def _hypotheses(hypotheses: Sequence[Hypothesis], size: tuple[int, int]) -> Iterable[Segment]:
@@ -124,9 +138,7 @@ def _band(
     state: CableState, spread: tuple[float, float], colour: str, size: tuple[int, int]
 ) -> Layer:
     """Return where the centreline lies within two standard deviations of distance and angle."""
-    rim = band_about(state, spread, size, BAND_POINTS)
-    points = _to_page(rim, size)
-    return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.22, "points": points}
+    return _area(band_about(state, spread, size, BAND_POINTS), colour, 0.22, size)
 
 
 def target_layers(snapshot: TargetSnapshot) -> list[Layer]:
@@ -172,10 +184,8 @@ def _closed(
     name: str, corners: FloatArray, colour: str, width: float, size: tuple[int, int]
 ) -> Layer:
     """Return the sides of a polygon (K, 2) that counts from the top left corner."""
-    usable = within_reach(corners[np.isfinite(corners).all(axis=1)], size)
-    ends = np.stack((usable, np.roll(usable, -1, axis=0)), axis=1)
-    points = [round(number, 2) for number in ends.ravel().tolist()]
-    return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
+    usable = corners[np.isfinite(corners).all(axis=1)]
+    return _lines_on_page(name, sides_of_polygon(usable), colour, width, size)
 
 
 def _ellipse(
@@ -184,5 +194,4 @@ def _ellipse(
     """Return where a centre lies within two standard deviations."""
     turns = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_POINTS)
     rim = centre + np.column_stack((np.cos(turns), np.sin(turns))) * (2.0 * np.array(spread))
-    points = _to_page(rim, size)
-    return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.3, "points": points}
+    return _area(rim, colour, 0.3, size)

@@ -30,8 +30,11 @@ from cable_tracker.sequences.natural_order import gap_note, positions_by_number
 from cable_tracker.sequences.pictures.image_folder import PICTURE_SUFFIXES, load_picture
 from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
 from cable_tracker.sequences.videos.video import TIMES_NOTE, VIDEO_SUFFIXES
-from cable_tracker.sequences.videos.video_frames import VideoFrames, opened_video
-from cable_tracker.sequences.videos.video_times import times_run_backwards
+from cable_tracker.sequences.videos.video_frames import (
+    VideoFrames,
+    opened_video,
+    times_run_backwards,
+)
 from cable_tracker.stamps import NANOSECONDS, USUAL_RATE, stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag import BagSource
@@ -24,6 +25,7 @@ from cable_tracker.sequences.bags.storage_files import is_ros1
 from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import stamp_or_received
+from cable_tracker.sequences.messages.target import read_polygon
 from cable_tracker.sequences.pictures.image_folder import ImageFolderSource
 from cable_tracker.sequences.source import is_bag
 from cable_tracker.sequences.source_base import Source
@@ -229,8 +231,7 @@ def _read_bag(storage: BagStorage, path: Path) -> dict[int, Box | None]:
         with closing(storage.messages([topic])) as messages:
             for stored in messages:
                 message = deserialise(stored, is_ros1=is_ros1(path))
-                corners = [(float(each.x), float(each.y)) for each in message.polygon.points]
-                boxes[stamp_or_received(message, stored.time)] = _around(corners)
+                boxes[stamp_or_received(message, stored.time)] = _around(read_polygon(message))
     except RecordingError as error:
         raise RecordingError(
             f"{path}: {topic} is damaged after {len(boxes)} boxes ({error}); copy it again"
@@ -243,10 +244,9 @@ def _read_bag(storage: BagStorage, path: Path) -> dict[int, Box | None]:
     return boxes
 
 
-def _around(corners: list[tuple[float, float]]) -> Box | None:
-    """Return the box around corners; None where there are none, or they are not finite."""
-    places = np.array(corners).reshape(-1, 2)
-    if len(places) < 2 or not np.isfinite(places).all():
+def _around(corners: FloatArray) -> Box | None:
+    """Return the box around corners (N, 2); None: there are none, or they are not finite."""
+    if len(corners) < 2 or not np.isfinite(corners).all():
         return None
-    (left, top), (right, bottom) = places.min(axis=0), places.max(axis=0)
+    (left, top), (right, bottom) = corners.min(axis=0), corners.max(axis=0)
     return (float(left), float(top), float(right), float(bottom))

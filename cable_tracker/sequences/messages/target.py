@@ -116,11 +116,16 @@ def read_start(message: Message) -> TargetStart:
     FrameError
         It has no area, too few or too many corners, or numbers that are not finite.
     """
-    points = message.polygon.points
-    if len(points) > MOST_CORNERS:
-        raise FrameError(f"it has {len(points)} corners; {MOST_CORNERS} are read at most")
-    corners = np.array([(float(point.x), float(point.y)) for point in points], dtype=np.float64)
-    return TargetStart(corners.reshape(-1, 2))
+    count = len(message.polygon.points)
+    if count > MOST_CORNERS:
+        raise FrameError(f"it has {count} corners; {MOST_CORNERS} are read at most")
+    return TargetStart(read_polygon(message))
+
+
+def read_polygon(message: Message) -> FloatArray:
+    """Read the corners of a PolygonStamped, shape (N, 2)."""
+    corners = [(float(point.x), float(point.y)) for point in message.polygon.points]
+    return np.array(corners, dtype=np.float64).reshape(-1, 2)
 
 
 def make_bearing(factory: MessageFactory, header: Message, ray: FloatArray) -> Message:

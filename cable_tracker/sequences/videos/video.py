@@ -17,14 +17,15 @@ from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame, missing_image
 from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
-from cable_tracker.sequences.videos.packet_tally import PacketTally
 from cable_tracker.sequences.videos.video_frames import (
+    PROBED_PACKETS,
+    PacketTally,
     VideoFrames,
     decoded_frames,
     frame_rate,
     opened_video,
+    times_run_backwards,
 )
-from cable_tracker.sequences.videos.video_times import PROBED_PACKETS, times_run_backwards
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
 

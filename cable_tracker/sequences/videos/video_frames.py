@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import accumulate, islice, pairwise
 from pathlib import Path
 
 import av
@@ -16,8 +18,6 @@ from av.video.reformatter import Interpolation, VideoReformatter
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError, read_failure
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
-from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
-from cable_tracker.sequences.videos.packet_tally import PacketTally
 from cable_tracker.sequences.videos.video_times import FrameClock
 from cable_tracker.stamps import FIRST_STAMP, USUAL_RATE
 
@@ -25,6 +25,24 @@ _HIGHEST_RATE = 1000.0
 
 _LONGEST_WAIT = 30.0
 """Opening a file, and reading a packet of it, may take so long [s]."""
+
+PROBED_PACKETS = 250
+"""Number of packets that show whether a container's times can be used: ten seconds, a few MB."""
+
+_MOST_REORDERED = 16
+"""No codec shows a frame before one that is coded more frames earlier."""
+
+_LEAST_STEP = 0.0005
+"""Times that are closer count as the same [s]."""
+
+
+def ffmpeg_name(path: Path) -> str:
+    """Return a name under which FFmpeg finds a file.
+
+    What stands before a colon it takes for a protocol, as in `http:`, unless a slash stands before
+    it; recorders write times such as 12:30:00 into names.
+    """
+    return os.path.join(os.curdir, path)  # noqa: PTH118
 
 
 @contextmanager
@@ -118,6 +136,67 @@ def _readable(
             if packet.size:
                 yield packet
     yield None
+
+
+def times_run_backwards(path: Path) -> bool:
+    """Tell whether the times at the beginning of a video repeat or run backwards.
+
+    Its packets are looked at, not decoded. A file that cannot be read has no times.
+    """
+    try:
+        with opened_video(path) as container:
+            packets = islice(container.demux(video=0), PROBED_PACKETS)
+            times = [
+                float(packet.pts * packet.time_base)
+                for packet in packets
+                if packet.pts is not None and packet.time_base is not None
+            ]
+    except (FFmpegError, RecordingError):
+        # Opening it to read its frames says what is wrong with it.
+        return False
+    latest = accumulate(times, max)
+    if any(time < before for time, before in zip(times[_MOST_REORDERED:], latest, strict=False)):
+        return True
+    return any(after - before < _LEAST_STEP for before, after in pairwise(sorted(times)))
+
+
+class PacketTally:
+    """Counts the packets of a stream while they are read.
+
+    Attributes
+    ----------
+    discarded : int
+        Number of packets that only serve to decode others: a file that was cut without coding it
+        anew says with an edit list where the first frame that is shown begins.
+    end : int or None
+        Latest end of a packet, in ticks of the stream; None: none has a time.
+    """
+
+    def __init__(self) -> None:
+        self.discarded = 0
+        self.end: int | None = None
+        self._numbered = 0
+        self._last_number = -1
+
+    def counted(self, packet: av.Packet[av.VideoStream]) -> av.Packet[av.VideoStream]:
+        """Count a packet, and return it."""
+        self.discarded += packet.is_discard
+        if packet.pts is not None:
+            end = packet.pts + (packet.duration or 0)
+            self.end = end if self.end is None else max(self.end, end)
+        if packet.dts is not None:
+            self._numbered += 1
+            self._last_number = max(self._last_number, packet.dts)
+        return packet
+
+    @property
+    def empty(self) -> int:
+        """Number of packets without data before the last one of an AVI, which numbers them.
+
+        FFmpeg passes over these, but the header counts them. What is missing behind the last packet
+        is not taken for a pause: a file that was cut off looks alike.
+        """
+        return self._last_number + 1 - self._numbered
 
 
 class VideoFrames:

@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import accumulate, islice, pairwise
-from pathlib import Path
 
-import av
-from av.error import FFmpegError
-
-from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
 from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS, stamp_of_frame
 
 ROUNDING = 2_000_000
@@ -17,37 +11,6 @@ ROUNDING = 2_000_000
 
 LONGEST_GAP = 86_400 * NANOSECONDS
 """No recorder pauses longer within a file; a time further ahead is damage [ns]."""
-
-PROBED_PACKETS = 250
-"""Number of packets that show whether a container's times can be used: ten seconds, a few MB."""
-
-_MOST_REORDERED = 16
-"""No codec shows a frame before one that is coded more frames earlier."""
-
-_LEAST_STEP = 0.0005
-"""Times that are closer count as the same [s]."""
-
-
-def times_run_backwards(path: Path) -> bool:
-    """Tell whether the times at the beginning of a video repeat or run backwards.
-
-    Its packets are looked at, not decoded. A file without streams that can be read has no times.
-    """
-    try:
-        with av.open(ffmpeg_name(path), metadata_errors="replace") as container:
-            packets = islice(container.demux(video=0), PROBED_PACKETS)
-            times = [
-                float(packet.pts * packet.time_base)
-                for packet in packets
-                if packet.pts is not None and packet.time_base is not None
-            ]
-    except (FFmpegError, IndexError):
-        # Opening it to read its frames says what is wrong with it.
-        return False
-    latest = accumulate(times, max)
-    if any(time < before for time, before in zip(times[_MOST_REORDERED:], latest, strict=False)):
-        return True
-    return any(after - before < _LEAST_STEP for before, after in pairwise(sorted(times)))
 
 
 class FrameClock:

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from cable_tracker.sequences.videos.ffmpeg_names import ffmpeg_name
+from cable_tracker.sequences.videos.video_frames import ffmpeg_name
 
 
 def test_nothing_before_a_colon_looks_like_a_protocol():
