@@ -12,48 +12,61 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.console.lazy_group import LazyGroup, with_optional_hints
+from cable_tracker.commands.console.lazy_group import LazyGroup, ListedCommand, with_optional_hints
 from cable_tracker.commands.console.stop_signals import Stopped, StopSignals
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 from cable_tracker.printable import encodable
 
-GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+GROUPS: Mapping[str, Mapping[str, ListedCommand]] = MappingProxyType(
     {
         "Follow a cable, or a target with an outline": {
-            "track": "track:track",
-            "target": "target:target",
-            "gui": "gui:gui",
+            "track": ("track:track", "Track a recording and write the results into a folder."),
+            "target": (
+                "target:target",
+                "Follow a target with an outline: a buoy, a vehicle, a diver.",
+            ),
+            "gui": ("gui:gui", "Watch and tune the filter in a browser."),
         },
         "Fit the tracker to footage of yours": {
-            "label": "label:label",
-            "learn": "learn:learn",
-            "evaluate": "evaluate:evaluate",
-            "parameters": "parameters:parameters",
+            "label": ("label:label", "Label a recording by hand, in a browser."),
+            "learn": ("learn:learn", "Learn response tables from labelled recordings."),
+            "evaluate": (
+                "evaluate:evaluate",
+                "Judge methods against ground truth and write a report.",
+            ),
+            "parameters": (
+                "parameters:parameters",
+                "Print all parameters, or write them to a file.",
+            ),
         },
         "Map cables from dives": {
-            "survey": "survey:survey",
+            "survey": (
+                "survey:survey",
+                "Map the cable from dives: its route, events, and a report.",
+            ),
         },
         "Work with recordings": {
-            "convert": "convert:convert",
-            "simulate": "simulate:simulate_command",
+            "convert": ("convert:convert", "Convert any recording into a ROS 2 bag."),
+            "simulate": (
+                "simulate:simulate_command",
+                "Simulate a cable or a target, with exact ground truth.",
+            ),
         },
         "Steer by cable or target, and prepare a vehicle's computer": {
-            "loop": "loop:loop",
-            "chase": "chase:chase",
-            "warm-up": "warm_up:warm_up_command",
-            "dds-profile": "dds_profile:dds_profile",
+            "loop": ("loop:loop", "Let a simulated vehicle follow a cable, over ROS."),
+            "chase": ("chase:chase", "Let a simulated vehicle follow a moving target over DDS."),
+            "warm-up": ("warm_up:warm_up_command", "Compile beforehand what the trackers need."),
+            "dds-profile": (
+                "dds_profile:dds_profile",
+                "Print the path of the Fast DDS profile for one machine.",
+            ),
         },
         "Develop the package": {
-            "dev": "dev:app",
+            "dev": ("dev:app", "Experiments, benchmarks and endurance tests."),
         },
     }
 )
-"""Commands by what one wants to do, in the order of the help: module of `cable_tracker.commands`
-and function of each, or what holds further commands."""
-
-COMMANDS: Mapping[str, str] = MappingProxyType(
-    {name: place for group in GROUPS.values() for name, place in group.items()}
-)
+"""Commands by what one wants to do, in the order of the help."""
 
 IN_ANY_LOCALE = "cable_tracker.in_any_locale"
 """Name under which Python knows `encodable`."""

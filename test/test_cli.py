@@ -8,9 +8,11 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+import typer
 
 from cable_tracker import __version__, cli
 from cable_tracker.commands import dev
+from cable_tracker.commands.console.lazy_group import PACKAGE
 from cable_tracker.errors import OutputError
 
 OLD_TYPER = tuple(map(int, version("typer").split(".")[:2])) < (0, 15)
@@ -84,7 +86,20 @@ def test_the_help_lists_commands_by_what_one_wants_to_do(command, group, groups)
     assert not any(described[name].endswith("...") for name in names)
 
 
-@pytest.mark.parametrize("name", [*cli.COMMANDS, *cli.FORMER_NAMES])
+@pytest.mark.parametrize(
+    ("place", "summary"),
+    [listed for group in (*cli.GROUPS.values(), *dev.GROUPS.values()) for listed in group.values()],
+)
+def test_the_help_says_of_a_command_what_it_says_itself(place, summary):
+    module, attribute = place.split(":")
+    said = getattr(import_module(f"{PACKAGE}.{module}"), attribute)
+    words = said.info.help if isinstance(said, typer.Typer) else said.__doc__
+    assert words.splitlines()[0] == summary
+
+
+@pytest.mark.parametrize(
+    "name", [*(name for group in cli.GROUPS.values() for name in group), *cli.FORMER_NAMES]
+)
 def test_every_command_is_found_and_explains_itself(command, name):
     outcome = command(name, "--help")
     assert outcome.code == 0

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
 from textwrap import shorten
 from types import MappingProxyType, UnionType
-from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperGroup
@@ -21,20 +18,24 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 PACKAGE = "cable_tracker.commands"
 """Where the modules of commands lie."""
 
+ListedCommand: TypeAlias = tuple[str, str]
+"""Where a command lies, "module:function", the module below `PACKAGE`; instead of a function a
+`typer.Typer` with further commands. Then its line of the help: importing all of them takes
+seconds."""
+
 
 class LazyGroup(TyperGroup):
     """A group of commands, listed by what one wants to do.
 
     Attributes
     ----------
-    groups : mapping of str to mapping of str to str
-        Title of a part of the help -> name of a command -> "module:function", the module below
-        `PACKAGE`; instead of a function a `typer.Typer` with further commands.
+    groups : mapping of str to mapping of str to ListedCommand
+        Title of a part of the help -> name of a command -> the command.
     former_names : mapping of str to str
-        Commands that are found under these names and not listed.
+        Where commands lie that are found under these names and not listed.
     """
 
-    groups: ClassVar[Mapping[str, Mapping[str, str]]] = NONE
+    groups: ClassVar[Mapping[str, Mapping[str, ListedCommand]]] = NONE
     former_names: ClassVar[Mapping[str, str]] = NONE
 
     def __init__(self, **attributes: Any) -> None:  # noqa: ANN401
@@ -44,7 +45,7 @@ class LazyGroup(TyperGroup):
 
     def places(self) -> dict[str, str]:
         """Return module and function of every listed command."""
-        return {name: place for group in self.groups.values() for name, place in group.items()}
+        return {name: place for group in self.groups.values() for name, (place, _) in group.items()}
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401
         """Return the names of all listed commands."""
@@ -80,32 +81,11 @@ class LazyGroup(TyperGroup):
         widest = max(map(len, self.places()))
         for title, group in self.groups.items():
             rows = [
-                (name.ljust(widest), shorten(summary_of(place), formatter.width - 6 - widest))
-                for name, place in group.items()
+                (name.ljust(widest), shorten(summary, formatter.width - 6 - widest))
+                for name, (_, summary) in group.items()
             ]
             with formatter.section(title):
                 formatter.write_dl(rows)
-
-
-def summary_of(place: str) -> str:
-    """Return what a command does, from its source: importing all of them takes seconds.
-
-    It is the first line of a function's docstring, or the help of a `typer.Typer`.
-    """
-    module, attribute = place.split(":")
-    found = find_spec(f"{PACKAGE}.{module}")
-    assert found is not None
-    assert found.origin is not None
-    for part in ast.parse(Path(found.origin).read_bytes()).body:
-        match part:
-            case ast.FunctionDef(name=name) if name == attribute:
-                return (ast.get_docstring(part) or "").splitlines()[0]
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(keywords=words)) if (
-                name == attribute
-            ):
-                (text,) = (word.value for word in words if word.arg == "help")
-                return str(ast.literal_eval(text))
-    raise AttributeError(f"{PACKAGE}.{module} has no {attribute}")
 
 
 def load_command(name: str, place: str) -> Any:  # noqa: ANN401

@@ -7,17 +7,23 @@ from types import MappingProxyType
 
 import typer
 
-from cable_tracker.commands.console.lazy_group import LazyGroup
+from cable_tracker.commands.console.lazy_group import LazyGroup, ListedCommand
 
-GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+GROUPS: Mapping[str, Mapping[str, ListedCommand]] = MappingProxyType(
     {
         "Measure": {
-            "experiment": "dev.experiment:experiment",
-            "bench": "dev.bench:bench",
-            "estimate-noise": "dev.estimate_noise:estimate_noise",
+            "experiment": (
+                "dev.experiment:experiment",
+                "Run an experiment and write its tables and figures.",
+            ),
+            "bench": ("dev.bench:bench", "Measure how long frames take, beside a yardstick."),
+            "estimate-noise": (
+                "dev.estimate_noise:estimate_noise",
+                "Print how much the cable moves from frame to frame.",
+            ),
         },
         "Put under stress": {
-            "soak": "dev.soak:soak",
+            "soak": ("dev.soak:soak", "Feed a tracker for a long time, with faults."),
         },
     }
 )
