@@ -240,11 +240,11 @@ class Workspace:
         times_here = dict(self._times)
         is_another = any(self._known.get(frame, now) != now for frame, now in times_here.items())
         known = times_here if is_another else self.document.times
-        told, count = stamps_of(self.document.labels), self.count
+        stamped, count = stamps_of(self.document.labels), self.count
         return [
             frame
             for frame in frames
-            if frame not in told and frame not in known and (count is None or frame < count)
+            if frame not in stamped and frame not in known and (count is None or frame < count)
         ]
 
     def need_frame(self, frame: int) -> None:
@@ -265,13 +265,13 @@ class Workspace:
 
     def undo(self) -> tuple[int, Changes] | None:
         """Take the last step back; see `LabelDocument.undo`."""
-        return self._told(self.document.undo())
+        return self._tell_step(self.document.undo())
 
     def redo(self) -> tuple[int, Changes] | None:
         """Do again what was taken back; see `LabelDocument.redo`."""
-        return self._told(self.document.redo())
+        return self._tell_step(self.document.redo())
 
-    def _told(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
+    def _tell_step(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
         if step is not None:
             self.tell(step[1])
         return step

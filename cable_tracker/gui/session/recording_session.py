@@ -10,11 +10,11 @@ from dataclasses import replace
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import CableTrackerError, RecordingError
-from cable_tracker.gui.session.followers.cable_follower import CableFollower
-from cable_tracker.gui.session.followers.follower import Follower
-from cable_tracker.gui.session.followers.target_follower import TargetFollower
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.session import AnyStart, Session
+from cable_tracker.gui.session.session_trackers.cable_session_tracker import CableSessionTracker
+from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
+from cable_tracker.gui.session.session_trackers.target_session_tracker import TargetSessionTracker
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
@@ -71,7 +71,7 @@ class RecordingSession(Session):
             source = stack.enter_context(_open_for(request, parameters))
             self._frames = FrameAccess(source)
             vehicle = recorded_vehicle(source, request.choice, request.vehicle)
-            follower = _make_follower(source, request, parameters, vehicle)
+            tracker = _make_tracker(source, request, parameters, vehicle)
             try:
                 self._frames.frame(0)
             except IndexError as error:
@@ -79,9 +79,9 @@ class RecordingSession(Session):
             notes = (*([source.note] if source.note else []), *vehicle.notes)
             self.notes = tuple(map(printable, notes))
             self._resources = stack.pop_all()
-        self.subject = follower.subject
+        self.subject = tracker.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
-        self._tracked = TrackedRecording(self._frames, follower, self._publish)
+        self._tracked = TrackedRecording(self._frames, tracker, self._publish)
         self._trouble = ""
         self._is_playing = False
         self._speed = 1.0
@@ -99,7 +99,7 @@ class RecordingSession(Session):
     @property
     def trouble(self) -> str:
         """Trouble that keeps frames from coming, or else with the start; empty if there is none."""
-        return printable(self._trouble or self._tracked.follower.trouble)
+        return printable(self._trouble or self._tracked.tracker.trouble)
 
     @property
     def is_enabled(self) -> bool:
@@ -123,7 +123,7 @@ class RecordingSession(Session):
 
     def parameters(self) -> Mapping[str, ParameterValue]:
         """Return the values in force, by name."""
-        return self._tracked.follower.parameters()
+        return self._tracked.tracker.parameters()
 
     # Commands
 
@@ -203,7 +203,7 @@ class RecordingSession(Session):
     def close(self) -> None:
         """End the thread and close the recording."""
         self._thread.close()
-        self._tracked.follower.close()
+        self._tracked.tracker.close()
         self._resources.close()
 
     def _within(self, frame: int) -> int:
@@ -222,7 +222,7 @@ class RecordingSession(Session):
     def _begin(self) -> None:
         """Show the first frame at once: the first time on a machine, compiling takes a while."""
         self._tracked.show_first()
-        self._tracked.follower.warm_up()
+        self._tracked.tracker.warm_up()
         self._go_to(0)
 
     def _next_time(self) -> float | None:
@@ -290,17 +290,17 @@ class RecordingSession(Session):
 
 
 def _open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
-    """Open a recording; labels of a target are none of a cable, and are read by its follower."""
+    """Open a recording; labels of a target are none of a cable, and are read by its tracker."""
     is_target = isinstance(parameters, TargetParameters)
     return open_chosen(replace(request, truth=None) if is_target else request)
 
 
-def _make_follower(
+def _make_tracker(
     source: Source,
     request: RecordingRequest,
     parameters: ParameterSet,
     vehicle: RecordedVehicle,
-) -> Follower:
+) -> SessionTracker:
     """Return what follows what the parameters are for.
 
     Instruments tell metres of a cable, and turns of the camera for a target.
@@ -308,6 +308,6 @@ def _make_follower(
     if isinstance(parameters, TargetParameters):
         truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
         sight = RecordedTargetSight(vehicle) if vehicle.has_instruments else None
-        return TargetFollower(request.init, parameters, truth, sight)
+        return TargetSessionTracker(request.init, parameters, truth, sight)
     assert isinstance(parameters, TrackerParameters)
-    return CableFollower(source, request.init, parameters, vehicle.metres())
+    return CableSessionTracker(source, request.init, parameters, vehicle.metres())

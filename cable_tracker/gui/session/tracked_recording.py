@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 
 from cable_tracker.errors import FrameError, GuiError
-from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart, Listener
+from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
 from cable_tracker.gui.session.snapshot import AnySnapshot
 from cable_tracker.gui.session.tracker_memory import TrackerMemory
 from cable_tracker.sequences.frame import Frame
@@ -23,14 +23,14 @@ class TrackedRecording:
 
     Parameters
     ----------
-    follower : Follower
+    tracker : SessionTracker
         Tracks.
     publish : callable
         Told of every snapshot.
 
     Attributes
     ----------
-    follower : Follower
+    tracker : SessionTracker
         Tracks now; going back puts an earlier one in its place.
     position : int
         The frame that was tracked last; -1 before the first.
@@ -38,11 +38,11 @@ class TrackedRecording:
         Whether the tracker takes frames.
     """
 
-    def __init__(self, frames: FrameAccess, follower: Follower, publish: Listener) -> None:
+    def __init__(self, frames: FrameAccess, tracker: SessionTracker, publish: Listener) -> None:
         self._frames = frames
-        self.follower = follower
+        self.tracker = tracker
         self._publish = publish
-        self._memory: TrackerMemory[Follower] = TrackerMemory()
+        self._memory: TrackerMemory[SessionTracker] = TrackerMemory()
         self.position = -1
         self.is_enabled = True
         self._number = 0
@@ -51,7 +51,7 @@ class TrackedRecording:
         """Show the first frame without tracking it: there may be code to compile before that."""
         frame = self._frames.frame(0)
         with suppress(FrameError):
-            self.follower.look(frame)
+            self.tracker.look(frame)
         self._publish(self._snapshot(frame, WARMING_UP))
 
     def go_to(self, target: int, is_interrupted: Callable[[bool], bool]) -> bool:
@@ -103,9 +103,9 @@ class TrackedRecording:
         if 0 <= self.position < target <= self.position + LONGEST_RUN:
             return self.position + 1
         self._memory.interrupt()
-        self.follower.reset()
+        self.tracker.reset()
         if target == 0:
-            self.follower.begin()
+            self.tracker.begin()
         return target
 
     def _take_remembered(self, target: int) -> int | None:
@@ -113,21 +113,21 @@ class TrackedRecording:
         remembered = self._memory.recall(target)
         if remembered is None:
             return None
-        self.follower.close()
-        self.follower, first = remembered
+        self.tracker.close()
+        self.tracker, first = remembered
         return first
 
     def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
         self.position = frame.index
         if self.is_enabled:
             # A frame that is refused belongs to the run too: one can go back to it and on from it.
-            self._memory.note(frame.index, self.follower)
+            self._memory.note(frame.index, self.tracker)
         try:
-            self.follower.look(frame)
+            self.tracker.look(frame)
             if not self.is_enabled:
                 self._publish(self._snapshot(frame, DISABLED))
                 return
-            snapshot = self.follower.follow(frame, self._number + 1)
+            snapshot = self.tracker.follow(frame, self._number + 1)
         except FrameError as error:
             if is_shown:
                 self._publish(self._snapshot(frame, REFUSED, str(error)))
@@ -138,11 +138,11 @@ class TrackedRecording:
 
     def _snapshot(self, frame: Frame, status: str, reason: str = "") -> AnySnapshot:
         self._number += 1
-        return self.follower.show(frame, self._number, status, reason)
+        return self.tracker.show(frame, self._number, status, reason)
 
     def change(self, values: Mapping[str, object]) -> None:
-        """Change parameters from the next frame on; see `Follower.configure`."""
-        if self.follower.configure(values):
+        """Change parameters from the next frame on; see `SessionTracker.configure`."""
+        if self.tracker.configure(values):
             self._memory.forget()
 
     def initialise(self, start: AnyStart, *, is_still: bool) -> None:
@@ -158,18 +158,18 @@ class TrackedRecording:
                 "the tracker is off, and starts anew when it goes on; switch it on first"
             )
         if not is_still:
-            self.follower.initialise(start)
+            self.tracker.initialise(start)
             self._memory.forget_from(self.position + 1)
             return
         # Refused here if at all, before anything is forgotten.
-        self.follower.initialise(start)
-        self.follower.reset()
-        self.follower.initialise(start)
+        self.tracker.initialise(start)
+        self.tracker.reset()
+        self.tracker.initialise(start)
         self._track_again()
 
     def reset(self, *, is_still: bool) -> None:
         """Forget everything from the next frame on, or from this one while it is still."""
-        self.follower.reset()
+        self.tracker.reset()
         if not is_still or not self.is_enabled:
             self._memory.forget_from(self.position + 1)
         else:
@@ -178,7 +178,7 @@ class TrackedRecording:
     def enable(self, wanted: bool, *, is_still: bool) -> None:
         """Let the tracker take frames, or not; it starts anew."""
         if wanted and not self.is_enabled:
-            self.follower.reset()
+            self.tracker.reset()
         self.is_enabled = wanted
         self._memory.forget_from(self.position + 1)
         if is_still:

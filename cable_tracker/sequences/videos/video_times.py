@@ -33,29 +33,29 @@ class FrameClock:
         self._is_steady = is_steady
         self._rounding = min(ROUNDING, NANOSECONDS / rate / 2)
         self._index = -1
-        self._first_told = 0.0
+        self._first_time = 0.0
         self._anchor, self._anchor_stamp = 0, FIRST_STAMP
         self._last = FIRST_STAMP
 
-    def next_stamp(self, told: float) -> int:
+    def next_stamp(self, container_time: float) -> int:
         """Return the stamp of the next frame [ns].
 
         Parameters
         ----------
-        told : float
+        container_time : float
             Time of the frame according to the container [ms], NaN where it has none; of the first
             one that is the beginning, 0.
         """
         self._index += 1
         if not self._index:
-            self._first_told = told if math.isfinite(told) else 0.0
+            self._first_time = container_time if math.isfinite(container_time) else 0.0
         steady = stamp_of_frame(self._index - self._anchor, self._rate)
-        self._last = self._corrected(steady - FIRST_STAMP + self._anchor_stamp, told)
+        self._last = self._corrected(steady - FIRST_STAMP + self._anchor_stamp, container_time)
         return self._last
 
-    def _corrected(self, steady: int, told: float) -> int:
+    def _corrected(self, steady: int, container_time: float) -> int:
         """Return the stamp of a frame [ns], and go on from it where it is not the steady one."""
-        after_first = told - self._first_told
+        after_first = container_time - self._first_time
         if self._is_steady or not math.isfinite(after_first):
             return steady
         stamp = FIRST_STAMP + round(after_first * 1e6)

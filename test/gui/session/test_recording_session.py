@@ -140,7 +140,7 @@ def test_going_back_gives_the_same_metres_again(watch, surveyed_dive):
 def test_a_closed_session_reads_no_more_of_the_instruments(watch, surveyed_dive):
     watched = watch(surveyed_dive)
     watched.at(0)
-    feed = watched.session._tracked.follower._instruments._feed
+    feed = watched.session._tracked.tracker._instruments._feed
     watched.session.close()
     assert feed._messages.gi_frame is None
 

@@ -120,7 +120,7 @@ def test_a_closed_session_reads_no_more_of_the_instruments(watch, turning_dive):
     path, box = turning_dive
     watched = watch(words(box), path=path)
     watched.at(0)
-    feed = watched.session._tracked.follower._instruments._feed
+    feed = watched.session._tracked.tracker._instruments._feed
     watched.session.close()
     assert feed._messages.gi_frame is None
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.gui.session.followers.cable_follower import CableFollower
+from cable_tracker.gui.session.session_trackers.cable_session_tracker import CableSessionTracker
 from cable_tracker.sequences.source import open_source
 
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
@@ -35,34 +35,34 @@ def source(tmp_path):
         yield opened
 
 
-def first_snapshot(follower, source):
+def first_snapshot(tracker, source):
     """Begin a run, and track its first frame."""
-    follower.reset()
-    follower.begin()
+    tracker.reset()
+    tracker.begin()
     frame = next(source.frames())
-    follower.look(frame)
-    return follower.follow(frame, 1)
+    tracker.look(frame)
+    return tracker.follow(frame, 1)
 
 
 def test_a_run_starts_from_what_the_detector_sees_under_the_parameters_in_force(source):
-    follower = CableFollower(source, "hough", PARAMETERS, None)
-    wide = first_snapshot(follower, source)
-    follower.configure(THIN)
-    thin = first_snapshot(follower, source)
-    fresh = CableFollower(source, "hough", PARAMETERS.replaced(THIN), None)
+    tracker = CableSessionTracker(source, "hough", PARAMETERS, None)
+    wide = first_snapshot(tracker, source)
+    tracker.configure(THIN)
+    thin = first_snapshot(tracker, source)
+    fresh = CableSessionTracker(source, "hough", PARAMETERS.replaced(THIN), None)
     assert np.array_equal(thin.cloud, first_snapshot(fresh, source).cloud)
     assert np.median(thin.cloud[:, 2]) < 25.0 < np.median(wide.cloud[:, 2])
 
 
 def test_where_the_detector_sees_no_cable_any_more_it_is_said_and_the_run_goes_on(source):
-    follower = CableFollower(source, "hough", PARAMETERS, None)
-    follower.configure(NONE_SO_WIDE)
-    assert first_snapshot(follower, source).cloud is not None
-    assert "hough sees no cable" in follower.trouble
-    first_snapshot(follower, source)
-    assert "hough sees no cable" in follower.trouble
-    follower.reset()
-    assert not follower.trouble
-    follower.configure(THIN)
-    first_snapshot(follower, source)
-    assert not follower.trouble
+    tracker = CableSessionTracker(source, "hough", PARAMETERS, None)
+    tracker.configure(NONE_SO_WIDE)
+    assert first_snapshot(tracker, source).cloud is not None
+    assert "hough sees no cable" in tracker.trouble
+    first_snapshot(tracker, source)
+    assert "hough sees no cable" in tracker.trouble
+    tracker.reset()
+    assert not tracker.trouble
+    tracker.configure(THIN)
+    first_snapshot(tracker, source)
+    assert not tracker.trouble

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.session.followers.target_follower import TargetFollower
+from cable_tracker.gui.session.session_trackers.target_session_tracker import TargetSessionTracker
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BoxTruth
@@ -16,32 +16,32 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 
 
 def test_one_that_is_remembered_does_not_keep_the_picture_of_its_frame():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
+    tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    follower.look(frame)
-    remembered = follower.copy()
+    tracker.look(frame)
+    remembered = tracker.copy()
     assert remembered.show(frame, 1, "").image.shape[:2] == STAND_IN_SIZE[::-1]
-    assert follower.show(frame, 1, "").image.shape[:2] == (600, 800)
+    assert tracker.show(frame, 1, "").image.shape[:2] == (600, 800)
     remembered.look(frame)
     assert remembered.follow(frame, 2).image.shape[:2] == (600, 800)
 
 
 def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
+    tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    follower.look(frame)
+    tracker.look(frame)
     bad = replace(frame, index=1, image=replace(frame.image, encoding="nv12"))
     with pytest.raises(FrameError, match="nv12"):
-        follower.look(bad)
-    shown = follower.show(bad, 2, "REFUSED").image
+        tracker.look(bad)
+    shown = tracker.show(bad, 2, "REFUSED").image
     assert shown.shape[:2] == (600, 800)
     assert (shown == DARK).all()
 
 
 def test_a_box_is_checked_against_the_last_picture_that_could_be_decoded():
-    follower = TargetFollower("wait", TargetParameters(), BoxTruth(), None)
+    tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    follower.look(frame)
+    tracker.look(frame)
     with pytest.raises(FrameError):
-        follower.look(replace(frame, image=replace(frame.image, encoding="nv12")))
-    follower.initialise(TargetStart.from_box(600, 400, 700, 500))
+        tracker.look(replace(frame, image=replace(frame.image, encoding="nv12")))
+    tracker.initialise(TargetStart.from_box(600, 400, 700, 500))

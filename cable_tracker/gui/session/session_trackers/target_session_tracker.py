@@ -8,8 +8,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import ParameterError
-from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
@@ -28,7 +28,7 @@ from cable_tracker.target.warming import warm_up_target
 from cable_tracker.tracking.parameter_table import ParameterSet
 
 
-class TargetFollower(Follower):
+class TargetSessionTracker(SessionTracker):
     """Follows a target.
 
     Parameters

@@ -20,7 +20,7 @@ from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 
 
-class Follower(ABC):
+class SessionTracker(ABC):
     """A tracker, and what a session wants to know of it.
 
     Parameters

@@ -10,8 +10,8 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import ParameterError
-from cable_tracker.gui.session.followers.follower import Follower
 from cable_tracker.gui.session.session import AnyStart
+from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE
 from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
@@ -29,7 +29,7 @@ UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
 """Said in place of metres."""
 
 
-class CableFollower(Follower):
+class CableSessionTracker(SessionTracker):
     """Follows a cable.
 
     Parameters
