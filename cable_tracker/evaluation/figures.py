@@ -160,10 +160,11 @@ def _limits(truth: FloatArray, held: FloatArray, smallest: float) -> tuple[float
 
 
 def carried(trace: Trace, mask: BoolArray) -> BoolArray:
-    """Carry what is known of a frame on to those after it that are not judged."""
+    """Carry what is known of a frame on to those of its recording after it that are not judged."""
     judged = trace.visible | trace.hidden
-    last = np.maximum.accumulate(np.where(judged, np.arange(len(trace)), -1))
-    return np.asarray((last >= 0) & mask[np.maximum(last, 0)])
+    judged[[start for start, _ in trace.recordings]] = True
+    last = np.maximum.accumulate(np.where(judged, np.arange(len(trace)), 0))
+    return mask[last]
 
 
 def _shade(

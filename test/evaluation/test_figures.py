@@ -55,6 +55,11 @@ def test_frames_that_nobody_knows_are_shown_like_the_one_before(trace):
     assert carried(run, run.lost).tolist() == [False, False, True, True, True, False, False, False]
 
 
+def test_what_is_known_of_a_recording_is_not_carried_into_the_next(trace, apart):
+    run = apart(trace("hl"), trace("uu"))
+    assert carried(run, run.lost).tolist() == [False, True, False, False]
+
+
 def test_calibration_has_a_curve_for_each_method(results):
     figure = calibration_figure(results)
     assert [axis.get_title() for axis in figure.axes] == ["d", "α", "w", "β"]

@@ -95,9 +95,9 @@ class SurveyDiveSettings:
     excursion : float
         Distance aside on these, positive to the left of the cable [m].
     altitude : float
-        Altitude that the vehicle keeps [m].
+        Altitude that the vehicle keeps, 0.3 to 50 [m].
     speed : float
-        Speed through the water [m/s].
+        Speed through the water, 0.01 to 5 [m/s].
     current : float
         Speed of the water [m/s]; its direction is drawn.
     wander : float
@@ -132,6 +132,8 @@ class SurveyDiveSettings:
         check_seed(self.cable_seed, "cable_seed")
         check_size(self.image_size)
         check_range("length", self.length, (1.0, 1e5), "m of cable")
+        check_range("altitude", self.altitude, (0.3, 50.0), "m above the bottom")
+        check_range("speed", self.speed, (0.01, 5.0), "m/s")
         check_range("rate", self.rate, (1.0, 100.0), "frames per second")
 
 

@@ -67,6 +67,8 @@ def test_a_usual_survey_has_a_burial_in_50_m_and_a_crossing_in_100_m():
     [
         {"length": 0.0},
         {"rate": 0.0},
+        {"speed": 0.0},
+        {"altitude": 0.0},
         {"seed": -1},
     ],
 )
