@@ -71,6 +71,7 @@ class LaunchConfiguration(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         name = perform(context, self._name)
+        context.read.add(name)
         if name in context.configurations:
             return context.configurations[name]
         if self._default is None:
@@ -386,6 +387,7 @@ class LaunchContext:
     configurations: dict[str, str]
     shares: dict[str, Path]
     declared: list[DeclareLaunchArgument] = field(default_factory=list)
+    read: set[str] = field(default_factory=set)
     started: list[StartedNode] = field(default_factory=list)
     handlers: list[OnProcessExit] = field(default_factory=list)
 
