@@ -158,6 +158,19 @@ def full_disk() -> Callable[..., None]:
     return refuse
 
 
+@pytest.fixture(scope="session")
+def real_footage() -> Callable[..., Path]:
+    """Find a folder of real pictures, which are no part of the repository."""
+
+    def found(name: str, *files: str) -> Path:
+        folder = ROOT.parents[1] / "shared" / "data" / name
+        if not all((folder / file).exists() for file in files or ("",)):
+            pytest.skip(f"REAL FOOTAGE IS MISSING: {folder} {' '.join(files)}".rstrip())
+        return folder
+
+    return found
+
+
 class Outcome(NamedTuple):
     """How a command ended, and what it wrote."""
 

@@ -1,5 +1,6 @@
 """The tracker on real pictures: above a white strip, above its ground, and of a sea bed."""
 
+from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
 
@@ -20,29 +21,27 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.status import TrackingStatus
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
-FOOTAGE = DATA / "strip"
-SEABED = DATA / "seabed"
 
-
+@pytest.fixture
 def track(
-    name: str, init: str, count: int, truth: str | None = None
-) -> list[tuple[CableEstimate, CableState | None]]:
-    if not (FOOTAGE / name).exists():
-        pytest.skip(f"REAL FOOTAGE IS MISSING: {FOOTAGE} holds no {name}")
-    labels = FOOTAGE / truth if truth else None
-    tracker = make_tracker(TrackerParameters())
-    with open_source(FOOTAGE / name, truth=labels) as source:
-        given = given_state_for(source, init, DEFAULT_LIMITS)
-        if given is not None:
-            tracker.initialise(given)
-        return [
-            (tracker.process(decode_grey(frame.image), frame.stamp), frame.truth)
-            for frame in islice(source.frames(), count)
-        ]
+    real_footage: Callable[..., Path],
+) -> Callable[..., list[tuple[CableEstimate, CableState | None]]]:
+    def tracked(name, init, count, truth=None):
+        folder = real_footage("strip", name)
+        tracker = make_tracker(TrackerParameters())
+        with open_source(folder / name, truth=folder / truth if truth else None) as source:
+            given = given_state_for(source, init, DEFAULT_LIMITS)
+            if given is not None:
+                tracker.initialise(given)
+            return [
+                (tracker.process(decode_grey(frame.image), frame.stamp), frame.truth)
+                for frame in islice(source.frames(), count)
+            ]
+
+    return tracked
 
 
-def test_a_strip_is_followed_from_its_first_label():
+def test_a_strip_is_followed_from_its_first_label(track):
     followed = track("strip.mp4", "truth", 120, "strip.txt")
     assert all(estimate.status is TrackingStatus.TRACKING for estimate, _ in followed)
     labelled = [(estimate.state, truth) for estimate, truth in followed if truth is not None]
@@ -53,14 +52,14 @@ def test_a_strip_is_followed_from_its_first_label():
     assert off.mean() < 0.15
 
 
-def test_a_strip_is_found_from_nothing():
+def test_a_strip_is_found_from_nothing(track):
     statuses = [estimate.status for estimate, _ in track("strip.mp4", "random", 40)]
     assert statuses[0] is TrackingStatus.INITIALISING
     assert statuses[-1] is TrackingStatus.TRACKING
 
 
 @pytest.mark.parametrize("count", [60, pytest.param(120, marks=pytest.mark.slow)])
-def test_no_strip_is_claimed_where_there_is_none(count):
+def test_no_strip_is_claimed_where_there_is_none(track, count):
     statuses = {estimate.status for estimate, _ in track("no_strip.mp4", "random", count)}
     assert statuses == {TrackingStatus.INITIALISING}
 
@@ -73,11 +72,9 @@ def panned(still: Image, count: int) -> list[Image]:
 
 
 @pytest.mark.slow
-def test_a_bar_of_finite_length_on_a_real_sea_bed_is_seldom_claimed():
-    if not SEABED.is_dir():
-        pytest.skip(f"REAL PICTURES ARE MISSING: there is no {SEABED}")
+def test_a_bar_of_finite_length_on_a_real_sea_bed_is_seldom_claimed(real_footage):
     claimed = []
-    for path in sorted(SEABED.glob("*.jpg")):
+    for path in sorted(real_footage("seabed").glob("*.jpg")):
         still = cv2.resize(
             cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), (400, 300), interpolation=cv2.INTER_AREA
         )

@@ -41,7 +41,6 @@ from cable_tracker.trackers import make_tracker
 
 PARAMETERS = TrackerParameters(seed=4, particle_count=200)
 OVERLAY = "/tracker/overlay/compressed"
-FOOTAGE = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
 FOOTAGE_FRAMES = 10
 
 
@@ -168,11 +167,11 @@ def test_large_frames_in_colour_arrive_whole(
 
 
 @pytest.mark.slow
-def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., Outcome]) -> None:
-    video, labels = FOOTAGE / "strip.mp4", FOOTAGE / "strip.txt"
-    if not (video.exists() and labels.exists()):
-        pytest.skip(f"REAL FOOTAGE IS MISSING: {FOOTAGE} holds no strip.mp4 and strip.txt")
-    with open_source(video, truth=labels) as source:
+def test_real_footage_gives_the_same_table(
+    tmp_path: Path, track: Callable[..., Outcome], real_footage: Callable[..., Path]
+) -> None:
+    folder = real_footage("strip", "strip.mp4", "strip.txt")
+    with open_source(folder / "strip.mp4", truth=folder / "strip.txt") as source:
         frames = list(islice(source.frames(), FOOTAGE_FRAMES))
     labelled = [frame.truth for frame in frames if frame.truth is not None]
     write_bag(tmp_path / "strip", frames)

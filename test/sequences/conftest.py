@@ -261,12 +261,9 @@ def write_video(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
-def footage() -> Path:
-    """Folder of the real footage, which is no part of the repository."""
-    folder = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
-    if not (folder / "strip.mp4").exists() or not (folder / "strip.txt").exists():
-        pytest.skip(f"REAL FOOTAGE IS MISSING: {folder} holds no strip.mp4 and strip.txt")
-    return folder
+def footage(real_footage: Callable[..., Path]) -> Path:
+    """Folder of the real video of a strip and of its labels."""
+    return real_footage("strip", "strip.mp4", "strip.txt")
 
 
 @pytest.fixture

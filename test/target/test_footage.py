@@ -1,7 +1,5 @@
 """A real approach to a red buoy, with a swimmer and a second red thing as distractors."""
 
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
@@ -10,19 +8,17 @@ from cable_tracker.evaluation.targets.metrics import EvaluatedClaim, overlap, su
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data" / "target" / "buoy"
 STEP = 40_000_000
 """Far less time than has passed between these pictures: size and place change in leaps [ns]."""
 
 
 @pytest.fixture(scope="module")
-def approach():
-    if not FOLDER.is_dir():
-        pytest.skip(f"no footage of a buoy at {FOLDER}")
-    lines = (FOLDER / "boxes.txt").read_text().splitlines()
+def approach(real_footage):
+    folder = real_footage("target/buoy")
+    lines = (folder / "boxes.txt").read_text().splitlines()
     labels = [line.split() for line in lines if line and not line.startswith("#")]
     return [
-        (cv2.imread(str(FOLDER / name)), tuple(float(side) for side in sides))
+        (cv2.imread(str(folder / name)), tuple(float(side) for side in sides))
         for name, _, *sides in labels
     ]
 

@@ -17,9 +17,13 @@ from cable_tracker import __version__
 CPU_INFORMATION = Path("/proc/cpuinfo")
 
 
-def typed_command() -> str:
-    """Return the command line as it was typed."""
-    return shlex.join(("cable-tracker", *sys.argv[1:]))
+def typed_command(*, without: str | None = None) -> str:
+    """Return the command line as it was typed, but for an option and its value."""
+    words = [word for word in sys.argv[1:] if not word.startswith(f"{without}=")]
+    if without in words:
+        place = words.index(without)
+        del words[place : place + 2]
+    return shlex.join(("cable-tracker", *words))
 
 
 def machine() -> str:

@@ -94,7 +94,7 @@ def bench(  # noqa: PLR0917
 def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
     before = os.getloadavg()
     circumstances = Circumstances(
-        command=typed_command(),
+        command=typed_command(without="--output"),
         date=date.today().isoformat(),
         machine=machine(),
         versions=versions(),

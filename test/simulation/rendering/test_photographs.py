@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
@@ -10,8 +8,6 @@ from cable_tracker.simulation.rendering.texture import MARGIN
 from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
 
 pytestmark = pytest.mark.slow
-
-PHOTOGRAPHS = Path(__file__).resolve().parents[4] / "shared" / "data" / "seabed"
 
 
 def _bed(folder, tone=0.3):
@@ -54,10 +50,8 @@ def test_a_folder_without_photographs_is_refused(tmp_path):
         _bed(tmp_path / "missing")
 
 
-def test_real_photographs_serve_as_a_bottom():
-    if not PHOTOGRAPHS.is_dir():
-        pytest.skip(f"{PHOTOGRAPHS} with photographs of a sea bed is missing")
-    frame = next(simulate_scenario("S3", photographs=PHOTOGRAPHS)).frame
+def test_real_photographs_serve_as_a_bottom(real_footage):
+    frame = next(simulate_scenario("S3", photographs=real_footage("seabed"))).frame
     plain = next(simulate_scenario("S3")).frame
     assert bytes(frame.image.data) != bytes(plain.image.data)
     assert frame.truth == plain.truth
