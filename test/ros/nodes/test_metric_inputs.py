@@ -337,19 +337,6 @@ def test_a_frame_waits_no_longer_than_it_may(
     vehicle.has_answers(1)
 
 
-def test_the_next_frame_does_not_overtake_the_one_that_waits(
-    instruments: Callable[..., Any],
-) -> None:
-    vehicle = instruments(instrument_wait=60.0)
-    vehicle.show(0)
-    vehicle.show(1)
-    vehicle.has_no_more_than(0)
-    vehicle.speak(1)
-    vehicle.has_answers(2)
-    stamps = [state.header.stamp.nanosec for state in vehicle.states]
-    assert stamps == sorted(stamps)
-
-
 def is_disabled(vehicle: Instruments) -> None:
     vehicle.node.on_enable(SetBool.Request(data=False), SetBool.Response())
     vehicle.show(1)

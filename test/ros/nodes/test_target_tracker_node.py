@@ -447,38 +447,6 @@ class TestMetres:
         node._instruments.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
         world.spin(lambda: len(states) == 2)
 
-    def test_an_instrument_that_never_speaks_is_not_waited_for(
-        self, world: Any, show: Callable[..., None], header: Callable[..., Any]
-    ) -> None:
-        node = world.target_tracker(initial_target=BOX, instrument_wait=60.0)
-        states = world.listen(JointState, "state")
-        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
-        for index in range(2):
-            node._instruments.take_message(Instrument.IMU, Imu(header=header(index)))
-            show(node, index)
-        # Long before the wait is over.
-        world.spin(lambda: len(states) == 2, 30.0)
-
-    def test_a_frame_waits_for_all_that_a_replay_has_sent_before_it(
-        self, world: Any, show: Callable[..., None], header: Callable[..., Any]
-    ) -> None:
-        node = world.target_tracker(
-            initial_target=BOX, instrument_wait=60.0, instrument_reliability="reliable"
-        )
-        states = world.listen(JointState, "state")
-        counts = world.me.create_publisher(JointState, "instruments_sent", 10)
-        world.spin(counts.get_subscription_count)
-        names = ["camera_info", "altitude", "imu"]
-        counts.publish(JointState(header=header(0), name=names, position=[1.0, 7.0, 2.0]))
-        world.empty_queues()
-        node._instruments.take_message(Instrument.CAMERA_INFO, camera_info())
-        node._instruments.take_message(Instrument.IMU, Imu(header=header(0)))
-        show(node, 0)
-        world.pass_time(0.2)
-        assert not states
-        node._instruments.take_message(Instrument.IMU, Imu(header=header(1)))
-        world.spin(lambda: states)
-
 
 class TestSeveral:
     def test_each_has_topics_of_its_own(self, world: Any, show: Callable[..., None]) -> None:
