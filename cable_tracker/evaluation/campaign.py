@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
-from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import HERE, CampaignSettings
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all

@@ -18,7 +18,7 @@ from cable_tracker.campaigns.result_store import (
     kept_result,
     stored_beside,
 )
-from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import OutputError
 from cable_tracker.tracking.status import TrackingStatus

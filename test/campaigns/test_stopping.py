@@ -5,8 +5,7 @@ from cable_tracker import __version__
 from cable_tracker.atomic_output import any_name, output_folder
 from cable_tracker.campaigns.folder_tasks import is_done
 from cable_tracker.campaigns.result_store import stored_beside
-from cable_tracker.campaigns.result_tasks import run_all
-from cable_tracker.campaigns.runner import run_folder_tasks
+from cable_tracker.campaigns.runner import run_all, run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import OutputError, ParameterError

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from cable_tracker.atomic_output import any_name
 from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
-from cable_tracker.campaigns.result_tasks import needing_dask
+from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
@@ -170,9 +170,6 @@ def run_loops(
     list of LoopOutcome
         One for each run, in their order.
     """
-    with needing_dask():
-        from cable_tracker.campaigns.runner import run_folder_tasks  # noqa: PLC0415
-
     outcomes = run_folder_tasks(
         tasks, folder, cluster, resume=resume, finished=lambda outcome: advance()
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.campaigns.result_store import STORE, campaign_folder
-from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.console.machine import origin_note
 from cable_tracker.commands.console.terminal import (

@@ -12,7 +12,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_angles
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,

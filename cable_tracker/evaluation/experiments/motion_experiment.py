@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
