@@ -24,7 +24,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.simulation.fading import made_harder
 from cable_tracker.simulation.worlds.catalogue import WORLDS
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 from cable_tracker.tracking.frame_check import check_frame
 
 

@@ -21,7 +21,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.rendering.camera import chain, rotation_about
 from cable_tracker.simulation.rendering.texture import frequencies, spectral_noise
 from cable_tracker.simulation.worlds.ground import photographed_texture, photographs_of
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 SIZE = 320, 240
 """Columns and rows of a picture [px]."""

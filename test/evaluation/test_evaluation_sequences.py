@@ -21,7 +21,7 @@ from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.simulation.scenarios.scenario_dive import SimulationSettings, simulate
 from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 
 @pytest.fixture(scope="module")

@@ -34,7 +34,7 @@ from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of
 from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 MEAN_METRICS = (

@@ -31,7 +31,7 @@ from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 METHOD = "default"
 

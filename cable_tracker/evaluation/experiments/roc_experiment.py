@@ -29,7 +29,7 @@ from cable_tracker.evaluation.sample_statistics import percentage
 from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98)
 """Values of `presence_to_track`, with the evidence asked for as in `default`."""

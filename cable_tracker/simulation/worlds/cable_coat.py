@@ -8,8 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.rendering.texture import smooth_step
-from cable_tracker.simulation.worlds.split import Split
-from cable_tracker.simulation.worlds.world import Coat, Range
+from cable_tracker.simulation.worlds.world import Coat, Range, Split
 
 PITCHES = (0.4, 2.5)
 """Shortest and longest way along the cable from wire to wire, or from collar to collar [radii];

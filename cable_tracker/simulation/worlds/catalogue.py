@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.motion import MotionKind
-from cable_tracker.simulation.worlds.split import Split
-from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, World
+from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, Split, World
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
 from cable_tracker.tracking.parameter_table import named
 
@@ -18,38 +18,34 @@ _CLEAR = (2.5, 5.5)
 _INSPECTED = (MotionKind.INSPECTION,)
 
 
-_BASE = World("", "", Split.TUNE)
+_kind = partial(World, split=Split.TUNE)
 
 _KINDS = (
-    replace(
-        _BASE,
-        name="clear",
-        description="clear cables, little around them",
+    _kind(
+        "clear",
+        "clear cables, little around them",
         contrast=_CLEAR,
         disturbance=Disturbance(lines=0.3),
     ),
-    replace(
-        _BASE,
-        name="faint",
-        description="faint, overgrown cables, some bright here and dark there",
+    _kind(
+        "faint",
+        "faint, overgrown cables, some bright here and dark there",
         contrast=_FAINT,
         turning=0.3,
         cover=Cover(growth=(0.0, 0.4), drift=(0.0, 0.3), silt=(0.0, 0.5)),
         disturbance=Disturbance(lines=0.7),
     ),
-    replace(
-        _BASE,
-        name="inspection",
-        description="clear pipes over real sea bed, seen as inspections by ROV see them",
+    _kind(
+        "inspection",
+        "clear pipes over real sea bed, seen as inspections by ROV see them",
         photographed=True,
         motions=_INSPECTED,
         widths=None,
         contrast=_CLEAR,
     ),
-    replace(
-        _BASE,
-        name="inspection_hard",
-        description="pipes over real sea bed with growth, sand and shadows",
+    _kind(
+        "inspection_hard",
+        "pipes over real sea bed with growth, sand and shadows",
         photographed=True,
         motions=_INSPECTED,
         widths=None,
@@ -58,26 +54,23 @@ _KINDS = (
         cover=Cover(growth=(0.1, 0.45), drift=(0.0, 0.4), silt=(0.0, 0.4)),
         disturbance=Disturbance(shadow=0.7, lines=0.5),
     ),
-    replace(
-        _BASE,
-        name="shadows",
-        description="shadows as dark as a dark cable beside the cable, uneven lamps that sway",
+    _kind(
+        "shadows",
+        "shadows as dark as a dark cable beside the cable, uneven lamps that sway",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(shadow=1.0, lines=0.4),
         optics=Optics(lamps=(0.3, 0.9), sway=(0.0, 30.0), vignette=(0.2, 0.7)),
     ),
-    replace(
-        _BASE,
-        name="sand",
-        description="sand over one border for a long way",
+    _kind(
+        "sand",
+        "sand over one border for a long way",
         contrast=(1.5, 4.0),
         cover=Cover(drift=(0.4, 0.8), drift_lengths=(8.0, 40.0)),
         disturbance=Disturbance(lines=0.3),
     ),
-    replace(
-        _BASE,
-        name="round",
-        description="a lit middle and dark limbs, armour, rough and ragged cables, thin ones too",
+    _kind(
+        "round",
+        "a lit middle and dark limbs, armour, rough and ragged cables, thin ones too",
         widths=(5.0, 110.0),
         angles=(-90.0, 90.0),
         contrast=(1.5, 4.5),
@@ -91,62 +84,55 @@ _KINDS = (
         cover=Cover(growth=(0.0, 0.2)),
         disturbance=Disturbance(lines=0.3),
     ),
-    replace(
-        _BASE,
-        name="bars",
-        description="black bars, captions, a part of the vehicle in view",
+    _kind(
+        "bars",
+        "black bars, captions, a part of the vehicle in view",
         contrast=(1.8, 4.5),
         disturbance=Disturbance(lines=0.3, bars=1.0, caption=0.5, vehicle_part=0.4),
     ),
-    replace(
-        _BASE,
-        name="compressed",
-        description="strong compression, picture by picture or as a video",
+    _kind(
+        "compressed",
+        "strong compression, picture by picture or as a video",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(lines=0.3),
         optics=Optics(quality=(12, 45)),
     ),
-    replace(
-        _BASE,
-        name="empty",
-        description="no cable: real sea bed alone",
+    _kind(
+        "empty",
+        "no cable: real sea bed alone",
         photographed=True,
         has_cable=False,
     ),
-    replace(
-        _BASE,
-        name="decoys",
-        description="no cable, but single and double lines, trenches, glaring rocks",
+    _kind(
+        "decoys",
+        "no cable, but single and double lines, trenches, glaring rocks",
         has_cable=False,
         disturbance=Disturbance(lines=1.5, pairs=1.5, bars=0.2),
     ),
-    replace(
-        _BASE,
-        name="display",
-        description="a survey display's crosshair through the picture, captions",
+    _kind(
+        "display",
+        "a survey display's crosshair through the picture, captions",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(lines=0.3, crosshair=1.0, caption=0.7),
         optics=Optics(quality=(50, 90)),
     ),
-    replace(
-        _BASE,
-        name="display_empty",
-        description="no cable, but a survey display's crosshair through the picture, captions",
+    _kind(
+        "display_empty",
+        "no cable, but a survey display's crosshair through the picture, captions",
         has_cable=False,
         disturbance=Disturbance(crosshair=1.0, caption=0.7),
         optics=Optics(quality=(50, 90)),
     ),
-    replace(
-        _BASE,
-        name="banded",
-        description="cables painted in bright and dark bands",
+    _kind(
+        "banded",
+        "cables painted in bright and dark bands",
         contrast=(1.8, 5.0),
         bands=(3.0, 9.0),
         cover=Cover(growth=(0.0, 0.2)),
         disturbance=Disturbance(lines=0.3),
     ),
 )
-"""Worlds of each kind, without a split."""
+"""Worlds of each kind; `_all` makes one of each split of them."""
 
 
 def _all() -> Iterator[World]:

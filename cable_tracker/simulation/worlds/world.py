@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from cable_tracker.simulation.worlds.motion import MotionKind
-from cable_tracker.simulation.worlds.split import Split
 
 Range = tuple[float, float]
 """Lowest and highest value, between which a dive draws its own."""
 
 NONE: Range = (0.0, 0.0)
+
+
+class Split(str, Enum):
+    """Purpose of a world. The worlds of the two splits share nothing."""
+
+    TUNE = "tune"
+    """Constants and tables are chosen on it."""
+
+    REPORT = "report"
+    """Nothing is chosen on it: figures in reports come from it."""
+
+    @property
+    def number(self) -> int:
+        """Return what keeps the random numbers of the two apart."""
+        return 1 if self is Split.TUNE else 2
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from cable_tracker.evaluation.experiments.ablation import (
 from cable_tracker.evaluation.experiments.ablation_rows import TAKEN_AWAY
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 pytestmark = pytest.mark.slow
 

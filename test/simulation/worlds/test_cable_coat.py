@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.worlds.cable_coat import CableCoat, random_coat
-from cable_tracker.simulation.worlds.split import Split
-from cable_tracker.simulation.worlds.world import Coat
+from cable_tracker.simulation.worlds.world import Coat, Split
 
 PLAIN = CableCoat(
     roughness=0.0,

@@ -16,8 +16,7 @@ from cable_tracker.simulation.worlds.ground import (
     photographs_folder,
     photographs_of,
 )
-from cable_tracker.simulation.worlds.split import Split
-from cable_tracker.simulation.worlds.world import Disturbance, Optics, World
+from cable_tracker.simulation.worlds.world import Disturbance, Optics, Split, World
 
 MADE = [name for name, world in WORLDS.items() if not world.photographed]
 

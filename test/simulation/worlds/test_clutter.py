@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.worlds.clutter import LINES, PAIRS, PROFILES, Thing, lay, strew
-from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Split
 
 
 def test_the_splits_share_no_kind_of_clutter():
