@@ -78,14 +78,7 @@ def fit_growth(measurements: Sequence[Measurement]) -> list[Growth]:
             pairs = [(variable.amount(label), ms) for label, ms in own if variable.belongs(label)]
             if len({amount for amount, _ in pairs}) < 2:
                 continue
-            line = fit_line([amount for amount, _ in pairs], [ms for _, ms in pairs])
-            fits.append(
-                Growth(
-                    name,
-                    variable.name,
-                    line.base,
-                    line.slope * NANOSECONDS_PER_MS,
-                    len(pairs),
-                )
-            )
+            base, slope = fit_line([amount for amount, _ in pairs], [ms for _, ms in pairs])
+            each = slope * NANOSECONDS_PER_MS
+            fits.append(Growth(name, variable.name, base, each, len(pairs)))
     return fits

@@ -70,13 +70,13 @@ def measure_memory(name: str, shown: Footage, frames: int) -> MemoryUse:
         samples.append(resident_bytes())
     sizes = np.array(samples, np.float64)
     quarter = max(len(sizes) // 4, 1)
-    line = fit_line([float(stop) for stop in stops], list(sizes))
+    _, slope = fit_line([float(stop) for stop in stops], list(sizes))
     return MemoryUse(
         name,
         left,
         sizes[0] / KIB**2,
         float(sizes[-quarter:].mean() - sizes[:quarter].mean()) / KIB**2,
-        line.slope * 1000 / KIB,
+        slope * 1000 / KIB,
     )
 
 

@@ -58,24 +58,8 @@ class Percentiles:
         return cls(float(median), float(p95), float(p99), len(values))
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A straight line, cost = base + slope * amount.
-
-    Attributes
-    ----------
-    base : float
-        Cost of nothing.
-    slope : float
-        Cost of one more.
-    """
-
-    base: float
-    slope: float
-
-
-def fit_line(amounts: Sequence[float], costs: Sequence[float]) -> Line:
-    """Fit a straight line to costs above zero, so that relative residuals are smallest.
+def fit_line(amounts: Sequence[float], costs: Sequence[float]) -> tuple[float, float]:
+    """Fit cost = base + slope * amount, so that relative residuals are smallest.
 
     Parameters
     ----------
@@ -83,11 +67,11 @@ def fit_line(amounts: Sequence[float], costs: Sequence[float]) -> Line:
         At least two different ones.
     costs : sequence of float
         As many, above zero. A residual of a tenth counts alike for small and for large ones.
+
+    Returns
+    -------
+    base, slope : float
+        Cost of nothing, and of one more.
     """
-    x, y = np.asarray(amounts, np.float64), np.asarray(costs, np.float64)
-    weights = 1.0 / y
-    # Scaled, so that counts of a million and a base of one are solved for equally well.
-    scale = float(np.abs(x).max())
-    design = np.stack((weights, weights * x / scale), axis=1)
-    (base, slope), *_ = np.linalg.lstsq(design, np.ones(len(y)), rcond=None)
-    return Line(float(base), float(slope) / scale)
+    slope, base = np.polyfit(amounts, costs, 1, w=1.0 / np.asarray(costs, np.float64))
+    return float(base), float(slope)
