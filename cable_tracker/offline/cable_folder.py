@@ -41,16 +41,10 @@ class CableFolder(Results):
         Widths of the leading hypothesis and of the image, of the frames that have one [px].
     """
 
-    @property
-    def plots(self) -> tuple[str, ...]:
-        """Names of the plots."""
-        return (PLOTS,)
-
     def _open_writers(self, stack: ExitStack) -> None:
         self.truths: dict[int, CableState] = {}
         self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
         self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
-        self._open_video(stack)
         # Entered last, so that all is drawn before the video is closed.
         self._drawing = stack.enter_context(DrawingThread())
 
@@ -121,6 +115,5 @@ class CableFolder(Results):
 
     def _write_summaries(self) -> None:
         write_estimates(self._content / ESTIMATES, self.rows)
-        self._write_sheet()
         if self.wanted.pictures:
             plot_estimates(self._content / PLOTS, self.rows, self.truths)

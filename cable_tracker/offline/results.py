@@ -28,8 +28,8 @@ PLOTS = "estimates.png"
 METRES = "metres.csv"
 """Of a target."""
 
-OWN_NAMES = frozenset({ESTIMATES, VIDEO, CONTACT_SHEET, BAG, PLOTS, METRES})
-"""All that is ever written into such a folder."""
+FILES = (ESTIMATES, METRES, VIDEO, CONTACT_SHEET, PLOTS, BAG)
+"""All that is ever written into such a folder, in the order in which it is told."""
 
 SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 """Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
@@ -122,13 +122,15 @@ class Results(ABC):
                     self.path,
                     ESTIMATES,
                     overwrite=self._overwrite,
-                    is_own_name=OWN_NAMES.__contains__,
+                    is_own_name=FILES.__contains__,
                 )
             )
             # What is entered last is closed first: the table is written when all else is there.
             stack.push(self._finish)
             if self.wanted.bag:
                 self.bag = stack.enter_context(BagWriter(self._content / BAG))
+            if self.wanted.video:
+                self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
             self._open_writers(stack)
             self._stack = stack.pop_all()
         return self
@@ -149,34 +151,13 @@ class Results(ABC):
     ) -> None:
         if error is None:
             self._write_summaries()
+            if self._sheet is not None:
+                self._sheet.write(self._content / CONTACT_SHEET)
 
     @property
-    def tables(self) -> tuple[str, ...]:
-        """Names of the tables."""
-        return (ESTIMATES,)
-
-    @property
-    def plots(self) -> tuple[str, ...]:
-        """Names of the plots."""
-        return ()
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the files, in the order in which they are told."""
-        video = (VIDEO,) if self.wanted.video else ()
-        pictures = (CONTACT_SHEET, *self.plots) if self.wanted.pictures else ()
-        bag = (BAG,) if self.wanted.bag else ()
-        return (*self.tables, *video, *pictures, *bag)
-
-    def _open_video(self, stack: ExitStack) -> None:
-        """Open the video, if it is wanted."""
-        if self.wanted.video:
-            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
-
-    def _write_sheet(self) -> None:
-        """Write the contact sheet, if it is wanted."""
-        if self._sheet is not None:
-            self._sheet.write(self._content / CONTACT_SHEET)
+    def names(self) -> list[str]:
+        """Names of the files in the finished folder, in the order in which they are told."""
+        return [name for name in FILES if (self.path / name).exists()]
 
     @abstractmethod
     def _open_writers(self, stack: ExitStack) -> None:

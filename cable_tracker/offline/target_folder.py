@@ -31,15 +31,9 @@ class TargetFolder(Results):
         The table in metres so far; it is written if it has rows.
     """
 
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Names of the tables."""
-        return (ESTIMATES, METRES) if self.metres else (ESTIMATES,)
-
     def _open_writers(self, stack: ExitStack) -> None:
         self.rows: StoredRows[TargetRow] = StoredRows(self._content)
         self.metres: StoredRows[tuple[str, ...]] = StoredRows(self._content)
-        self._open_video(stack)
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
         """Add one frame, with the picture that shows what was found; None for a refused frame."""
@@ -56,4 +50,3 @@ class TargetFolder(Results):
         write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
         if self.metres:
             write_csv(self._content / METRES, METRES_HEADER, self.metres)
-        self._write_sheet()

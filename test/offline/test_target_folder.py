@@ -38,10 +38,10 @@ def test_tables_longer_than_what_is_kept_in_memory_are_written_whole(tmp_path):
     estimates = csv_text(HEADER, [row.cells() for row in rows])
     assert (tmp_path / "out/estimates.csv").read_bytes() == estimates.encode()
     assert (tmp_path / "out/metres.csv").read_bytes() == csv_text(METRES_HEADER, metres).encode()
-    assert {file.name for file in (tmp_path / "out").iterdir()} == set(results.tables)
+    assert {file.name for file in (tmp_path / "out").iterdir()} == set(results.names)
 
 
 def test_without_metres_there_is_no_table_of_them(tmp_path):
     results = filled(tmp_path / "out", [TargetRow(0, 0, "REFUSED")], [])
-    assert results.tables == ("estimates.csv",)
+    assert results.names == ["estimates.csv"]
     assert not (tmp_path / "out/metres.csv").exists()
