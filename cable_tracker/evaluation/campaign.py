@@ -10,7 +10,6 @@ from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import HERE, CampaignSettings
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all
-from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 from cable_tracker.tracking.parameter_table import check_name
@@ -91,7 +90,7 @@ class _Task:
             with_sheets=self.with_sheet,
         )
         tables = [file for each in own.filters for file in each.parameters.files]
-        return f"{own!r} {fingerprint_of_files(*files_of(self.sequence), *tables)}"
+        return f"{own!r} {fingerprint_of_files(*self.sequence.files(), *tables)}"
 
     def run(self, advance: Callable[[int], None]) -> list[RunResult]:
         campaign = self.campaign

@@ -76,6 +76,10 @@ class EvaluationSequence(Protocol):
         """Return the number of frames; None if it is unknown before all have been read."""
         ...
 
+    def files(self) -> list[Path]:
+        """Return the files and folders that it is read from; none if it is made up."""
+        ...
+
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Make or read the frames."""
         ...
@@ -111,6 +115,16 @@ class SimulatedSequence(ABC):
         """
         count = self._whole_count()
         return count if self.limit is None else min(count, self.limit)
+
+    def files(self) -> list[Path]:
+        """Return the files that it is made from.
+
+        Raises
+        ------
+        RecordingError
+            It needs photographs, and there are none.
+        """
+        return []
 
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Simulate the dive of a seed."""
@@ -160,13 +174,7 @@ class WorldSequence(SimulatedSequence):
         return WORLDS[self.name].frame_count
 
     def files(self) -> list[Path]:
-        """Return the photographs that its ground is taken from.
-
-        Raises
-        ------
-        RecordingError
-            It needs photographs, and there are none.
-        """
+        """Return the photographs that its ground is taken from."""
         world = WORLDS[self.name]
         return list(photographs_of(world.split)) if world.photographed else []
 
@@ -292,10 +300,11 @@ def available_sequences(
     RecordingError
         None of them can be drawn here.
     """
-    sequences, left_out = _parted(simulated_sequences(names, limit), named=names)
-    if not sequences:
+    sequences = simulated_sequences(names, limit)
+    _, left_out = _drawable([each for each in sequences if each.name not in names])
+    if len(left_out) == len(sequences):
         raise RecordingError(next(iter(left_out.values())))
-    return sequences, left_out
+    return tuple(each for each in sequences if each.name not in left_out), left_out
 
 
 def available_worlds(
@@ -305,28 +314,23 @@ def available_worlds(
 
     `limit`: number of frames used of each.
     """
-    return _parted([WorldSequence(world.name, limit) for world in worlds])
+    return _drawable([WorldSequence(world.name, limit) for world in worlds])
 
 
-def _parted(
-    sequences: Sequence[SimulatedSequence], named: Sequence[str] = ()
+def _drawable(
+    sequences: Sequence[SimulatedSequence],
 ) -> tuple[tuple[SimulatedSequence, ...], dict[str, str]]:
-    """Return the sequences that can be drawn here or are `named`, and the reasons for the others.
-
-    The reasons are by name of the sequence.
-    """
-    reasons = {each.name: _why_not_drawn(each) for each in sequences if each.name not in named}
-    left_out = {name: reason for name, reason in reasons.items() if reason}
-    return tuple(each for each in sequences if each.name not in left_out), left_out
-
-
-def _why_not_drawn(sequence: SimulatedSequence) -> str:
-    """Return why a sequence cannot be drawn here; empty if it can."""
-    try:
-        sequence.frame_count()
-    except RecordingError as error:
-        return str(error)
-    return ""
+    """Return the sequences that can be drawn here, and why each other one cannot, by its name."""
+    drawable: list[SimulatedSequence] = []
+    left_out: dict[str, str] = {}
+    for each in sequences:
+        try:
+            each.files()
+        except RecordingError as error:
+            left_out[each.name] = str(error)
+        else:
+            drawable.append(each)
+    return tuple(drawable), left_out
 
 
 def frames_in_all(counts: Iterable[int | None], runs: int = 1) -> int | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, runtime_checkable
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, RecordingError
@@ -55,17 +54,3 @@ class LabelledRecording(ChosenRecording):
         """Return what it is read from: files or a folder, and the labels."""
         labels = [] if self.truth is None else [self.truth]
         return [*recording_files(self.path), *labels]
-
-
-@runtime_checkable
-class ReadFromFiles(Protocol):
-    """What is read from files, all or in part."""
-
-    def files(self) -> list[Path]:
-        """Return the files and folders."""
-        ...
-
-
-def files_of(sequence: object) -> list[Path]:
-    """Return the files that a sequence is read from; none where it is simulated without any."""
-    return sequence.files() if isinstance(sequence, ReadFromFiles) else []

@@ -4,6 +4,7 @@ import multiprocessing
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -103,6 +104,9 @@ class _StripeSequence:
 
     def frame_count(self) -> int | None:
         return self.length
+
+    def files(self) -> list[Path]:
+        return []
 
     def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         rng = np.random.default_rng(seed)

@@ -16,7 +16,6 @@ from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import frames_in_all
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
-from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.targets.metrics import (
     EvaluatedClaim,
@@ -182,7 +181,7 @@ class TargetTask:
 
     def fingerprint(self) -> str:
         """Return a text that changes with what is run, and with the recording."""
-        return f"{self!r} {fingerprint_of_files(*files_of(self.sequence))}"
+        return f"{self!r} {fingerprint_of_files(*self.sequence.files())}"
 
     def run(self, advance: Callable[[int], None]) -> list[RunFigures]:
         """Follow the target with every method."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
 from cable_tracker.arrays import Image
@@ -54,6 +55,10 @@ class TargetSequence(Protocol):
         """Return the number of frames; None if it is unknown before all have been read."""
         ...
 
+    def files(self) -> list[Path]:
+        """Return the files and folders that it is read from; none if it is made up."""
+        ...
+
     def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Make or read the frames."""
         ...
@@ -77,6 +82,10 @@ class SimulatedTarget:
     def frame_count(self) -> int | None:
         """Return the number of frames."""
         return self.length
+
+    def files(self) -> list[Path]:
+        """Return no files."""
+        return []
 
     def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Simulate the run of a seed."""
