@@ -16,8 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
-from cable_tracker.cable.model.geometry import wraps_between
-from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE
+from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, StateColumn
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import percentages
@@ -25,6 +24,7 @@ from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.visualisation.figure_files import figure_png, with_faint_grid
 from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
+from cable_tracker.visualisation.panel_lines import broken_at_wraps, draw_line
 
 DOTS_PER_INCH = 130
 NOMINAL = np.linspace(0.02, 0.98, 49)
@@ -126,25 +126,23 @@ def _draw_trace(axes: Sequence[Axes], trace: Trace) -> None:
 
 def _draw_component(axis: Axes, trace: Trace, column: int) -> None:
     _, symbol, unit, factor = POSE_COMPONENTS[column]
+    angle = StateColumn.ANGLE
     frames = trace.frames.astype(np.float64)
-    truth, estimate = trace.truths[:, column].copy(), trace.estimates[:, column].copy()
-    known = np.isfinite(trace.truths[:, 1])
+    truth, estimate = trace.truths[:, column] * factor, trace.estimates[:, column] * factor
     # Labels of every second frame are joined; a cable that was away is not.
-    joined = known | trace.hidden
-    drawn = np.flatnonzero(joined)
-    wrapped = drawn[1:][wraps_between(trace.truths[drawn, 1])]
-    truth[wrapped] = estimate[wrapped] = np.nan
+    joined = np.isfinite(trace.truths[:, angle]) | trace.hidden
+    places, shown = broken_at_wraps(frames[joined], trace.truths[joined, angle], truth[joined])
+    draw_line(axis, places, shown, "0.1", lw=1.1, label="truth")
     claims = trace.claimed
-    green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))
-    axis.plot(frames[joined], truth[joined] * factor, color="0.1", lw=1.1, label="truth")
-    pale = np.where(claims, np.nan, estimate) * factor
-    firm = np.where(claims, estimate, np.nan) * factor
+    pale, firm = np.where(claims, np.nan, estimate), np.where(claims, estimate, np.nan)
+    places, pale, firm = broken_at_wraps(frames, trace.estimates[:, angle], pale, firm)
     dashes = (0, (3.5, 1.8))
-    axis.plot(frames, pale, color="0.55", lw=0.9, linestyle=dashes, label="estimate, not claimed")
-    axis.plot(frames, firm, color=green, lw=1.3, linestyle=dashes, label="estimate, claimed")
+    draw_line(axis, places, pale, "0.55", lw=0.9, linestyle=dashes, label="estimate, not claimed")
+    green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))
+    draw_line(axis, places, firm, green, lw=1.3, linestyle=dashes, label="estimate, claimed")
     axis.set_ylabel(f"{symbol} [{unit}]")
-    held = np.where(trace.lost | ~claims, np.nan, estimate) * factor
-    axis.set_ylim(_limits(truth * factor, held, SMALLEST_SPANS[column]))
+    held = np.where(trace.lost | ~claims, np.nan, estimate)
+    axis.set_ylim(_limits(truth, held, SMALLEST_SPANS[column]))
     with_faint_grid(axis)
 
 
@@ -198,12 +196,14 @@ def loss_figure(results: Sequence[RunResult]) -> Figure:
         Runs on one sequence.
     """
     methods = methods_of(results)
-    shares = _loss_shares(results, methods)
-    frames = results[0].trace.frames
+    traces = [result.trace for result in results]
+    first = min(int(trace.frames[0]) for trace in traces)
+    last = max(int(trace.frames[-1]) for trace in traces)
+    shares = _loss_shares(results, methods, (first, last))
     with _calm_style():
         figure = Figure(figsize=(7.2, 0.62 + 0.24 * len(methods)))
         axis = figure.subplots()
-        extent = (frames[0] - 0.5, frames[-1] + 0.5, len(methods) - 0.5, -0.5)
+        extent = (first - 0.5, last + 0.5, len(methods) - 0.5, -0.5)
         axis.set_facecolor("0.8")
         picture = axis.imshow(
             shares,
@@ -225,16 +225,21 @@ def loss_figure(results: Sequence[RunResult]) -> Figure:
     return figure
 
 
-def _loss_shares(results: Sequence[RunResult], methods: Sequence[str]) -> FloatArray:
-    """Return the share of runs that are lost [%], shape (methods, frames); NaN: not to be seen."""
+def _loss_shares(
+    results: Sequence[RunResult], methods: Sequence[str], span: tuple[int, int]
+) -> FloatArray:
+    """Return the share of runs that are lost [%], shape (methods, frames).
+
+    `span`: first and last frame. NaN where the cable is not to be seen, or a frame was left out.
+    """
     rows = []
-    length = max(len(result.trace) for result in results)
+    first, last = span
     for method in methods:
-        lost, visible = np.zeros(length), np.zeros(length)
+        lost, visible = np.zeros(last + 1 - first), np.zeros(last + 1 - first)
         for result in chosen(results, method=method):
             trace = result.trace
-            lost[: len(trace)] += carried(trace, trace.lost)
-            visible[: len(trace)] += carried(trace, trace.visible)
+            lost[trace.frames - first] += carried(trace, trace.lost)
+            visible[trace.frames - first] += carried(trace, trace.visible)
         rows.append(percentages(lost, visible))
     return np.array(rows)
 

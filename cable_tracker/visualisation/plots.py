@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.cable.model.geometry import wrap_state, wraps_between
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
@@ -24,6 +24,7 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
 from cable_tracker.visualisation.figure_files import with_faint_grid, write_figure
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
+from cable_tracker.visualisation.panel_lines import broken_at_wraps, draw_line
 
 LARGEST_COUNT = 10_000
 """A longer recording is thinned out to at most this many frames: a plot cannot show more."""
@@ -158,19 +159,22 @@ def _draw(series: _Series) -> Figure:
 
 def _draw_component(axis: Axes, series: _Series, column: int) -> None:
     shown = POSE_COMPONENTS[column]
-    times, estimate = _broken(series.times, series.estimates, column)
-    _, sigma = _broken(series.times, series.estimates, column, series.sigmas)
-    estimate, sigma = estimate * shown.factor, sigma * shown.factor
+    estimates, truths = series.estimates, series.truths
+    times, estimate, sigma = broken_at_wraps(
+        series.times,
+        estimates[:, StateColumn.ANGLE],
+        estimates[:, column] * shown.factor,
+        series.sigmas[:, column] * shown.factor,
+    )
     colour = dark(ESTIMATE)
     axis.fill_between(
         times, estimate - 2 * sigma, estimate + 2 * sigma, color=colour, alpha=0.25, linewidth=0
     )
-    axis.plot(times, estimate, color=colour, linewidth=1.4)
-    _mark_single_points(axis, times, estimate, colour)
-    true_times, truth = _broken(series.true_times, series.truths, column)
-    truth = truth * shown.factor
-    axis.plot(true_times, truth, color=dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
-    _mark_single_points(axis, true_times, truth, dark(TRUTH))
+    draw_line(axis, times, estimate, colour, linewidth=1.4)
+    true_times, truth = broken_at_wraps(
+        series.true_times, truths[:, StateColumn.ANGLE], truths[:, column] * shown.factor
+    )
+    draw_line(axis, true_times, truth, dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
     axis.set_ylabel(shown.heading)
     with_faint_grid(axis)
@@ -181,8 +185,7 @@ def _draw_presence(axis: Axes, series: _Series) -> None:
     times, percent = (
         np.insert(values, pauses, np.nan) for values in (series.times, 100 * series.presence)
     )
-    axis.plot(times, percent, color=dark(ESTIMATE), linewidth=1.4)
-    _mark_single_points(axis, times, percent, dark(ESTIMATE))
+    draw_line(axis, times, percent, dark(ESTIMATE), linewidth=1.4)
     axis.set_ylim(-4, 104)
     axis.set_ylabel("presence [%]")
     with_faint_grid(axis)
@@ -197,29 +200,6 @@ def _bridged(times: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatAr
     long_gaps = np.flatnonzero(np.diff(times[labelled]) > LONGEST_BRIDGE)
     kept = np.sort(np.concatenate((labelled, labelled[long_gaps] + 1)))
     return times[kept], states[kept]
-
-
-def _broken(
-    times: FloatArray, states: FloatArray, column: int, values: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return one column with NaN put in where the angle of `states` wraps.
-
-    There d and beta change their signs with the angle, and a line would run across the panel.
-    `values` are broken at the same places in its stead.
-    """
-    chosen = states if values is None else values
-    places = np.flatnonzero(wraps_between(states[:, StateColumn.ANGLE])) + 1
-    return np.insert(times, places, np.nan), np.insert(chosen[:, column], places, np.nan)
-
-
-def _mark_single_points(
-    axis: Axes, times: FloatArray, values: FloatArray, colour: tuple[float, float, float]
-) -> None:
-    """Draw dots for estimates without neighbours, which a line does not show."""
-    known = np.isfinite(values)
-    padded = np.concatenate(([False], known, [False]))
-    alone = known & ~padded[:-2] & ~padded[2:]
-    axis.plot(times[alone], values[alone], ".", color=colour, markersize=4)
 
 
 def _limits(values: FloatArray, sigma: FloatArray) -> tuple[float, float]:

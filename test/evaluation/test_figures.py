@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.figures import (
     as_png,
     as_svg,
@@ -48,6 +51,35 @@ def test_loss_is_shown_by_method_and_frame(results):
     figure = loss_figure([result for result in results if result.sequence == "stripe"])
     (picture,) = figure.axes[0].images
     assert picture.get_array().shape == (2, 12)
+
+
+def test_loss_is_shown_at_the_frames_that_it_happened_in(results):
+    few = [each for each in results if each.sequence == "stripe"]
+    kept = np.arange(12) % 4 != 1
+    few = [replace(each, trace=each.trace.where(kept)) for each in few]
+    (picture,) = loss_figure(few).axes[0].images
+    shares = picture.get_array()
+    assert shares.shape == (2, 12)
+    assert (np.ma.getmaskarray(shares) | np.isnan(shares.data))[0].tolist() == [
+        not shown for shown in kept
+    ]
+
+
+def test_a_claim_of_a_single_frame_is_a_dot(trace):
+    lines = trace_figure([("", trace("ssshsss"))]).axes[0].lines
+    (dot,) = (line for line in lines if line.get_marker() == "." and len(line.get_xdata()))
+    assert dot.get_xydata().tolist() == [[3.0, 10.0]]
+
+
+def test_a_wrap_hides_no_frame(outcome):
+    truths = [CableState(-10.0, np.deg2rad(a), 40.0) for a in (88.0, 89.5)]
+    truths += [CableState(10.0, np.deg2rad(a), 40.0) for a in (-89.0, -87.0)]
+    run = trace_of([outcome(i, truth) for i, truth in enumerate(truths)])
+    lines = {line.get_label(): line for line in trace_figure([("", run)]).axes[0].lines}
+    for label in ("truth", "estimate, claimed"):
+        drawn = lines[label].get_xydata()
+        assert drawn[np.isfinite(drawn[:, 0]), 0].tolist() == [0.0, 1.0, 2.0, 3.0]
+        assert np.flatnonzero(np.isnan(drawn[:, 1])).tolist() == [2]
 
 
 def test_frames_that_nobody_knows_are_shown_like_the_one_before(trace):
