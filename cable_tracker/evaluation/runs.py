@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 
 import numpy as np
 
@@ -142,20 +143,18 @@ class MethodRun:
     def _add_picture(
         self, sheet: ContactSheet, frame: EvaluationFrame, estimate: CableEstimate
     ) -> None:
-        if not sheet.wants_next():
-            sheet.add(None, frame.index)
-            return
-        overlay = draw_overlay(
+        status = estimate.status.value
+        draw = partial(
+            draw_overlay,
             frame.image,
             state=estimate.claimed_state,
-            status=estimate.status.value,
+            status=status,
             truth=frame.truth if frame.visibility > 0.0 else None,
             hypotheses=estimate.hypotheses,
             legend=False,
         )
-        status = estimate.status.value
         words = with_presence(status, estimate.presence)
-        sheet.add(overlay, frame.index, words, status_colour(status))
+        sheet.add(draw, frame.index, words, status_colour(status))
 
     def result(self, sequence: str) -> RunResult:
         """Return what came of it, once at least one frame has been processed."""

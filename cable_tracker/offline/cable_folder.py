@@ -109,9 +109,10 @@ class CableFolder(Results):
         if self._video is not None:
             self._video.add(draw(), frame.stamp)
         if self._sheet is not None:
-            overlay = draw(legend=False) if self._sheet.wants_next() else None
             words = with_presence(row.status, row.presence)
-            self._sheet.add(overlay, frame.index, words, status_colour(row.status))
+            self._sheet.add(
+                partial(draw, legend=False), frame.index, words, status_colour(row.status)
+            )
 
     def _write_summaries(self) -> None:
         write_estimates(self._content / ESTIMATES, self.rows)

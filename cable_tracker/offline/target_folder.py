@@ -44,7 +44,7 @@ class TargetFolder(Results):
         if self._video is not None:
             self._video.add(picture, frame.stamp)
         if self._sheet is not None:
-            self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
+            self._sheet.add(lambda: picture, frame.index)
 
     def _write_summaries(self) -> None:
         write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -67,28 +68,24 @@ class ContactSheet:
         """Return the number of pictures on the sheet."""
         return len(self._thumbnails)
 
-    def wants_next(self) -> bool:
-        """Tell whether the next picture will be kept; any other need not be drawn at all."""
-        return self._count % self.stride == 0
-
     def add(
-        self, overlay: Image | None, frame: int, words: str = "", colour: Colour = WHITE
+        self, draw: Callable[[], Image], frame: int, words: str = "", colour: Colour = WHITE
     ) -> None:
-        """Take the picture of one more frame.
+        """Take the picture of one more frame, which is drawn only if it is kept.
 
         Parameters
         ----------
-        overlay : Image or None
-            Blue-green-red, uint8, shape (H, W, 3). May be None where `wants_next` is false.
+        draw : callable
+            Returns the picture: blue-green-red, uint8, shape (H, W, 3).
         frame : int
             Number of the frame, written below the picture.
         words : str
             Written beside the number, such as the status; ASCII.
         """
-        wanted = self.wants_next()
         self._count += 1
-        if not wanted or overlay is None:
+        if (self._count - 1) % self.stride:
             return
+        overlay = draw()
         if not self._thumbnails:
             self._height = max(1, round(overlay.shape[0] * self._width / overlay.shape[1]))
         self._thumbnails.append(self._shrink(overlay, frame, words, colour))
