@@ -7,7 +7,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.rendering.texture import smooth_step
+from cable_tracker.simulation.rendering.texture import in_rows, smooth_step
 from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
 from cable_tracker.tracking.image_frame import image_centre
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
@@ -27,8 +27,8 @@ SEAM = 0.25
 MARGIN = 0.15
 """Distance beyond the border within which the cable's edge ends [radii]."""
 
-MOST_COLUMNS = 16_384
-"""Number of places looked up at a time: OpenCV takes no rows of more than 32 766."""
+ROW = 512
+"""Pixels of a cable are gathered into rows of this length."""
 
 
 def faded(picture: Image, cable: CableState, share: float) -> Image:
@@ -55,16 +55,20 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
     height, width = values.shape
     x, y = pixel_grid((width, height))
     view = view_strip(cable.to_array(), x, y)
-    inside = np.abs(view.u) < 1 + MARGIN
-    u, radius = view.u[inside], view.radius[inside]
-    along = view.v[inside] * radius
+    found = np.flatnonzero(np.abs(view.u) < 1 + MARGIN)
+    result = values.copy()
+    if found.size == 0:
+        return result
+    inside = in_rows(found, ROW)
+    u, v, radius = (each.reshape(-1)[inside] for each in (view.u, view.v, view.radius))
+    along = v * radius
     left, right = (
         _looked_up(values, cable, (side * (2 + 2 * MARGIN) - u) * radius, along)
         for side in (-1.0, 1.0)
     )
     beside = left + smooth_step(u, -SEAM, SEAM) * (right - left)
-    result = values.copy()
-    result[inside] = beside + np.float32(share) * (values[inside] - beside)
+    flat = result.reshape(-1)
+    flat[inside] = beside + np.float32(share) * (flat[inside] - beside)
     return result
 
 
@@ -75,17 +79,13 @@ def _looked_up(values: Image, cable: CableState, across: Image, along: Image) ->
     across = across + np.float32(cable.distance)
     columns = across * cos - along * sin + np.float32(column)
     rows = np.float32(row) - across * sin - along * cos
-    found = [
-        cv2.remap(
-            values,
-            columns[None, start : start + MOST_COLUMNS].astype(np.float32),
-            rows[None, start : start + MOST_COLUMNS].astype(np.float32),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REFLECT_101,
-        )[0]
-        for start in range(0, len(columns), MOST_COLUMNS)
-    ]
-    return np.concatenate(found) if found else np.empty(0, np.float32)
+    return cv2.remap(
+        values,
+        columns.astype(np.float32),
+        rows.astype(np.float32),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REFLECT_101,
+    )
 
 
 def made_harder(picture: Image, cable: CableState, rng: np.random.Generator) -> Image:

@@ -14,7 +14,7 @@ from cable_tracker.simulation.rendering.clutter import Streak, draw_streak, stre
 from cable_tracker.simulation.rendering.laid_cable import CableSkin, LaidCable
 from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.seabed import BED_UNIT, CABLE_REACH
-from cable_tracker.simulation.rendering.texture import TiledTexture
+from cable_tracker.simulation.rendering.texture import TiledTexture, in_rows
 from cable_tracker.simulation.rendering.tube import Sight
 from cable_tracker.simulation.rendering.water import Illumination, Snow, random_lamps
 from cable_tracker.tracking.parameter_table import pixel_scale
@@ -214,10 +214,7 @@ class SceneRenderer:
         flat[near] = _blend_cable(flat[near], sight, skin, pixel)
 
     def _near(self, view: _View, cable: LaidCable) -> Image:
-        """Return the flat indices of the pixels that may show the cable, in rows of equal length.
-
-        The last one is repeated to fill up.
-        """
+        """Return the flat indices of the pixels that may show the cable, see `in_rows`."""
         height, width = view.depth.shape
         coarse = view.rays[:, ::CELL, ::CELL]
         p = np.abs(cable.tube.sight(view.eye, np.ascontiguousarray(coarse)).p)
@@ -229,10 +226,7 @@ class SceneRenderer:
         cells = cv2.dilate(near, np.ones((3, 3), np.uint8))
         pixels = np.repeat(np.repeat(cells, CELL, axis=0), CELL, axis=1)[:height, :width]
         found = np.flatnonzero(pixels)
-        missing = -found.size % ROW
-        if found.size == 0:
-            return found
-        return np.concatenate((found, np.full(missing, found[-1]))).reshape(-1, ROW)
+        return in_rows(found, ROW) if found.size else found
 
     def _expose(self, light: Image) -> Image:
         scale = pixel_scale(self._camera.image_size[0])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, IndexArray
 
 LEVELS = 4
 """Number of resolutions of a tile, each half as fine as the one before."""
@@ -104,6 +104,16 @@ def turned(x: Image, y: Image, angle: float) -> tuple[Image, Image]:
     """Return coordinates in axes that are turned by an angle [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return x * cos + y * sin, y * cos - x * sin
+
+
+def in_rows(indices: IndexArray, length: int) -> IndexArray:
+    """Return indices (K,) in rows of one length, the last index repeated to fill up; K at least 1.
+
+    OpenCV takes no arrays of more than 32 766 columns, and arrays of one shape give the same
+    numbers.
+    """
+    missing = -indices.size % length
+    return np.append(indices, np.full(missing, indices[-1])).reshape(-1, length)
 
 
 def nearest_places(places: Image, side: int, margin: int, tones: Image) -> tuple[Image, Image]:

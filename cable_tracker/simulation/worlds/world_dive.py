@@ -12,7 +12,7 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import LENGTHS, CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
-from cable_tracker.simulation.rendering.texture import smooth_step
+from cable_tracker.simulation.rendering.texture import in_rows, smooth_step
 from cable_tracker.simulation.setting_checks import check_seed, check_size
 from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.cable_look import (
@@ -221,8 +221,7 @@ class WorldDive:
         found = np.flatnonzero(np.abs(view.u) < reach)
         if found.size == 0:
             return look
-        # Remapping takes no more columns than a short integer counts: rows, the last one filled up.
-        near = np.append(found, np.full(-found.size % ROW, found[-1])).reshape(-1, ROW)
+        near = in_rows(found, ROW)
         part = StripView(*(each.reshape(-1)[near] for each in (view.u, view.v, view.radius)))
         laid = look.copy()
         laid.reshape(-1)[near] = self._cable_on(

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from cable_tracker.simulation.rendering.texture import (
     TiledTexture,
     cloud_response,
+    in_rows,
     smooth_step,
     spectral_noise,
 )
@@ -75,3 +76,8 @@ def test_noise_is_normalised_and_repeats():
 
 def test_smooth_step_is_flat_outside_and_half_in_the_middle():
     assert smooth_step(np.array([-1.0, 2.0, 3.0, 4.0, 9.0]), 2.0, 4.0).tolist() == [0, 0, 0.5, 1, 1]
+
+
+def test_indices_are_gathered_into_rows_and_the_last_is_repeated():
+    assert in_rows(np.array([2, 3, 5, 7]), 3).tolist() == [[2, 3, 5], [7, 7, 7]]
+    assert in_rows(np.array([2, 3, 5]), 3).tolist() == [[2, 3, 5]]
