@@ -13,14 +13,10 @@ from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
 from cable_tracker.simulation.motion.vehicle import VehicleState
-from cable_tracker.simulation.rendering.camera import CameraPoses, VehiclePoses
+from cable_tracker.simulation.rendering.camera import CameraPoses
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
 from cable_tracker.simulation.rendering.tube import Tube
-from cable_tracker.simulation.rendering.world_frame import (
-    angles_to_renderer,
-    from_renderer,
-    to_renderer,
-)
+from cable_tracker.simulation.rendering.world_frame import from_renderer, to_renderer
 
 CURVATURE = 0.04
 """The cable never bends more than this [1/m]."""
@@ -143,5 +139,4 @@ class CableScene:
 
     def _poses(self, state: VehicleState) -> CameraPoses:
         """Return the pose of the camera, one of them, as the renderer takes it."""
-        positions, angles = to_renderer(state.position), angles_to_renderer(state.angles)
-        return self.camera.poses(VehiclePoses(positions[None], angles[None]))
+        return self.camera.poses(to_renderer(state.position)[None], state.angles[None])

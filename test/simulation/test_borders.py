@@ -2,15 +2,15 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.rendering.camera import Camera, VehiclePoses
+from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.tube import SETTLED, Bend, Tube
 
 SIZE = (320, 240)
 
 
 def _look(tube, camera, *, x=0.0, z=2.0, yaw=0.0, pitch=0.0):
-    vehicle = VehiclePoses(np.array([[x, 0.0, z]]), np.array([[yaw, pitch, 0.0]]))
-    projected = project_tube(tube, camera, camera.poses(vehicle))
+    poses = camera.poses(np.array([[x, 0.0, z]]), np.array([[0.0, -pitch, yaw]]))
+    projected = project_tube(tube, camera, poses)
     return projected, fit_states(projected, camera.image_size)[0]
 
 

@@ -10,7 +10,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotations_of
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.motion.vehicle import VehicleState
-from cable_tracker.simulation.rendering.world_frame import angles_from_renderer, from_renderer
+from cable_tracker.simulation.rendering.world_frame import from_renderer
 
 DIFFERENCE_STEP = 2e-3
 """Half the time over which velocities are taken [s]."""
@@ -42,8 +42,8 @@ class Flight:
 
 def flight_at(dive: Dive, times: FloatArray) -> Flight:
     """Return the vehicle of a dive at times (N,) [s]."""
-    vehicle = dive.camera.vehicle(dive.views(times).poses)
-    return Flight(times, vehicle.positions, angles_from_renderer(vehicle.angles))
+    poses = dive.views(times).poses
+    return Flight(times, poses.positions, dive.camera.vehicle_angles(poses))
 
 
 def twists_at(dive: Dive, times: FloatArray) -> FloatArray:

@@ -27,23 +27,6 @@ UNDISTORTION_STEPS = 30
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class VehiclePoses:
-    """Poses of a vehicle at N instants.
-
-    Attributes
-    ----------
-    positions : FloatArray
-        Position of the camera in the world: sway, surge, altitude, shape (N, 3) [m].
-    angles : FloatArray
-        Yaw (to the left positive), pitch (nose up positive), roll (right side down positive),
-        shape (N, 3) [rad]. They are applied in this order.
-    """
-
-    positions: FloatArray
-    angles: FloatArray
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class CameraPoses:
     """Poses of a camera at N instants.
 
@@ -92,21 +75,30 @@ class Camera:
         """Whether straight lines come out bent."""
         return any(self.distortion)
 
-    def poses(self, vehicle: VehiclePoses) -> CameraPoses:
-        """Return where the camera is on a vehicle."""
-        yaw, pitch, roll = vehicle.angles.T
-        mounting = rotation_about(0, np.full_like(yaw, self.mounting))
-        turned = chain(rotation_about(2, yaw), rotation_about(0, pitch), rotation_about(1, roll))
-        return CameraPoses(vehicle.positions, chain(turned, mounting))
+    def poses(self, positions: FloatArray, angles: FloatArray) -> CameraPoses:
+        """Return where the camera is on a vehicle at N instants.
 
-    def vehicle(self, poses: CameraPoses) -> VehiclePoses:
-        """Return where the vehicle is that carries the camera; the inverse of `poses`."""
+        Parameters
+        ----------
+        positions : FloatArray
+            Of the camera in the world, shape (N, 3) [m].
+        angles : FloatArray
+            Roll, pitch, yaw of the vehicle as REP 103 has them, yaw from the world's y, shape
+            (N, 3) [rad].
+        """
+        roll, pitch, yaw = angles.T
+        mounting = rotation_about(0, np.full_like(yaw, self.mounting))
+        turned = chain(rotation_about(2, yaw), rotation_about(0, -pitch), rotation_about(1, roll))
+        return CameraPoses(positions, chain(turned, mounting))
+
+    def vehicle_angles(self, poses: CameraPoses) -> FloatArray:
+        """Return the angles of the vehicle that carries the camera, (N, 3); see `poses`."""
         count = poses.positions.shape[0]
         body = chain(poses.rotations, rotation_about(0, np.full(count, -self.mounting)))
-        pitch = np.arcsin(np.clip(body[:, 2, 1], -1.0, 1.0))
+        pitch = -np.arcsin(np.clip(body[:, 2, 1], -1.0, 1.0))
         yaw = np.arctan2(-body[:, 0, 1], body[:, 1, 1])
         roll = np.arctan2(-body[:, 2, 0], body[:, 2, 2])
-        return VehiclePoses(poses.positions, np.stack((yaw, pitch, roll), axis=1))
+        return np.stack((roll, pitch, yaw), axis=1)
 
     def project(self, points: FloatArray) -> FloatArray:
         """Project points of the camera frame.

@@ -51,4 +51,4 @@ def test_altitude_is_in_proportion_to_the_cable_and_inverse_to_its_width():
 def test_a_skew_of_nought_is_a_camera_that_looks_straight_down():
     poses, _ = _steer(Tube(0.08), CAMERA, (0.0, 0.0, 40.0, 0.0))
     np.testing.assert_allclose(poses.rotations[0], np.eye(3), atol=1e-12)
-    assert CAMERA.vehicle(poses).angles[0, 1] == pytest.approx(-CAMERA.mounting)
+    assert CAMERA.vehicle_angles(poses)[0, 1] == pytest.approx(CAMERA.mounting)

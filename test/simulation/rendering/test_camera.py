@@ -4,18 +4,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.simulation.rendering.camera import Camera, VehiclePoses, rotation_about
+from cable_tracker.simulation.rendering.camera import Camera, rotation_about
 
 SIZE = (320, 240)
 PLUMB_BOB = (-0.25, 0.08, 0.001, -0.002, 0.0)
 
 
 def _vehicle(x=0.0, y=0.0, z=2.0, *, yaw=0.0, pitch=0.0, roll=0.0):
-    return VehiclePoses(np.array([[x, y, z]]), np.array([[yaw, pitch, roll]]))
+    """A vehicle whose nose is raised by `pitch`, which REP 103 counts as negative."""
+    return np.array([[x, y, z]]), np.array([[roll, -pitch, yaw]])
 
 
 def _project(camera, vehicle, point):
-    seen = camera.poses(vehicle).to_camera(np.array([[point]]))
+    seen = camera.poses(*vehicle).to_camera(np.array([[point]]))
     return camera.project(seen)[0, 0]
 
 
@@ -43,10 +44,10 @@ def test_a_mounting_looks_forward_like_a_raised_nose():
 @given(*[st.floats(-1.2, 1.2) for _ in range(3)], st.floats(0.0, 1.0))
 def test_vehicle_and_camera_poses_are_inverse(yaw, pitch, roll, mounting):
     camera = Camera(SIZE, 280.0, mounting)
-    vehicle = _vehicle(1.0, -2.0, 3.0, yaw=yaw, pitch=pitch, roll=roll)
-    back = camera.vehicle(camera.poses(vehicle))
-    np.testing.assert_allclose(back.angles, vehicle.angles, atol=1e-9)
-    np.testing.assert_array_equal(back.positions, vehicle.positions)
+    positions, angles = _vehicle(1.0, -2.0, 3.0, yaw=yaw, pitch=pitch, roll=roll)
+    poses = camera.poses(positions, angles)
+    np.testing.assert_allclose(camera.vehicle_angles(poses), angles, atol=1e-9)
+    np.testing.assert_array_equal(poses.positions, positions)
 
 
 @pytest.mark.parametrize("distortion", [(0.0,) * 5, PLUMB_BOB], ids=["straight", "bent"])

@@ -9,7 +9,7 @@ from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import project_tube
 from cable_tracker.simulation.motion.steering import steer
-from cable_tracker.simulation.rendering.camera import Camera, VehiclePoses
+from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable
 from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
@@ -151,7 +151,7 @@ def test_flakes_are_bright_spots(clean_scene):
 @pytest.mark.parametrize("pitch", [0.2, 0.9, 1.3])
 def test_a_horizon_inside_the_image_is_survived(clean_scene, pitch):
     camera = Camera(SIZE, 280.0)
-    poses = camera.poses(VehiclePoses(np.array([[0.0, 0, 0.8]]), np.array([[0.1, pitch, 0.05]])))
+    poses = camera.poses(np.array([[0.0, 0, 0.8]]), np.array([[0.05, -pitch, 0.1]]))
     image = _renderer(clean_scene).render(poses.positions[0], poses.rotations[0], 0.0)
     assert image.shape == (240, 320)
     assert image.dtype == np.uint8
