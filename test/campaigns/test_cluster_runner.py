@@ -25,9 +25,10 @@ from campaign_tasks import (  # noqa: E402
     done_elsewhere,
 )
 from distributed import Client, LocalCluster  # noqa: E402
+from distributed.scheduler import KilledWorker  # noqa: E402
 
 from cable_tracker.atomic_output import output_file  # noqa: E402
-from cable_tracker.campaigns.cluster_runner import _Progress  # noqa: E402
+from cable_tracker.campaigns.cluster_runner import _in_words, _Progress  # noqa: E402
 from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
 from cable_tracker.campaigns.runner import run_all, run_folder_tasks  # noqa: E402
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings  # noqa: E402
@@ -169,6 +170,12 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
     tasks = [Square(1), KillsItsWorkerOnce(2, traces=str(traces)), Square(3)]
     outcomes = run_folder_tasks(tasks, tmp_path / "results", both)
     assert states(outcomes) == [TaskState.DONE] * 3
+
+
+def test_a_worker_that_was_ended_again_and_again_is_told_with_what_to_do():
+    told = _in_words(KilledWorker("task", None, 3))
+    assert isinstance(told, ParameterError)
+    assert "ended several times" in str(told) and "give more memory" in str(told)
 
 
 @pytest.mark.parametrize("count", [60, pytest.param(200, marks=pytest.mark.slow)])
