@@ -14,7 +14,6 @@ MARKER = "package.xml"
 """A folder with this file in it is the share folder, or the source checkout."""
 
 DDS_PROFILE = Path("config") / "fastdds_loopback.xml"
-SECURITY_POLICY = Path("config") / "sros2" / "cable_tracker_policy.xml"
 
 
 def _candidates() -> Iterator[Path]:

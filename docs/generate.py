@@ -14,7 +14,6 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.example_controller.controller import ControllerSettings
 from cable_tracker.example_controller.target_follower import FollowSettings
 from cable_tracker.metric.altitude import Altitude
@@ -42,7 +41,7 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.trackers import make_tracker, warm_up
+from cable_tracker.trackers import CableTracker, make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
 
@@ -184,10 +183,10 @@ API = (
     (warm_up, "cable_tracker.trackers"),
     (preset, "cable_tracker.cable.parameters.presets"),
     (TrackerParameters.replaced, "cable_tracker.cable.parameters.parameters"),
-    (CableTracker, "cable_tracker.cable.tracker"),
-    (CableTracker.process, "cable_tracker.cable.tracker"),
-    (CableTracker.initialise, "cable_tracker.cable.tracker"),
-    (CableTracker.reset, "cable_tracker.cable.tracker"),
+    (CableTracker, "cable_tracker.trackers"),
+    (CableTracker.process, "cable_tracker.trackers"),
+    (CableTracker.initialise, "cable_tracker.trackers"),
+    (CableTracker.reset, "cable_tracker.trackers"),
     (GivenState.around, "cable_tracker.cable.model.initial_state"),
     (CableEstimate, "cable_tracker.cable.model.estimate"),
     (CableState, "cable_tracker.cable.model.state"),

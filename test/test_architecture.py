@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "sequences": {"cable", "target", "tracking", "particle_filter"},
     "metric": {"sequences", "node_parameter_tables", "cable", "target", "tracking"},
     "detection": {"cable", "tracking"},
-    "trackers": {"cable", "tracking", "detection"},
+    "trackers": {"cable", "tracking", "detection", "particle_filter"},
     "visualisation": {"sequences", "cable", "target", "tracking"},
     "simulation": {"sequences", "metric", "cable", "tracking"},
     "campaigns": set(),
@@ -52,8 +52,8 @@ MAY_IMPORT = {
         "cable", "target", "tracking", "particle_filter",
     },
     "offline": {
-        "detection", "visualisation", "sequences", "metric", "cable", "target", "tracking",
-        "particle_filter",
+        "trackers", "detection", "visualisation", "sequences", "metric", "cable", "target",
+        "tracking", "particle_filter",
     },
     "gui": {
         "trackers", "offline", "evaluation", "detection", "visualisation", "metric",
@@ -82,7 +82,7 @@ MAY_IMPORT = {
 ORDER_WITHIN = {
     "cable": [
         "parameters", "model", "measure", "learning", "filter_interface",
-        "hypotheses", "thesis", "tracker",
+        "hypotheses", "thesis",
     ],
     "cable/measure": ["gradients", "map", "picture", "borders"],
     "cable/hypotheses": [

@@ -7,31 +7,25 @@ import pytest
 from numba.core import event
 from plain_images import plain_image
 
-from cable_tracker.cable.filter_interface import NoProposer
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
-from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.trackers import CableTracker, make_proposer, make_tracker, warm_up
 
 
 def test_every_detector_that_can_be_named_can_be_made():
     assert set(PARAMETERS_BY_NAME["detector"].choices) == {"none", "line_pairs"}
-    assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
+    assert make_proposer(TrackerParameters(detector="none")) is None
     parameters = TrackerParameters(detector="line_pairs")
     assert isinstance(make_proposer(parameters), LinePairProposer)
 
 
 def test_the_bootstrap_filter_asks_no_detector():
     parameters = TrackerParameters(detector="line_pairs", filter="bootstrap")
-    assert isinstance(make_proposer(parameters), NoProposer)
-
-
-def test_nothing_proposes_nothing():
-    image = plain_image(np.zeros((20, 20), np.uint8))
-    assert NoProposer().propose(image, is_searching=True).shape == (0, 4)
+    assert make_proposer(parameters) is None
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -60,15 +54,31 @@ def test_the_detector_proposes_cables_as_wide_as_the_parameters_allow():
     assert not (make_proposer(narrow).propose(image, is_searching=False)[:, 2] > 150.0).any()
 
 
-def test_the_detector_that_is_named_is_the_one_that_is_asked():
+def share_at_the_stripe(tracker) -> float:
+    """Share of the particles that are at the stripe, after one frame."""
+    tracker.process(stripe(), 1)
+    distances = tracker.particles.states[:, 0] * np.cos(tracker.particles.states[:, 1])
+    return float((np.abs(distances - 30.0) < 5.0).mean())
+
+
+@pytest.mark.parametrize("make", [CableTracker, make_tracker])
+def test_the_detector_that_is_named_is_the_one_that_is_asked(make):
     shares = {"detector_share": 0.3, "particle_count": 60}
     found = {}
     for detector in ("none", "line_pairs"):
-        tracker = make_tracker(TrackerParameters(detector=detector, **shares))
-        tracker.process(stripe(), 1)
-        distances = tracker.particles.states[:, 0] * np.cos(tracker.particles.states[:, 1])
-        found[detector] = (np.abs(distances - 30.0) < 5.0).mean()
+        tracker = make(TrackerParameters(detector=detector, **shares))
+        found[detector] = share_at_the_stripe(tracker)
     assert found["line_pairs"] > found["none"] + 0.15
+
+
+@pytest.mark.parametrize("detector", ["none", "line_pairs"])
+def test_a_detector_that_is_named_later_is_the_one_that_is_asked_from_then_on(detector):
+    """A tracker that has seen nothing takes any parameters as if it had been made with them."""
+    parameters = TrackerParameters(detector=detector, detector_share=0.3, particle_count=60)
+    other = {"none": "line_pairs", "line_pairs": "none"}[detector]
+    tracker = CableTracker(parameters.replaced({"detector": other}))
+    tracker.configure(parameters)
+    assert share_at_the_stripe(tracker) == share_at_the_stripe(CableTracker(parameters))
 
 
 def test_a_table_that_cannot_be_read_is_said():

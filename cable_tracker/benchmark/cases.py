@@ -8,28 +8,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Image
 from cable_tracker.benchmark.footage import FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import Yardstick
-from cable_tracker.cable.filter_interface import CableProposer
+from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.thesis.movement import LimitedMovement
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.stamps import FIRST_STAMP
-from cable_tracker.trackers import make_proposer
+from cable_tracker.trackers import CableTracker, make_proposer
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 TIMED_PRESETS = ("default", "thesis")
@@ -168,30 +168,28 @@ class Moment:
     image: WorkingImage
 
 
-class _NotingProposer:
-    """Asks another proposer, and keeps the picture that it was shown."""
+class _NotingTracker(CableTracker):
+    """Keeps the picture that its filter saw last."""
 
-    def __init__(self, asked: CableProposer) -> None:
-        self._asked = asked
-        self.seen: WorkingImage | None = None
+    seen: WorkingImage
 
-    def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
+    def _step_filter(
+        self, image: WorkingImage, dt: float, motion: MotionAid | None
+    ) -> BeliefSummary:
         self.seen = image
-        return self._asked.propose(image, is_searching=is_searching)
+        return super()._step_filter(image, dt, motion)
 
 
 def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Moment:
     """Follow the cable for some frames, and stop."""
-    noting = _NotingProposer(make_proposer(parameters))
-    tracker = CableTracker(parameters, noting)
-    # Beside a known cable the proposer would not be asked: a guess is known after a while only.
+    tracker = _NotingTracker(parameters)
+    # Beside a known cable no detector would be asked: a guess is known after a while only.
     tracker.initialise(GivenState.around(shown.truths[0], is_guess=True))
     for number in range(frames):
         frame = shown.images[shown.index_at(number)]
         tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)
     assert tracker.particles is not None
-    image = noting.seen if noting.seen is not None else working_image_for(frame, parameters)
-    return Moment(tracker.particles, frame, image)
+    return Moment(tracker.particles, frame, tracker.seen)
 
 
 class FilterSteps:
@@ -257,9 +255,14 @@ class FilterSteps:
         observation = BorderLikelihoodRatio(self._parameters)
         states = self._moment.particles.states
         proposer = make_proposer(self._parameters)
+        detecting: dict[str, Step] = {}
+        if proposer is not None:
+            detecting = {
+                "detector": lambda: proposer.propose(image, is_searching=False),
+                "detector, searching": lambda: proposer.propose(image, is_searching=True),
+            }
         return {
-            "detector": lambda: proposer.propose(image, is_searching=False),
-            "detector, searching": lambda: proposer.propose(image, is_searching=True),
+            **detecting,
             "measure": lambda: observation.measure(states, image),
         }
 

@@ -29,8 +29,8 @@ MINIMUM_POINTS = 6
 CONTRAST_CAP = 6.0
 """Contrast above which an edge counts no more: a lamp's glint must not outweigh a long border."""
 
-STRETCH = 4.0
-"""Length of the stretches of a line that are covered or not [px at the reference width]."""
+COVERED_STEP = 4.0
+"""Length of the steps along a line that are covered or not [px at the reference width]."""
 
 SAME_OFFSET = 4.0
 SAME_ANGLE = float(np.deg2rad(4.0))
@@ -179,12 +179,12 @@ def _supports(
     as long as the smaller side of the picture.
     """
     scale = pixel_scale(image_size[0])
-    stretch = max(STRETCH * scale, 1.0)
-    reach = int(np.hypot(*image_size) / 2 / stretch) + 1
-    covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, stretch, reach)
+    step = max(COVERED_STEP * scale, 1.0)
+    reach = int(np.hypot(*image_size) / 2 / step) + 1
+    covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, step, reach)
     lengths = lengths_inside(angles, offsets, image_size)
     lengths = np.maximum(lengths, min(image_size) / 2)
-    shares: FloatArray = covered / CONTRAST_CAP * stretch / lengths
+    shares: FloatArray = covered / CONTRAST_CAP * step / lengths
     return np.minimum(shares, 1.0)
 
 
@@ -194,10 +194,10 @@ def _covered(  # noqa: PLR0917
     offsets: FloatArray,
     edges: FloatArray,
     tolerance: float,
-    stretch: float,
+    step: float,
     reach: int,
 ) -> FloatArray:
-    """Return for lines (N,) the sum over their stretches of the highest weight there, (N,)."""
+    """Return for lines (N,) the sum over their steps of the highest weight there, (N,)."""
     sums, best = np.empty(len(angles)), np.empty(2 * reach + 1)
     for line in range(len(angles)):
         cos, sin = math.cos(angles[line]), math.sin(angles[line])
@@ -205,7 +205,7 @@ def _covered(  # noqa: PLR0917
         for k in range(len(edges)):
             weight = _weight(edges, k, cos, sin, offsets[line], tolerance)
             if weight > 0.0:
-                along = math.floor((edges[k, 1] * cos - edges[k, 0] * sin) / stretch)
+                along = math.floor((edges[k, 1] * cos - edges[k, 0] * sin) / step)
                 place = min(max(int(along) + reach, 0), 2 * reach)
                 best[place] = max(best[place], weight)
         sums[line] = best.sum()

@@ -78,7 +78,13 @@ class LinePairProposer:
     def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         """Return d, alpha, w, beta of cables in the frame [px, rad], best first, shape (K, 4).
 
-        See `CableProposer.propose`. In a search, faint lines are looked for, too.
+        Parameters
+        ----------
+        image : WorkingImage
+            The frame.
+        is_searching : bool
+            Whether it is more likely than not that the tracker follows none: faint lines are looked
+            for, too, which takes more time.
         """
         votes, offset_bin = accumulated_votes(image)
         found = [self._pairs(votes, offset_bin, image)[:MOST_CABLES]]

@@ -9,7 +9,6 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
@@ -27,6 +26,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import cable_messages, cloud_of, messages_without_cable
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
+from cable_tracker.trackers import CableTracker
 from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.overlay import draw_estimate
 

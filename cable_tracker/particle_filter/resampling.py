@@ -14,7 +14,6 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.compilation import compiled
 
 ResamplingScheme: TypeAlias = Callable[[FloatArray, int, np.random.Generator], IndexArray]
 
@@ -26,26 +25,14 @@ SMALLEST_STEP = 1e-300
 """Steps that are all zero have no sum to divide by."""
 
 
-@compiled
 def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> IndexArray:
-    """Return the particle on which each position falls, shape (count,).
-
-    `positions`, from 0 to 1, shape (count,), must ascend.
-    """
-    total, last_possible = 0.0, 0
-    for particle in range(len(weights)):
-        before = total
-        total += weights[particle]
-        if total > before:
-            last_possible = particle
+    """Return the particle on which each position from 0 to 1 falls, shape (count,)."""
+    reached = np.cumsum(weights)
+    total = reached[-1]
     # Scaling the positions instead of forcing the last sum to one: rounding must neither draw a
     # particle of weight zero at the end nor run past it.
-    indices, particle, reached = np.empty(len(positions), np.int64), 0, weights[0]
-    for number in range(len(positions)):
-        while reached <= positions[number] * total and particle < last_possible:
-            particle += 1
-            reached += weights[particle]
-        indices[number] = particle
+    found = np.searchsorted(reached, positions * total, side="right")
+    indices: IndexArray = np.minimum(found, np.searchsorted(reached, total))
     return indices
 
 

@@ -13,7 +13,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.detect.candidates import DETECTORS
-from cable_tracker.target.filter_interface import TargetBelief, TargetFilter, TargetSummary
+from cable_tracker.target.filter_interface import TargetBelief, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (
     WorkingFrame,
@@ -218,8 +218,10 @@ class TargetTracker:
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
         motion = telling(motion, frame.size)
+        # Of this filter: with another one the tracker starts anew.
+        belief: Any = self._belief
         summary, self._belief = self._filter.step(
-            self._belief, seen, dt, motion, apart, counts_for=step.dt
+            belief, seen, dt, motion, apart, counts_for=step.dt
         )
         return self._estimate(summary, step.dt, event)
 
@@ -289,7 +291,7 @@ class TargetTracker:
                 return self._estimate(summary, 0.0, event)
         return self._nothing(event)
 
-    def _make_filter(self) -> TargetFilter[Any]:
+    def _make_filter(self) -> PoseFilter | BlobFilter:
         if self._parameters.filter == "blobs":
             return BlobFilter(self._parameters, self._rng)
         return PoseFilter(self._parameters, self._rng)
@@ -326,7 +328,8 @@ class TargetTracker:
             supports_claim=summary.supports_claim,
             supports_keeping=summary.supports_keeping,
             dt=dt,
-            parameters=self._parameters,
+            confirmation_time=self._parameters.confirmation_time,
+            loss_time=self._parameters.loss_time,
         )
         units = state_units(self._zoom)
         state = summary.state * units

@@ -116,22 +116,29 @@ def _unreadable(path: str, error: Exception) -> ParameterError:
     return ParameterError(f"{path}: cannot be read as YAML ({one_line(error)})")
 
 
-def _node_sections(
-    content: Mapping[object, object], namespace: str, seen: set[int]
-) -> Iterator[tuple[str, object]]:
+def _node_sections(content: object, namespace: str, seen: set[int]) -> Iterator[tuple[str, Any]]:
     """Yield the names of a ROS file's nodes, with namespaces, and their parameters.
 
-    `seen` are the namespaces that have been descended into: YAML's aliases may name one in itself.
+    `content` is what `_entries` takes. `seen` are the namespaces that have been descended into:
+    YAML's aliases may name one in itself.
     """
-    for key, section in content.items():
-        if not isinstance(section, dict):
-            continue
-        name = f"{namespace}/{str(key).strip('/')}"
-        if ROS_KEY in section:
-            yield name, section[ROS_KEY]
+    for key, section in _entries(content):
+        name = f"{namespace}/{key.strip('/')}"
+        of_node = [values for each, values in _entries(section) if each == ROS_KEY]
+        if of_node:
+            yield from ((name, values) for values in of_node)
         elif id(section) not in seen:
             seen.add(id(section))
             yield from _node_sections(section, name, seen)
+
+
+def _entries(content: object) -> list[tuple[str, Any]]:
+    """Return what a mapping holds, read or as YAML's parser finds it; of anything else nothing."""
+    if isinstance(content, yaml.MappingNode):
+        return [(str(key.value), value) for key, value in content.value]
+    return (
+        [(str(key), value) for key, value in content.items()] if isinstance(content, dict) else []
+    )
 
 
 def _is_for(node: str, section: str) -> bool:
@@ -206,7 +213,11 @@ def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> s
     root = yaml.compose(text, _ParameterLoader)
     if not isinstance(root, yaml.MappingNode):
         raise ParameterError("holds no parameters by name")
-    sections = list(_section_nodes(root, node, "", set())) or [root]
+    sections = [
+        values
+        for name, values in _node_sections(root, "", set())
+        if _is_for(node, name) and isinstance(values, yaml.MappingNode)
+    ] or [root]
     places = {key.value: value for section in sections for key, value in section.value}
     edits = [
         (places[name].start_mark.index, places[name].end_mark.index, _scalar(value))
@@ -223,25 +234,6 @@ def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> s
     for start, end, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[end:]
     return text
-
-
-def _section_nodes(
-    content: yaml.MappingNode, node: str, name: str, seen: set[int]
-) -> Iterator[yaml.MappingNode]:
-    """Yield the sections of a ROS file that count for a node, as YAML's parser finds them.
-
-    `seen` as in `_node_sections`.
-    """
-    for key, section in content.value:
-        if not isinstance(section, yaml.MappingNode):
-            continue
-        inner = f"{name}/{key.value.strip('/')}"
-        of_node = [values for each, values in section.value if each.value == ROS_KEY]
-        if of_node and _is_for(node, inner):
-            yield from (values for values in of_node if isinstance(values, yaml.MappingNode))
-        elif not of_node and id(section) not in seen:
-            seen.add(id(section))
-            yield from _section_nodes(section, node, inner, seen)
 
 
 def _scalar(value: ParameterValue) -> str:

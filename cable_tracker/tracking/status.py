@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Final, Protocol
+from typing import Final
 
 LARGEST_STEP = 0.5
 """Share of the loss time that one frame counts for at most: however slow the camera, one frame does
@@ -37,20 +37,6 @@ DISABLED: Final = "DISABLED"
 """The user has switched it off."""
 
 
-class StatusTimes(Protocol):
-    """The parameters that say how long frames must speak for or against a claim."""
-
-    @property
-    def confirmation_time(self) -> float:
-        """How long frames must speak for a target before it is claimed [s]."""
-        ...
-
-    @property
-    def loss_time(self) -> float:
-        """How long they must speak against it before it is given up [s]."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class StatusMachine:
     """Hysteresis over what frame after frame speaks for. Never changed in place.
@@ -63,15 +49,11 @@ class StatusMachine:
         Time for which consecutive frames supported leaving the present status [s].
     unclaimed_time : float
         Time since a target was last claimed, or since the search last began anew [s].
-    is_given_with_certainty : bool
-        Whether a target was given by an operator or planner, not guessed, and is followed since,
-        without a claim yet.
     """
 
     status: TrackingStatus = TrackingStatus.INITIALISING
     time_towards_change: float = 0.0
     unclaimed_time: float = 0.0
-    is_given_with_certainty: bool = False
 
     @property
     def is_confirming(self) -> bool:
@@ -79,13 +61,11 @@ class StatusMachine:
         return self.status is not TrackingStatus.TRACKING and self.time_towards_change > 0.0
 
     def is_first_claim(self, memory_time: float) -> bool:
-        """Tell whether a claim would be the first: of what was not given, or not claimed for long.
+        """Tell whether a claim would be the first, or the first for long.
 
         `memory_time` is how long what was claimed is remembered [s].
         """
-        if self.unclaimed_time > memory_time:
-            return True
-        return self.status is TrackingStatus.INITIALISING and not self.is_given_with_certainty
+        return self.status is TrackingStatus.INITIALISING or self.unclaimed_time > memory_time
 
     def is_search_due(self, search_time: float) -> bool:
         """Tell whether nothing has been claimed or seen for so long that a search starts anew."""
@@ -99,7 +79,8 @@ class StatusMachine:
         supports_claim: bool,
         supports_keeping: bool,
         dt: float,
-        parameters: StatusTimes,
+        confirmation_time: float,
+        loss_time: float,
         contradicts_claim: bool = False,
     ) -> StatusMachine:
         """Return the status after one more frame.
@@ -111,8 +92,9 @@ class StatusMachine:
         dt : float
             Time since the frame before [s]. A frame counts for it, but against a claim for no more
             than half of the loss time.
-        parameters : StatusTimes
-            Times.
+        confirmation_time, loss_time : float
+            How long frames must speak for a target before it is claimed, and against it before it
+            is given up [s].
         contradicts_claim : bool
             Whether the frame speaks against what was claimed: the estimate is of something else, or
             nothing is in view. The loss time does not run then: no frame of it may pass for what
@@ -121,44 +103,32 @@ class StatusMachine:
         if self.status is TrackingStatus.TRACKING:
             if contradicts_claim and not supports_keeping:
                 return StatusMachine(TrackingStatus.LOST)
-            return self._while_claimed(supports_keeping, dt, parameters)
-        return self._while_unclaimed(supports_claim, dt, parameters)
+            return self._while_claimed(supports_keeping, dt, loss_time)
+        return self._while_unclaimed(supports_claim, dt, confirmation_time)
 
-    def _while_claimed(
-        self, supports_keeping: bool, dt: float, parameters: StatusTimes
-    ) -> StatusMachine:
+    def _while_claimed(self, supports_keeping: bool, dt: float, loss_time: float) -> StatusMachine:
         if supports_keeping:
             return replace(self, time_towards_change=0.0, unclaimed_time=0.0)
-        towards_change = self.time_towards_change + min(dt, LARGEST_STEP * parameters.loss_time)
-        if towards_change >= parameters.loss_time:
+        towards_change = self.time_towards_change + min(dt, LARGEST_STEP * loss_time)
+        if towards_change >= loss_time:
             return StatusMachine(TrackingStatus.LOST)
         return replace(self, time_towards_change=towards_change)
 
     def _while_unclaimed(
-        self, supports_claim: bool, dt: float, parameters: StatusTimes
+        self, supports_claim: bool, dt: float, confirmation_time: float
     ) -> StatusMachine:
         unclaimed = self.unclaimed_time + dt
         if not supports_claim:
             return replace(self, time_towards_change=0.0, unclaimed_time=unclaimed)
         towards_change = self.time_towards_change + dt
-        if towards_change >= parameters.confirmation_time:
+        if towards_change >= confirmation_time:
             return StatusMachine(TrackingStatus.TRACKING)
         return replace(self, time_towards_change=towards_change, unclaimed_time=unclaimed)
 
-    def confirm_with_next_frame(self, *, is_certain: bool = True) -> StatusMachine:
-        """Return the status after a given initial state: one good frame confirms it.
-
-        Parameters
-        ----------
-        is_certain : bool
-            Whether an operator or planner gave it, not a guess.
-        """
-        return replace(self, time_towards_change=math.inf, is_given_with_certainty=is_certain)
+    def confirm_with_next_frame(self) -> StatusMachine:
+        """Return the status after a given initial state: one good frame confirms it."""
+        return replace(self, time_towards_change=math.inf)
 
     def searched(self) -> StatusMachine:
-        """Return the same status with the search begun anew: nothing that was given is followed."""
-        return replace(self.without_given(), time_towards_change=0.0, unclaimed_time=0.0)
-
-    def without_given(self) -> StatusMachine:
-        """Return the same status once what was given is no longer followed."""
-        return replace(self, is_given_with_certainty=False)
+        """Return the same status with the search begun anew."""
+        return replace(self, time_towards_change=0.0, unclaimed_time=0.0)

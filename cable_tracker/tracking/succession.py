@@ -75,16 +75,8 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     _check_time(now.stamp)
     if before is None:
         return Succession(1.0 / REFERENCE_RATE, "")
-    if now.stamp == before.stamp:
-        raise FrameError(f"the stamp {now.stamp / NANOSECONDS:.9f} s is that of the frame before")
-    if 0 < now.stamp - before.stamp < SHORTEST:
-        raise FrameError(
-            f"the stamp is only {now.stamp - before.stamp} ns after that of the frame before;"
-            " stamps are in nanoseconds"
-        )
-    late = (before.stamp - now.stamp) / NANOSECONDS
-    if 0.0 < late <= LATE:
-        raise FrameError(f"the frame is {late:.3f} s older than the one before: out of order")
+    if is_out_of_order(before.stamp, now.stamp):
+        raise FrameError(_why_out_of_order(before.stamp, now.stamp))
     event = _reason_to_start_anew(before, now, maximum_gap)
     dt = 1.0 / REFERENCE_RATE if event else (now.stamp - before.stamp) / NANOSECONDS
     return Succession(dt, event, before.size == now.size)
@@ -99,6 +91,18 @@ def _check_time(stamp: int) -> None:
 def is_out_of_order(before: int, now: int) -> bool:
     """Tell whether `succession` refuses a frame of a stamp [ns] after one of the stamp `before`."""
     return -LATE * NANOSECONDS <= now - before < SHORTEST
+
+
+def _why_out_of_order(before: int, now: int) -> str:
+    if now == before:
+        return f"the stamp {now / NANOSECONDS:.9f} s is that of the frame before"
+    if now > before:
+        return (
+            f"the stamp is only {now - before} ns after that of the frame before;"
+            " stamps are in nanoseconds"
+        )
+    late = (before - now) / NANOSECONDS
+    return f"the frame is {late:.3f} s older than the one before: out of order"
 
 
 def _reason_to_start_anew(before: FrameMark, now: FrameMark, maximum_gap: float) -> str:

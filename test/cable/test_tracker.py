@@ -18,9 +18,9 @@ from cable_tracker.cable.parameters.parameters import (
     TrackerParameters,
 )
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import FrameError, ParameterError
-from cable_tracker.trackers import make_tracker
+from cable_tracker.trackers import CableTracker, make_tracker
 from cable_tracker.tracking.status import TrackingStatus
 
 TRACKING, LOST, INITIALISING = (
@@ -100,41 +100,41 @@ def test_the_covariance_is_of_the_size_of_the_errors(dive):
     assert (ratio < 3.0).all()
 
 
-class NotingProposer:
-    """Proposes nothing, and notes what it is told."""
-
-    def __init__(self):
-        self.told = []
+@pytest.fixture
+def asked(monkeypatch) -> list:
+    """What the detector, which proposes nothing, is told in each frame in which it is asked."""
+    told = []
 
     def propose(self, image, *, is_searching):
-        self.told.append(is_searching)
+        told.append(is_searching)
         return np.empty((0, 4))
 
+    monkeypatch.setattr(LinePairProposer, "propose", propose)
+    return told
 
-def asked_after(tracker, proposer, given, strip) -> list:
-    """Return what a proposer is told in five frames after something was given."""
+
+def asked_after(tracker, asked, given, strip) -> list:
+    """Return what the detector is told in five frames after something was given."""
     tracker.initialise(given)
-    before = len(proposer.told)
+    before = len(asked)
     run(tracker, repeated(strip, 5, first=START + 3 * FRAME))
-    return proposer.told[before:]
+    return asked[before:]
 
 
-def test_a_proposer_is_told_whether_a_cable_is_searched_for(draw_strip):
-    proposer = NotingProposer()
-    tracker = CableTracker(TrackerParameters(), proposer)
+def test_a_detector_is_told_whether_a_cable_is_searched_for(asked, draw_strip):
+    tracker = CableTracker(TrackerParameters())
     empty, strip = np.full((120, 160), 90, np.uint8), draw_strip(STRIP, (160, 120))
     run(tracker, repeated(empty, 3))
-    assert proposer.told == [True] * 3
+    assert asked == [True] * 3
     guessed = GivenState.around(STRIP, is_guess=True)
-    assert asked_after(tracker, proposer, guessed, strip) == [False] * 5
+    assert asked_after(tracker, asked, guessed, strip) == [False] * 5
 
 
-def test_a_proposer_is_not_asked_beside_a_known_cable(draw_strip):
-    proposer = NotingProposer()
-    tracker = CableTracker(TrackerParameters(), proposer)
+def test_a_detector_is_not_asked_beside_a_known_cable(asked, draw_strip):
+    tracker = CableTracker(TrackerParameters())
     run(tracker, repeated(np.full((120, 160), 90, np.uint8), 3))
     strip = draw_strip(STRIP, (160, 120))
-    assert asked_after(tracker, proposer, GivenState.around(STRIP), strip) == []
+    assert asked_after(tracker, asked, GivenState.around(STRIP), strip) == []
 
 
 def shadow_of_a_frame(frames=30) -> list:

@@ -16,8 +16,8 @@ from pathlib import Path
 import atheris
 
 # Imported before the rest is instrumented: Numba cannot compile instrumented functions.
-import cable_tracker.cable.tracker
-import cable_tracker.target.tracker  # noqa: F401
+import cable_tracker.target.tracker
+import cable_tracker.trackers  # noqa: F401
 
 INSTRUMENTED = ["cable_tracker", "rosbags", "mcap"]
 MEMORY_LIMIT = 2048

@@ -10,7 +10,6 @@ from rosbags.highlevel import AnyReader
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.offline.cable_folder import CableFolder
@@ -21,6 +20,7 @@ from cable_tracker.offline.track_cable import (
 )
 from cable_tracker.sequences.messages.cable import read_particles, read_sigma, read_state
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.trackers import CableTracker
 
 EVERY_TOPIC = {
     "/state",

@@ -9,7 +9,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cable_tracker.resources import SECURITY_POLICY, resource
+from cable_tracker.resources import resource
+
+SECURITY_POLICY = Path("config") / "sros2" / "cable_tracker_policy.xml"
 
 
 def rules(node: str, kind: str, right: str) -> set[str]:

@@ -2,12 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 
-PARAMETERS = TrackerParameters(
-    evidence_to_track=2.0, evidence_to_lose=1.0, confirmation_time=0.12, loss_time=0.4
-)
+TIMES = {"confirmation_time": 0.12, "loss_time": 0.4}
+TO_TRACK, TO_LOSE = 2.0, 1.0
 GOOD, MIDDLING, BAD = 3.0, 1.5, 0.5
 TRACKING, LOST, INITIALISING = (
     TrackingStatus.TRACKING,
@@ -18,10 +16,10 @@ TRACKING, LOST, INITIALISING = (
 
 def after(machine, evidence, dt=0.05, converged=True) -> StatusMachine:
     return machine.after(
-        supports_claim=converged and evidence >= PARAMETERS.evidence_to_track,
-        supports_keeping=converged and evidence >= PARAMETERS.evidence_to_lose,
+        supports_claim=converged and evidence >= TO_TRACK,
+        supports_keeping=converged and evidence >= TO_LOSE,
         dt=dt,
-        parameters=PARAMETERS,
+        **TIMES,
     )
 
 
@@ -53,7 +51,7 @@ def test_what_contradicts_a_claim_does_not_wait_for_the_loss_time(keeping, statu
         supports_claim=False,
         supports_keeping=keeping,
         dt=0.01,
-        parameters=PARAMETERS,
+        **TIMES,
         contradicts_claim=True,
     )
     assert machine.status is status
@@ -117,21 +115,6 @@ def test_a_claim_is_of_something_new_until_there_was_one():
     assert StatusMachine().is_first_claim(4.0)
     assert not after(StatusMachine(TRACKING), BAD).is_first_claim(4.0)
     assert not StatusMachine(LOST).is_first_claim(4.0)
-
-
-def test_what_was_given_is_known_and_what_was_guessed_is_not():
-    told, guessed = (
-        StatusMachine().confirm_with_next_frame(is_certain=known) for known in (True, False)
-    )
-    assert not after(told, BAD).is_first_claim(4.0)
-    assert guessed.is_first_claim(4.0)
-
-
-@pytest.mark.parametrize("leave", [StatusMachine.searched, StatusMachine.without_given])
-def test_what_was_given_is_no_longer_so_once_it_is_not_followed(leave):
-    told = StatusMachine().confirm_with_next_frame()
-    assert not leave(told).is_given_with_certainty
-    assert leave(told).is_first_claim(4.0)
 
 
 def test_what_has_not_been_seen_for_long_is_forgotten():

@@ -35,7 +35,7 @@ from dataclasses import replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
+from cable_tracker.cable.filter_interface import BeliefSummary, ParticleBelief
 from cable_tracker.cable.hypotheses.belief import (
     Belief,
     initial_belief,
@@ -58,14 +58,14 @@ from cable_tracker.cable.hypotheses.propose.frame_inputs import (
     FrameInputs,
     beside_a_known_cable,
     frame_config,
+    sample_counts,
 )
-from cable_tracker.cable.hypotheses.propose.map_log_ratio import (
+from cable_tracker.cable.hypotheses.propose.sample import (
     NOTHING_EXPECTED,
     ExpectedOverlap,
+    empty_sample,
     overlap_of_expected,
 )
-from cable_tracker.cable.hypotheses.propose.sample import empty_sample
-from cable_tracker.cable.hypotheses.propose.sample_counts import sample_counts
 from cable_tracker.cable.hypotheses.weigh.presence import (
     LEAST_PRESENCE,
     LIKELY_PRESENCE,
@@ -98,8 +98,8 @@ FIXTURE_FOUND = (
 NO_ANCHOR = np.empty((0, STATE_SIZE))
 
 
-class MultiHypothesisFilter(CableFilter[Belief]):
-    """See the module.
+class MultiHypothesisFilter:
+    """See the module. It holds no belief itself.
 
     Parameters
     ----------
@@ -112,6 +112,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     rng : numpy.random.Generator
         The only source of randomness.
     """
+
+    search_time = float("inf")
+    """Without a claim for this long, the tracker starts the search anew [s]; this filter does so by
+    itself."""
 
     def __init__(
         self,
@@ -173,7 +177,21 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         detections: FloatArray,
         motion: MotionAid | None = None,
     ) -> Belief:
-        """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
+        """Return the belief after one more frame.
+
+        Parameters
+        ----------
+        belief : Belief
+            After the frame before.
+        image : WorkingImage
+            The frame.
+        dt : float
+            Time between the two [s]; 0 for a belief about this very frame.
+        detections : FloatArray
+            d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
+        motion : MotionAid or None
+            How odometry says that the cable has moved; None: by its own rates. None if `dt` is 0.
+        """
         if belief.faint_time >= self._parameters.search_time:
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
+from cable_tracker.cable.filter_interface import BeliefSummary, ParticleBelief
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import ResponseTable
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
@@ -36,13 +36,17 @@ def make_observation(parameters: TrackerParameters, table: ResponseTable) -> Obs
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BootstrapBelief:
-    """What the filter of the thesis believes: weighted particles, and nothing else."""
+    """What the filter of the thesis believes: weighted particles.
+
+    Whether they began as what an operator or planner gave is kept for the claim alone.
+    """
 
     particles: Particles
+    is_given: bool = False
 
 
-class BootstrapFilter(CableFilter[BootstrapBelief]):
-    """Sequential importance resampling with either observation model.
+class BootstrapFilter:
+    """Sequential importance resampling with either observation model. It holds no belief itself.
 
     Parameters
     ----------
@@ -73,9 +77,13 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
 
     def first_belief(self) -> BootstrapBelief:
         """Return particles all over the search box."""
-        return self.given_belief(random_states(self._parameters, self._width, self._rng))
+        return self.guessed_belief(random_states(self._parameters, self._width, self._rng))
 
     def given_belief(self, states: FloatArray) -> BootstrapBelief:
+        """Return the belief after states (N, 8) of the cable were given."""
+        return replace(self.guessed_belief(states), is_given=True)
+
+    def guessed_belief(self, states: FloatArray) -> BootstrapBelief:
         """Return equally weighted particles, states (N, 8)."""
         return BootstrapBelief(Particles.equally_weighted(states))
 
@@ -84,7 +92,15 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         particles, count = belief.particles, self._parameters.particle_count
         if particles.count != count:
             particles = particles.selected(self._resample(particles.weights, count, self._rng))
-        return BootstrapBelief(particles)
+        return BootstrapBelief(particles, belief.is_given)
+
+    def is_searching(self, belief: BootstrapBelief) -> bool:
+        """Tell whether none is followed: it cannot tell, and follows one."""
+        return False
+
+    def is_known(self, belief: BootstrapBelief) -> bool:
+        """Tell whether it is known where the cable is: never."""
+        return False
 
     def step(
         self,
@@ -94,13 +110,16 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         detections: FloatArray,
         motion: MotionAid | None = None,
     ) -> BootstrapBelief:
-        """Return the belief after one more frame; see `CableFilter.step`. Asks no detector."""
+        """Return the belief after one more frame; see `MultiHypothesisFilter.step`.
+
+        It asks no detector.
+        """
         particles = self._resampled(belief.particles)
         if dt > 0.0:
             moved = self._movement.propagate(particles.states, dt, self._rng, motion)
             particles = particles.moved_to(moved)
         log_likelihoods = self._observation.log_likelihoods(particles.states, image)
-        return BootstrapBelief(particles.reweighted(log_likelihoods))
+        return BootstrapBelief(particles.reweighted(log_likelihoods), belief.is_given)
 
     def _resampled(self, particles: Particles) -> Particles:
         """Resample if N_eff has fallen below the threshold.
@@ -124,6 +143,7 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
             evidence=evidence,
             supports_claim=is_clear,
             supports_new_claim=is_clear,
+            follows_given=belief.is_given,
             supports_keeping=evidence >= self._parameters.evidence_to_lose,
             hypotheses=(Hypothesis(1.0, CableState.from_array(mean)),),
         )

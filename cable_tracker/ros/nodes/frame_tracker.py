@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Protocol
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.filter_interface import CableProposer
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import MotionAid
@@ -26,9 +25,7 @@ class FrameTracker(Protocol):
         """The present belief; None before the first frame, or where there are no particles."""
         ...
 
-    def configure(
-        self, parameters: TrackerParameters, proposer: CableProposer | None = None
-    ) -> None:
+    def configure(self, parameters: TrackerParameters) -> None:
         """Take other parameters from now on."""
         ...
 

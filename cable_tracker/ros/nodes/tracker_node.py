@@ -43,7 +43,7 @@ from cable_tracker.sequences.messages.cable import (
     read_prior,
 )
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.visualisation.overlay import draw_estimate
 
 CABLE = OutputKind(
@@ -109,7 +109,7 @@ class TrackerNode(CameraNode):
         if filter_values:
             before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
-            self._tracker.configure(changed, make_proposer(changed))
+            self._tracker.configure(changed)
             self._search.limit(pair_limits(changed))
             self._warm_up_for_change()
             self._warn_of_remarks(before)

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.filter_interface import CableProposer
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import MotionAid
@@ -58,9 +57,7 @@ class MethodTracker:
         """There are none."""
         return
 
-    def configure(
-        self, parameters: TrackerParameters, proposer: CableProposer | None = None
-    ) -> None:
+    def configure(self, parameters: TrackerParameters) -> None:
         """Take note of other parameters; a changed seed waits for the next reset."""
         self._parameters = parameters
 

@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
-from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
+from cable_tracker.target.filter_interface import TargetSummary
 from cable_tracker.target.measure.first_look import look_first
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline
@@ -65,13 +65,31 @@ WHOLE_HASTE = 3.0
 """Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
 
 
-class PoseFilter(TargetFilter[PoseBelief]):
-    """See the module and `TargetFilter`."""
+class PoseFilter:
+    """See the module. It holds no belief itself.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        Parameters of the filter.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    """
+
+    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
+        self._parameters = parameters
+        self._rng = rng
 
     def start(
         self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
     ) -> tuple[TargetSummary, PoseBelief]:
-        """Learn a target from its pixels in a frame; see `TargetFilter`."""
+        """Learn a target from its pixels in a frame; say what it shows, and what is believed then.
+
+        Raises
+        ------
+        FrameError
+            The mask is too small, or does not stand out from its surroundings.
+        """
         parameters = self._parameters
         look = look_first(frame, mask, parameters, is_exact=is_exact)
         if look.score < parameters.least_separation:
@@ -105,7 +123,24 @@ class PoseFilter(TargetFilter[PoseBelief]):
         *,
         counts_for: float,
     ) -> tuple[TargetSummary, PoseBelief]:
-        """Follow the target into the next frame; see `TargetFilter`."""
+        """Follow the target into the next frame; say what it shows, and what is believed then.
+
+        Parameters
+        ----------
+        belief : PoseBelief
+            After the frame before.
+        frame : WorkingFrame
+            The frame.
+        dt : float
+            Time since the frame before, in which the target may have moved [s].
+        motion : CameraMotion or None
+            Motion of the camera since then.
+        others : FloatArray
+            Poses of the other targets that are claimed, shape (K, 6): they exclude this one.
+        counts_for : float
+            Time that the frame counts for where something is learnt from it [s]: `dt`, but after a
+            pause that of one frame.
+        """
         parameters, rng = self._parameters, self._rng
         belief = belief.aged(frame, dt, motion, parameters)
         seen = frame.measured_in(colour=belief.known.is_coloured)

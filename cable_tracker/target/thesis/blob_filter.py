@@ -24,12 +24,13 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import multinomial_resampling
 from cable_tracker.particle_filter.weights import effective_sample_size
-from cable_tracker.target.filter_interface import TargetFilter, TargetSummary
+from cable_tracker.target.filter_interface import TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE, UNKNOWN_COVARIANCE, X, Y
 from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
 from cable_tracker.target.thesis.weights import blob_weights
@@ -115,8 +116,20 @@ class BlobBelief:
     border: BorderModel
 
 
-class BlobFilter(TargetFilter[BlobBelief]):
-    """See the module and `TargetFilter`."""
+class BlobFilter:
+    """See the module. It holds no belief itself.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        Parameters of the filter.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    """
+
+    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
+        self._parameters = parameters
+        self._rng = rng
 
     def start(
         self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
@@ -161,7 +174,7 @@ class BlobFilter(TargetFilter[BlobBelief]):
         *,
         counts_for: float,
     ) -> tuple[TargetSummary, BlobBelief]:
-        """Follow the target into the next frame; see `TargetFilter`.
+        """Follow the target into the next frame; see `PoseFilter.step`.
 
         `others` are not heeded, and `counts_for` neither: the shape follows at once.
         """

@@ -14,7 +14,7 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     GIVEN_PRESENCE,
     MultiHypothesisFilter,
 )
-from cable_tracker.cable.hypotheses.propose import sample_counts
+from cable_tracker.cable.hypotheses.propose import frame_inputs
 from cable_tracker.cable.hypotheses.weigh.presence import HIGHEST, LEAST_PRESENCE
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.response_table import load_table
@@ -273,7 +273,7 @@ def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     # Of what survives, nothing is as wide as it has to be, and there is nothing else.
-    monkeypatch.setattr(sample_counts, "BORDER_SWITCH_SHARE", 0.0)
+    monkeypatch.setattr(frame_inputs, "BORDER_SWITCH_SHARE", 0.0)
     cable_filter = make_filter(
         width_minimum=150.0, appearance_rate=0.0, search_share=0.0, detector_share=0.0,
         diffusion_degrees_of_freedom=0.0,

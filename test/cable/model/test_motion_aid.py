@@ -9,7 +9,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.movement import LimitedMovement
-from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.trackers import CableTracker
 
 FRAME = 40_000_000
 

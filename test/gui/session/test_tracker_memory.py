@@ -4,9 +4,9 @@ import pytest
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.gui.session import tracker_memory
 from cable_tracker.gui.session.tracker_memory import FIRST_INTERVAL, LARGEST_COUNT, TrackerMemory
+from cable_tracker.trackers import CableTracker
 
 FRAME_TIME = 40_000_000
 PARAMETERS = TrackerParameters(filter="bootstrap", observation="responses", particle_count=20)

@@ -30,7 +30,6 @@ from cable_tracker.cable.hypotheses.weigh.clusters import (
     Groups,
     clusters_of,
     find_groups,
-    find_groups_about,
     group_centres,
     group_covariance,
     most_probable_first,
@@ -46,8 +45,9 @@ from cable_tracker.cable.hypotheses.weigh.score_likelihood import (
     MODEL,
     FrameScores,
     shown_share,
+    thin_factor,
+    trusted_appearance,
 )
-from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor, trusted_appearance
 from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.cable.measure.borders.likelihood_ratio import (
     BorderClearness,
@@ -163,10 +163,10 @@ def draw_and_conclude(sample: Sample, inputs: FrameInputs, config: FrameConfig) 
     drawn = draw_sample(sample, inputs, config)
     states = _wrapped_states(sample, drawn.filled)
     log_prior = importance_log_weights(sample, drawn.filled, 0.0)
-    log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
+    log_posterior = importance_log_weights(sample, drawn.filled, 1.0)
     anchors = np.concatenate((inputs.anchors, drawn.candidates))
-    groups = find_groups_about(
-        anchors, states, log_posterior, config.cluster_radii, MOST_CLUSTERS, -math.inf
+    groups = find_groups(
+        states, log_posterior, config.cluster_radii, MOST_CLUSTERS, -math.inf, anchors
     )
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
@@ -232,7 +232,9 @@ def corrected_clusters(
     clusters, order = clusters_of(states, weights, groups)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
-        groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS, -math.inf)
+        groups = find_groups(
+            states, log_weights, config.cluster_radii, MOST_CLUSTERS, -math.inf, states[:0]
+        )
         background, appearances = _background_and_appearances(
             states, log_weights, groups, inputs, config
         )
@@ -292,15 +294,6 @@ def _wrapped_states(sample: Sample, end: int) -> FloatArray:
     for row in range(end):
         state_in_chart(sample.states[row], 0.0, states[row])
     return states
-
-
-@compiled_part
-def add_log_likelihoods(log_prior: FloatArray, log_likelihoods: FloatArray) -> FloatArray:
-    """Return the logarithms of prior times likelihood; `log_likelihoods` may have more rows."""
-    result = np.empty(len(log_prior))
-    for row in range(len(log_prior)):
-        result[row] = log_prior[row] + log_likelihoods[row]
-    return result
 
 
 @compiled_part

@@ -23,7 +23,7 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.predicted_density import DensityValues
 from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Groups
-from cable_tracker.cable.hypotheses.weigh.thin_strips import thin_factor
+from cable_tracker.cable.hypotheses.weigh.score_likelihood import thin_factor
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp
@@ -36,11 +36,7 @@ Chosen on simulated worlds to tune on (`tune_*`)."""
 FAINT_MAP, CLEAR_MAP = 4.0, 8.0
 """The share falls linearly from `BACKGROUND_SHARE` to 0 while the highest map log-ratio of any
 particle rises from FAINT_MAP to CLEAR_MAP [nats]: a clear map is more reliable than borders, which
-the bottom has, too. Without that, of overgrown pipelines, to tune on, twice as many would be lost
-to strips that share one border with them. These were chosen while a map log-ratio was 4 times the
-overlap in a search, too; with its present weight they are reached at smaller overlaps, and limits
-that are as much larger found half a dive more of `report_faint` and half of one less of
-`report_banded`."""
+the bottom has, too."""
 
 ORDINARY_APPEARANCE = 1.2
 """Appearance at which a group explains the frame no better than none [nats]."""

@@ -1,7 +1,7 @@
 """Whether the leading hypothesis is clear enough for a first claim: by its borders, or by a map.
 
 Its score for a claim is the clearness of its weaker border, and what its appearance is worth. A
-thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_strips`,
+thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_factor`,
 unless a map of the frame says that it looks like a cable. If one border of a wide one is not clear
 by itself, both have to be in view: a single edge may be its own, but also where other ground
 begins. With a map, it has to look like a cable, unless it is wide and its borders are crisp. And of
@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.conclude.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.conclude.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
-from cable_tracker.cable.hypotheses.weigh.thin_strips import trusted_share
+from cable_tracker.cable.hypotheses.weigh.score_likelihood import trusted_share
 from cable_tracker.cable.model.geometry import lengths_inside, project_borders
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -29,20 +29,16 @@ on."""
 
 UNLIKE_A_CABLE = 1.5
 """With a map, what looks less like a cable than this is not claimed, unless it is crisp and wide
-[nats]: of 179 right first claims on the worlds to tune on, S1 to S6 and a simulator written apart
-from this project 2 looked less like one, of 36 claims where no cable is 30: furrows, ripples with
-crisp troughs, pairs of lines, soft bands. Hardly any of these are both crisp and wide."""
+[nats]: furrows, ripples with crisp troughs, pairs of lines, soft bands."""
 
 CRISP, CRISP_WIDTH = 1.2, 2.5
 """Clearness of the borders from which on the overlap with the map is not asked for [nats per
 point], and width in units of `thin_width` from which on then nor is how the strip looks: what is
-crisp looks like a cable to a person, too. The first was chosen with `overlap_to_find` on the worlds
-to tune on and two simulators written apart from this project, the second on five such."""
+crisp looks like a cable to a person, too. Chosen on the worlds to tune on."""
 
 MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
-"""The same with a map: claim score that one nat is worth, and the upper limit. In a logistic model
-of right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no
-weight."""
+"""The same with a map: claim score that one nat is worth, and the upper limit. The width has no
+weight then."""
 
 WIDE, BOTH_IN_VIEW, RIM = 0.25, 0.5, 0.04
 """Width, as a share of the picture's, from which on both borders have to be in view; how much of a
@@ -90,9 +86,10 @@ def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:
     """
     borders = project_borders(state[None])
     rims = round(2.0 * RIM * image_size[0])
-    inner = (image_size[0] - rims, image_size[1] - rims)
+    # Of a flat picture the rims leave half.
+    inner = (image_size[0] - rims, max(image_size[1] - rims, image_size[1] // 2))
     lengths = lengths_inside(borders.angles[0], borders.offsets[0], inner)
-    return bool(lengths.min() >= BOTH_IN_VIEW * lengths.max())
+    return bool(lengths.min() >= BOTH_IN_VIEW * lengths.max() > 0.0)
 
 
 def _looks_clear(

@@ -198,7 +198,7 @@ def birth_density(state: FloatArray, drawn: float, births: BirthDensity) -> floa
 def drawn_birth_density(state: FloatArray, births: BirthDensity) -> float:
     """Return the density that births are drawn from at the pose of a state (8,): without the map.
 
-    About its strips particles are drawn in rounds, see `candidates`.
+    About its strips particles are drawn in rounds, see `proposals`.
     """
     wrapped, sign = relative_direction(state[ANGLE], 0.0)
     lower, upper = births.box

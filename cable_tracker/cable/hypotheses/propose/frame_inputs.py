@@ -9,17 +9,24 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
-from cable_tracker.cable.hypotheses.propose.map_log_ratio import ExpectedOverlap, MapWeights
-from cable_tracker.cable.hypotheses.propose.sample_counts import SampleCounts
+from cable_tracker.cable.hypotheses.propose.sample import ExpectedOverlap, MapWeights
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
-from cable_tracker.cable.hypotheses.weigh.presence import SAME_HYPOTHESIS_RADII, PriorPresence
+from cable_tracker.cable.hypotheses.weigh.presence import (
+    LIKELY_PRESENCE,
+    SAME_HYPOTHESIS_RADII,
+    PriorPresence,
+)
 from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
 from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
 from cable_tracker.cable.measure.map.cable_map import CableMap
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    BORDER_SWITCH_SHARE,
+    LEAST_SURVIVOR_SHARE,
+    TrackerParameters,
+)
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
@@ -38,14 +45,70 @@ WIDENINGS = (1.5, 1.2)
 
 SEARCH_MAP = MapWeights(overlap=11.0, lacking=0.0)
 """Weights of the map in a search. Of strips that share a border the map tells the right one, where
-growth and sand have stronger borders than the cable; with a weight of 4 the particles of a faint
-cable that the map shows gather at stronger edges beside it. Chosen on the worlds to tune on
-(`tune_*`), as are those beside a known cable."""
+growth and sand have stronger borders than the cable. Chosen on the worlds to tune on (`tune_*`), as
+are those beside a known cable."""
 
 KNOWN_MAP = MapWeights(overlap=4.0, lacking=7.0)
 """Weights of the map beside a known cable, whose own borders are the better guide: for what looks
 more like a cable it is not left easily, a crisp shadow for instance. But for what looks less like
 one, such as a dark seam along its flank, no more easily than a search would take that."""
+
+LOST_DETECTOR_SHARE = 0.3
+"""Share of the particles about detections while it is more likely than not that there is none."""
+
+LARGEST_BIRTH_SHARE = 0.8
+"""Share of the particles of the prior that are born at most."""
+
+
+class SampleCounts(NamedTuple):
+    """Numbers of particles of a frame, by the proposal that they are drawn from, before its rounds.
+
+    Attributes
+    ----------
+    survivors, births, switches, detections : int
+        Drawn about ancestors, from the birth density, from the border-switch density, and about
+        what the detector sees.
+    births_about_memory : int
+        Those of the births that are drawn about the remembered cable.
+    """
+
+    survivors: int
+    births: int
+    births_about_memory: int
+    switches: int
+    detections: int
+
+
+def sample_counts(
+    parameters: TrackerParameters,
+    density: PredictedDensity,
+    detections: int,
+    refined: IndexArray,
+) -> SampleCounts:
+    """Share out the particles of a frame with some detections that its rounds leave.
+
+    `refined`: those that each round draws, shape (R,).
+    """
+    count = parameters.particle_count
+    switches = int(count * BORDER_SWITCH_SHARE)
+    first = count - int(refined.sum()) - switches
+    share = parameters.detector_share if detections else 0.0
+    existing = density.mass_survived + density.mass_born
+    if share > 0.0 and existing < LIKELY_PRESENCE:
+        share = max(share, LOST_DETECTOR_SHARE)
+    # The raised share, too, leaves something for survivors and births.
+    least = max(int(count * LEAST_SURVIVOR_SHARE), 1)
+    detected = min(int(count * share), max(first - least, 0))
+    rest = first - detected
+    born = max(density.mass_born / existing, parameters.search_share)
+    births = int(rest * min(born, LARGEST_BIRTH_SHARE))
+    return SampleCounts(
+        survivors=rest - births,
+        births=births,
+        births_about_memory=round(density.births.share * births),
+        switches=switches,
+        detections=detected,
+    )
 
 
 class FrameInputs(NamedTuple):

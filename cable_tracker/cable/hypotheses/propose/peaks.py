@@ -97,7 +97,9 @@ def cluster_peaks(
     weights = exponentials(log_weights)
     # A group about a lighter particle would weigh less than `LEAST_REFINED`.
     least = math.log(LEAST_REFINED / len(states))
-    groups = find_groups(states, log_weights, config.cluster_radii, MOST_CLUSTERS, least)
+    groups = find_groups(
+        states, log_weights, config.cluster_radii, MOST_CLUSTERS, least, states[:0]
+    )
     order, masses, means = group_means(states, weights, groups)
     number = 1
     while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:

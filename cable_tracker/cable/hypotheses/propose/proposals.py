@@ -7,6 +7,7 @@ like cables.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,13 +21,7 @@ from cable_tracker.cable.hypotheses.predict.predicted_density import (
     choose_rates,
     fill_densities,
 )
-from cable_tracker.cable.hypotheses.propose.candidates import (
-    CANDIDATE_NARROWING,
-    CANDIDATE_SHARE,
-    likeliest_strips,
-)
 from cable_tracker.cable.hypotheses.propose.frame_inputs import FrameConfig, FrameInputs
-from cable_tracker.cable.hypotheses.propose.map_log_ratio import map_log_ratio
 from cable_tracker.cable.hypotheses.propose.peaks import (
     Peaks,
     add_detection_density,
@@ -41,12 +36,25 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     fill_log_likelihoods,
     importance_log_weights,
+    map_log_ratio,
 )
+from cable_tracker.cable.hypotheses.weigh.clusters import find_groups, heaviest_members
+from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.cable.measure.borders.likelihood_ratio import fill_measures
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_part
 from cable_tracker.particle_filter.weights import normalise_log_weights
+
+CANDIDATE_SHARE = 0.5
+"""Share of the particles of a round that are drawn about candidates."""
+
+CANDIDATE_NARROWING = 0.5
+"""Factor on the kernel scales of detections, for each round once more."""
+
+MOST_LOOKED_AT, MOST_CANDIDATES = 12, 3
+"""Numbers of particles that are looked at in a round, and of candidates among them and the strips
+of the map."""
 
 
 class Drawn(NamedTuple):
@@ -237,3 +245,38 @@ def _fill_proposal_density(
             states, start, stop, counts.detections, drawn.centres, config, density
         )
     add_peak_densities(states, start, stop, drawn.peaks, config.degrees_of_freedom, density)
+
+
+@compiled_part
+def likeliest_strips(
+    states: FloatArray,
+    log_likelihoods: FloatArray,
+    inputs: FrameInputs,
+    config: FrameConfig,
+) -> FloatArray:
+    """Return the particles, and strips of the map, that look most like cables, shape (C, 8).
+
+    The best one comes first. Of particles that lie together only the likeliest is looked at.
+
+    A faint cable that a detector sees for the first time weighs next to nothing beside a furrow
+    that has been followed for a while, and would be drawn about in no round. So a part of each
+    round goes to these, whatever they weigh: what is drawn about them weighs what it weighs anyway.
+
+    Parameters
+    ----------
+    states, log_likelihoods : FloatArray
+        Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
+        ones.
+    inputs : FrameInputs
+        The scanned frame, the tables of its log-likelihood ratios, its map, and the strips that
+        the map shows.
+    config : FrameConfig
+        Radii of the clusters.
+    """
+    groups = find_groups(
+        states, log_likelihoods, config.cluster_radii, MOST_LOOKED_AT, -math.inf, states[:0]
+    )
+    strips = states[heaviest_members(log_likelihoods, groups)]
+    strips = np.concatenate((strips, inputs.predicted.births.map_strips))
+    order = np.argsort(-appearances_of(strips, inputs.scan, inputs.model, inputs.cable_map))
+    return strips[order[:MOST_CANDIDATES]]

@@ -123,30 +123,17 @@ def reordered(clusters: Clusters, order: IndexArray) -> Clusters:
 
 @compiled_part
 def find_groups(
-    states: FloatArray, log_weights: FloatArray, radii: FloatArray, most: int, least: float
-) -> Groups:
-    """Return the groups of particles, each about the heaviest that is left.
-
-    The parameters are those of `find_groups_about`.
-    """
-    return find_groups_about(states[:0], states, log_weights, radii, most, least)
-
-
-@compiled_part
-def find_groups_about(
-    anchors: FloatArray,
     states: FloatArray,
     log_weights: FloatArray,
     radii: FloatArray,
     most: int,
     least: float,
+    anchors: FloatArray,
 ) -> Groups:
     """Return the groups of particles: about anchors, then each about the heaviest that is left.
 
     Parameters
     ----------
-    anchors : FloatArray
-        States about which the first groups are found, shape (A, 8).
     states, log_weights : FloatArray
         The particles, shapes (N, 8) and (N,).
     radii : FloatArray
@@ -156,6 +143,8 @@ def find_groups_about(
     least : float
         No group is found about a particle of at most this log-weight; -inf: only about none that
         weigh nothing.
+    anchors : FloatArray
+        States about which the first groups are found, shape (A, 8).
     """
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     free, left = _possible_rows(log_weights)
@@ -310,12 +299,7 @@ def group_means(
     masses, heaviest = _group_masses(weights, groups), heaviest_members(weights, groups)
     means = _means_about_heaviest(states, weights, groups, masses, heaviest)
     order = _descending_order(masses, SMALLEST_MASS)
-    sorted_masses, sorted_means = np.empty(len(order)), np.empty((len(order), STATE_SIZE))
-    for index in range(len(order)):
-        sorted_masses[index] = masses[order[index]]
-        for column in range(STATE_SIZE):
-            sorted_means[index, column] = means[order[index], column]
-    return order, sorted_masses, sorted_means
+    return order, masses[order], means[order]
 
 
 @compiled_part
@@ -368,16 +352,8 @@ def _means_about_heaviest(
 @compiled_part
 def _descending_order(values: FloatArray, least: float) -> IndexArray:
     """Return the indices of the values above `least`, largest first; of equal ones the first."""
-    order, kept = np.empty(len(values), np.int64), 0
-    for index in range(len(values)):
-        if values[index] > least:
-            place = kept
-            while place > 0 and values[order[place - 1]] < values[index]:
-                order[place] = order[place - 1]
-                place -= 1
-            order[place] = index
-            kept += 1
-    return order[:kept]
+    order: IndexArray = np.argsort(-values, kind="mergesort")[: np.count_nonzero(values > least)]
+    return order
 
 
 @compiled_part

@@ -25,6 +25,13 @@ LEAST_SHOWN, ENOUGH_SHOWN = 0.3, 0.5
 """Length in view, as a share of the picture's shorter side, up to which the clearness does not
 count, and from which it counts fully; linear between. Short edges of the bottom are clear, too."""
 
+THINNEST_FACTOR = 0.5
+"""Lower bound of `thin_factor`."""
+
+LEAST_TRUSTED, MOST_TRUSTED = 4.0 / 3.0, 2.0
+"""Widths, in units of `thin_width`, up to which what speaks for a strip in its appearance does not
+count, and from which it counts fully; linear between."""
+
 
 class ScoreModel(NamedTuple):
     """Model of the `FrameScores` of hypotheses, with a cable in view and without.
@@ -168,3 +175,30 @@ def _log_ratio_of_score(score: float, model: ScoreModel) -> float:
     cable = -0.5 * deviation * deviation - math.log(model.cable_deviation * math.sqrt(2 * math.pi))
     visible = (1.0 - model.hidden_share) * math.exp(cable - empty)
     return math.log(visible + model.hidden_share)
+
+
+@compiled_inside
+def thin_factor(width: float, thin_width: float) -> float:
+    """Return the factor on the evidence for a strip of a width: sqrt(width / thin_width), 0.5 to 1.
+
+    Any bottom has thin lines, and few wide ones: what is claimed where there is no cable is thin
+    more often than cables are.
+    """
+    return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
+
+
+@compiled_inside
+def trusted_share(width: float, thin_width: float) -> float:
+    """Return how far the appearance of a strip of a width counts, 0 to 1."""
+    share = (width / thin_width - LEAST_TRUSTED) / (MOST_TRUSTED - LEAST_TRUSTED)
+    return min(max(share, 0.0), 1.0)
+
+
+@compiled_inside
+def trusted_appearance(appearance: float, width: float, thin_width: float) -> float:
+    """Return what counts of a strip's appearance [nats]: of a thin one only what speaks against it.
+
+    A rope on the bottom has a cable's looks, and there is no inside of it to be looked at.
+    """
+    share = trusted_share(width, thin_width)
+    return share * appearance + (1.0 - share) * min(appearance, 0.0)

@@ -14,13 +14,9 @@ With a map of the frame (`cable_map`), how well the strip matches it says more t
 Then a cable one end of which is covered (`covered_end`) is looked at without that end, too, at a
 cost, and the larger of both counts; without a map, whatever ends in the picture would pass for one.
 
-The weights were fitted on simulated worlds to tune on (`tune_*`, seeds 0 to 39): a conditional
-logit model of which of the strips of a frame, those that the filter held for cables among them, is
-the cable, or none. The right one ranks first in 81 % of the faint frames and 66 % of the hard ones,
-by the likelihood ratio in 72 and 60 %. With these, neither the likelihood ratio of a strip nor the
-share of points at which its border is the strongest edge adds anything. A fourth number, how smooth
-the inside is, was among them then; it has been left out since, and the others kept. The weight of
-continuity was chosen on pictures of real ground, on which a float lies that ends in the picture.
+The weights are those of a conditional logit model of which strip of a frame is the cable, or
+none, on simulated worlds to tune on (`tune_*`); that of continuity was chosen on pictures of real
+ground. With these, the likelihood ratio of a strip adds nothing.
 """
 
 from __future__ import annotations
@@ -102,23 +98,20 @@ PARTS = 4
 
 ORDINARY_CONTINUITY, CONTINUITY = -2.0, 5.0
 """Sum over both borders of the log of the weakest part's response over the mean, below which it
-speaks against a cable, and its weight. Of cables under sand and growth one in ten is below it, of
-beams on the real ground all."""
+speaks against a cable, and its weight."""
 
 UNDECIDED = -12.3
 """Added to the sum of the weighted numbers, so that 0 is a strip that may be a cable or not."""
 
 COVERED_END = 4.0
 """What it costs that a covered end of a cable is not looked at [nats]: the less, the more strips
-that are none pass for cables. Chosen on the worlds to tune on and three simulators written apart
-from this project; see also `MOST_UNSEEN` of `covered_end`."""
+that are none pass for cables. Chosen on the worlds to tune on; see also `MOST_UNSEEN` of
+`covered_end`."""
 
 MAP_OVERLAP, MAP_INSIDE, MAP_REST = 2.0, 1.0, 0.33
 """With a map: the weights of the log-odds of both shares of `MapMatch` and of what the above make
-[nats per nat]. A conditional logit model, no cable as one of the choices, gave their kind. They
-were chosen by what is found and claimed on the worlds to tune on and on two simulators that were
-written apart from this project: with more weight on the overlap less is found in a world that the
-network does not know, with a constant above 0 trails of stones are claimed."""
+[nats per nat]. Chosen on the worlds to tune on: with more weight on the overlap less is found in a
+world that the network does not know."""
 
 
 @compiled_part
@@ -224,7 +217,7 @@ def border_appearance(
     """
     line = border_line(state, side, scan)
     lines = scan.rows if line.is_steep else scan.columns
-    stretch = 1.0 / line.inward
+    along_per_px = 1.0 / line.inward
     scale = stretch_scale(stretch_axis(state, scan), line)
     signs = np.empty(BLOCK)
     profile[:] = 0.0
@@ -233,9 +226,11 @@ def border_appearance(
         first, found = find_crossings(lines, start, line, crossings)
         fill_by_stretch(stretch_signs, scale, lines.places[first : first + found], signs)
         shown += _fill_border_responses(
-            lines, first, found, line, stretch * scan.scale, signs, crossings, along[shown:]
+            lines, first, found, line, along_per_px * scan.scale, signs, crossings, along[shown:]
         )
-        _add_responses(lines, first, found, line, stretch * scan.scale, signs, crossings, profile)
+        _add_responses(
+            lines, first, found, line, along_per_px * scan.scale, signs, crossings, profile
+        )
     half_width = 0.5 * width_across(state, scan.reduction) / scan.scale
     dominances = _dominances(profile, SMALLEST_SHARE * shown, half_width)
     looks = DOMINANCE_OUTSIDE * dominances[0] + DOMINANCE_INSIDE * dominances[1]
@@ -248,17 +243,17 @@ def _add_responses(
     first: int,
     count: int,
     border: BorderLine,
-    stretch: float,
+    along_per_px: float,
     signs: FloatArray,
     crossings: Crossings,
     profile: FloatArray,
 ) -> None:
     """Add responses beside crossings with the lines from `first` on.
 
-    To `profile` (2, `PROFILE`): their sums and numbers, from the outside to the inside. `stretch`
-    is the distance along the line per px at the reference width inwards across the border [working
-    px]. `signs`: 1 where the cable is bright, -1 where it is dark, 0 where nothing is looked at,
-    shape (>= `count`,).
+    To `profile` (2, `PROFILE`): their sums and numbers, from the outside to the inside.
+    `along_per_px` is the distance along the line per px at the reference width inwards across the
+    border [working px]. `signs`: 1 where the cable is bright, -1 where it is dark, 0 where nothing
+    is looked at, shape (>= `count`,).
     """
     last = float(lines.smooth.shape[1] - 1)
     sums, numbers = profile[0], profile[1]
@@ -268,11 +263,11 @@ def _add_responses(
         if sign == 0.0:
             continue
         # Where the line begins and ends, in steps from the crossing.
-        ends = (-middle / stretch, (last + 1.0 - middle) / stretch)
+        ends = (-middle / along_per_px, (last + 1.0 - middle) / along_per_px)
         begin = max(math.ceil(min(ends)) + REACH, 0)
         end = min(math.floor(max(ends)) + REACH + 1, PROFILE)
         for step in range(begin, end):
-            pixel = np.uint64(pixel_at(middle + (step - REACH) * stretch, last))
+            pixel = np.uint64(pixel_at(middle + (step - REACH) * along_per_px, last))
             along, across = gradients[pixel, ALONG], gradients[pixel, ACROSS]
             sums[step] += sign * (border.along * along + border.across * across)
             numbers[step] += 1.0
@@ -284,14 +279,14 @@ def _fill_border_responses(
     first: int,
     count: int,
     border: BorderLine,
-    stretch: float,
+    along_per_px: float,
     signs: FloatArray,
     crossings: Crossings,
     along: FloatArray,
 ) -> int:
     """Fill in the responses of the border on lines from `first` on, and return their number.
 
-    Each is the largest one within a pixel, at least 0. `stretch` and `signs` as in
+    Each is the largest one within a pixel, at least 0. `along_per_px` and `signs` as in
     `_add_responses`.
     """
     last, filled = float(lines.smooth.shape[1] - 1), 0
@@ -302,7 +297,7 @@ def _fill_border_responses(
             continue
         largest = 0.0
         for depth in range(-1, 2):
-            gradient = gradients[np.uint64(pixel_at(middle + depth * stretch, last))]
+            gradient = gradients[np.uint64(pixel_at(middle + depth * along_per_px, last))]
             response = border.along * gradient[ALONG] + border.across * gradient[ACROSS]
             largest = max(largest, sign * response)
         along[filled] = largest

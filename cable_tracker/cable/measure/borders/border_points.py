@@ -151,7 +151,7 @@ def border_line(state: FloatArray, side: float, scan: ScanInputs) -> BorderLine:
     is_steep = abs(x) >= abs(y)
     along, across = (x, y) if is_steep else (y, x)
     inward, gain = -side * along, directional_gain(scan.shape, x, y)
-    stretch = 1.0 / inward
+    along_per_px = 1.0 / inward
     outside, behind, deep = contrast_depths(width_across(state, scan.reduction), scan.scale)
     return BorderLine(
         is_steep,
@@ -162,9 +162,9 @@ def border_line(state: FloatArray, side: float, scan: ScanInputs) -> BorderLine:
         np.float32(inward * gain),
         np.float32(-side * across * gain),
         np.float32(scan.scale / along * gain),
-        0.5 - outside * stretch,
-        0.5 + behind * stretch,
-        0.5 + deep * stretch,
+        0.5 - outside * along_per_px,
+        0.5 + behind * along_per_px,
+        0.5 + deep * along_per_px,
     )
 
 

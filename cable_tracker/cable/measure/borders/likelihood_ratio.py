@@ -153,15 +153,8 @@ class BorderLikelihoodRatio:
     """
 
     def __init__(self, parameters: TrackerParameters, table: ResponseTable | None = None) -> None:
-        chosen = table if table is not None else load_table(parameters.response_table)
-        self._tempering = parameters.tempering
-        self._model = RatioModel(
-            chosen.ratios,
-            0.0,
-            parameters.missing_cost * chosen.absent,
-            parameters.reversal_cost,
-            parameters.covered_cost,
-        )
+        self._parameters = parameters
+        self._table = table if table is not None else load_table(parameters.response_table)
 
     def log_likelihoods(self, states: FloatArray, image: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
@@ -186,9 +179,16 @@ class BorderLikelihoodRatio:
 
     def model_for(self, image: WorkingImage) -> RatioModel:
         """Return the model for a frame."""
+        parameters = self._parameters
         # The parameter is for points `TEMPERED_SPACING` apart; independent points have power 1.
-        power = self._tempering * image.line_spacing / image.scale / TEMPERED_SPACING
-        return self._model._replace(tempering=min(power, 1.0))
+        power = parameters.tempering * image.line_spacing / image.scale / TEMPERED_SPACING
+        return RatioModel(
+            self._table.ratios,
+            min(power, 1.0),
+            parameters.missing_cost * self._table.absent,
+            parameters.reversal_cost,
+            parameters.covered_cost,
+        )
 
 
 @compiled

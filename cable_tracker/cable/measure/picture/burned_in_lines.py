@@ -17,7 +17,6 @@ from cable_tracker.compilation import (
     compiled,
     compiled_inside,
     compiled_loop,
-    compiled_part,
 )
 
 LEAST_HEIGHT = 8.0
@@ -126,7 +125,7 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     least = np.float32(least_time)
     # Odd, for OpenCV shifts what it opens with an even number of rows.
     length = max(round(LEAST_LENGTH * lines.scale) // SPACING, FEWEST_ROWS) | 1
-    if _most_in_line(lines.down, lines.across, least) < length // (LONGEST_GAP + 1):
+    if _most_in_line(lines, least) < length // (LONGEST_GAP + 1):
         return picture
     long_down, long_across = (
         [_long(times >= least, length) for times in each] for each in (lines.down, lines.across)
@@ -146,26 +145,9 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     return np.asarray(np.where(dark, without_dark, np.where(bright, without_bright, picture)))
 
 
-@compiled
-def _most_in_line(down: Image, across: Image, least: np.float32) -> int:
-    """Return how many times of one kind, at the same place of all rows, reach `least`, at most.
-
-    `down` and `across` are those of `StandingLines`.
-    """
-    return max(_most_of_family(down, least), _most_of_family(across, least))
-
-
-@compiled_part
-def _most_of_family(times: Image, least: np.float32) -> int:
-    most = 0
-    for kind in range(2):
-        counts = np.zeros(times.shape[2], np.int32)
-        for row in range(times.shape[1]):
-            for place in range(times.shape[2]):
-                counts[place] += np.int32(times[kind, row, place] >= least)
-        for count in counts:
-            most = max(most, int(count))
-    return most
+def _most_in_line(lines: StandingLines, least: np.float32) -> int:
+    """Return how many times of one kind, at the same place of all rows, reach `least`, at most."""
+    return max(int((each >= least).sum(axis=1).max()) for each in (lines.down, lines.across))
 
 
 @compiled

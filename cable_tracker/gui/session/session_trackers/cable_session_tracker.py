@@ -7,7 +7,6 @@ from dataclasses import replace
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.session.session import AnyStart
@@ -22,7 +21,7 @@ from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.messages.cable import cloud_of
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.sequences.tables.estimates import EstimateRow
-from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.trackers import CableTracker, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet
 
 UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
@@ -94,7 +93,7 @@ class CableSessionTracker(SessionTracker):
 
     def _configure_tracker(self, parameters: ParameterSet) -> None:
         assert isinstance(parameters, TrackerParameters)
-        self._tracker.configure(parameters, make_proposer(parameters))
+        self._tracker.configure(parameters)
 
     def _decode(self, image: RawImage | CompressedImage) -> Image:
         return decode_grey(image)

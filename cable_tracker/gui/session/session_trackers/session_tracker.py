@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Self
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import AnySnapshot
 from cable_tracker.gui.subject.subject import Subject
@@ -17,6 +16,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
 from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.trackers import CableTracker
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 
 

@@ -190,6 +190,21 @@ def test_a_single_edge_is_no_cable(pose, is_in_view, scale):
     assert is_new_clear(both_clear, None, PARAMETERS, size, size[0] / 320)
 
 
+@pytest.mark.parametrize("height", [100, 240, 960])
+@pytest.mark.parametrize(
+    ("pose", "is_in_view"),
+    [
+        ((0.0, 0.0, 400.0, 0.0), True),
+        ((500.0, 0.0, 400.0, 0.0), False),  # One beyond the side.
+        ((0.0, 0.0, 1400.0, 0.0), False),  # Both.
+        ((0.0, math.pi / 2, 3000.0, 0.0), False),
+    ],
+)
+def test_borders_in_view_are_told_in_flat_pictures_too(pose, is_in_view, height):
+    state = CableState(*pose).to_array()
+    assert are_borders_in_view(state, (1280, height)) == is_in_view
+
+
 @given(st.floats(-150.0, 150.0), st.floats(-3.1, 3.1), st.floats(4.0, 200.0))
 def test_mirrored_borders_are_as_much_in_view(distance, angle, width):
     pose = CableState(distance, angle, width, 0.0).to_array()

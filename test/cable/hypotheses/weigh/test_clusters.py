@@ -43,7 +43,7 @@ def groups_of(
     states, log_weights, width, anchors=NOWHERE, most=MOST_CLUSTERS, least=-np.inf
 ) -> Groups:
     radii = RADII * pose_units(width / 320)
-    return kernels.find_groups_about(anchors, states, log_weights, radii, most, least)
+    return kernels.find_groups(states, log_weights, radii, most, least, anchors)
 
 
 def grouped(states, weights, width):

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.propose.candidates import MOST_CANDIDATES, likeliest_strips
 from cable_tracker.cable.hypotheses.propose.frame_inputs import frame_config
+from cable_tracker.cable.hypotheses.propose.proposals import MOST_CANDIDATES, likeliest_strips
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 CONFIG = frame_config(TrackerParameters(), 4.0, (320, 240))
