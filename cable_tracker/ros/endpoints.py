@@ -23,21 +23,7 @@ def publisher(
     name: str | None = None,
     events: PublisherEventCallbacks | None = None,
 ) -> Publisher:
-    """Return a new publisher of a node.
-
-    Parameters
-    ----------
-    node : Node
-        Publishes.
-    topic : NodeTopic
-        Says what is published.
-    profile : QoSProfile
-        Quality of service.
-    name : str or None
-        Where it is published; None for the topic's name in the namespace of the node.
-    events : PublisherEventCallbacks or None
-        Called when something happens to the publisher; None for rclpy's own.
-    """
+    """Return a new publisher of a topic, under its own name in the node's namespace or another."""
     return node.create_publisher(
         message_class(topic.type_name), name or topic.name, profile, event_callbacks=events
     )
@@ -53,25 +39,7 @@ def subscription(
     events: SubscriptionEventCallbacks | None = None,
     raw: bool = False,
 ) -> Subscription:
-    """Return a new subscription of a node.
-
-    Parameters
-    ----------
-    node : Node
-        Listens.
-    topic : NodeTopic
-        Says what is listened to.
-    callback : callable
-        Takes the messages.
-    profile : QoSProfile
-        Quality of service.
-    name : str or None
-        Where it is listened; None for the topic's name in the namespace of the node.
-    events : SubscriptionEventCallbacks or None
-        Called when something happens to the subscription; None for rclpy's own.
-    raw : bool
-        Hand over serialised messages.
-    """
+    """Return a new subscription of a topic, by its own name or another; `raw`: of CDR bytes."""
     return node.create_subscription(
         message_class(topic.type_name),
         name or topic.name,

@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from typing import NoReturn
 
@@ -70,39 +71,18 @@ def _end(code: int) -> NoReturn:
     sys.exit(code)
 
 
-def tracker() -> None:
-    """Run the tracker node until it is stopped."""
-    _end(run("tracker", None))
+def _run_to_end(node_name: str) -> NoReturn:
+    """Run a node until its work is done or it is stopped, and end this process."""
+    _end(run(node_name, None))
 
 
-def target_tracker() -> None:
-    """Run the target tracker until it is stopped."""
-    _end(run("target_tracker", None))
-
-
-def replay() -> None:
-    """Run the replay node until the recording is at its end."""
-    _end(run("replay", None))
-
-
-def simulator() -> None:
-    """Run the simulated vehicle until it is at the end of its cable."""
-    _end(run("simulator", None))
-
-
-def target_simulator() -> None:
-    """Run the simulated vehicle behind a target until its time is over."""
-    _end(run("target_simulator", None))
-
-
-def follower() -> None:
-    """Run the example of a follower of targets until it is stopped."""
-    _end(run("follower", None))
-
-
-def controller() -> None:
-    """Run the example of a controller until it is stopped."""
-    _end(run("controller", None))
+tracker = partial(_run_to_end, "tracker")
+target_tracker = partial(_run_to_end, "target_tracker")
+replay = partial(_run_to_end, "replay")
+simulator = partial(_run_to_end, "simulator")
+target_simulator = partial(_run_to_end, "target_simulator")
+follower = partial(_run_to_end, "follower")
+controller = partial(_run_to_end, "controller")
 
 
 if __name__ == "__main__":

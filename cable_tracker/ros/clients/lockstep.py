@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from rclpy.executors import SingleThreadedExecutor
-
 from cable_tracker.errors import EXIT_USER_ERROR, RecordingError, RosError
 from cable_tracker.node_parameter_tables import RELIABLE
 from cable_tracker.offline.results import follow_all
@@ -172,16 +170,27 @@ def track_in_lockstep(
             client_node(lambda context: nodes.recorder(context, namespace))
         )
         group = stack.enter_context(NodeGroup(namespace))
-        run = _Run(executor, recorder, group, take)
         group.start(nodes.tracker, {**nodes.parameters, **_tracker_parameters(nodes.compressed)})
-        run.wait_for_tracker()
+        spin_until(
+            executor,
+            recorder.is_subscribed,
+            START_TIMEOUT,
+            group.what_has_died,
+            recorder.is_warming,
+        )
         replay = group.start(
             "replay",
             {**nodes.replay, **PATIENT, "lockstep": True},
             {node_topics.STATE.name: ACKNOWLEDGED},
             may_end=True,
         )
-        damage = run.record_all(frames)
+
+        def record(frame: Frame) -> None:
+            # The replay may have sent its last frame and ended while the answer is still awaited.
+            recorded = spin_until(executor, recorder.take, FRAME_TIMEOUT, group.what_has_died)
+            recorder.acknowledge(take(frame, recorded))
+
+        damage = follow_all(frames, record)
         _finish(replay, damage)
     return damage
 
@@ -203,49 +212,6 @@ def write_messages(bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> N
     for data in recorded.diagnostics:
         topic = node_topics.DIAGNOSTICS
         bag.write_serialised(topic.global_name, topic.type_name, data, frame.bag_time)
-
-
-class _Run:
-    """One recording on its way through the nodes."""
-
-    def __init__(
-        self,
-        executor: SingleThreadedExecutor,
-        recorder: Recorder,
-        group: NodeGroup,
-        take: Callable[[Frame, RecordedFrame], Message],
-    ) -> None:
-        self._executor = executor
-        self._recorder = recorder
-        self._group = group
-        self._take = take
-
-    def wait_for_tracker(self) -> None:
-        """Wait until the tracker knows that everything it publishes is recorded."""
-        spin_until(
-            self._executor,
-            self._recorder.is_subscribed,
-            START_TIMEOUT,
-            self._group.what_has_died,
-            self._recorder.is_warming,
-        )
-
-    def record_all(self, frames: Iterable[Frame]) -> RecordingError | None:
-        """Record every frame of the recording."""
-        return follow_all(frames, self._record)
-
-    def _record(self, frame: Frame) -> None:
-        taken: list[RecordedFrame] = []
-
-        def has_come() -> bool:
-            recorded = self._recorder.take()
-            if recorded is not None:
-                taken.append(recorded)
-            return bool(taken)
-
-        # The replay may have sent its last frame and ended while the answer is still awaited.
-        spin_until(self._executor, has_come, FRAME_TIMEOUT, self._group.what_has_died)
-        self._recorder.acknowledge(self._take(frame, taken[0]))
 
 
 def _finish(replay: NodeProcess, damage: RecordingError | None) -> None:

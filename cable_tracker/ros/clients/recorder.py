@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar, TypeVar
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -41,6 +41,8 @@ ACKNOWLEDGED = "recorded_state"
 
 LATE_TURNS = 20
 """Number of turns of the executor after a time-out; each takes one message."""
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,12 +150,12 @@ class Recorder(Node):  # type: ignore[misc]
 
 def spin_until(
     executor: SingleThreadedExecutor,
-    condition: Callable[[], Any],
+    condition: Callable[[], Result | None],
     timeout: float,
     complaint: Callable[[], str],
     may_take_longer: Callable[[], bool] = lambda: False,
-) -> None:
-    """Run callbacks until a condition holds.
+) -> Result:
+    """Run callbacks until a condition holds, and return what it has returned then.
 
     When the time is over, what waits in the queues counts still: a process that was held up itself
     finds there what has come meanwhile.
@@ -163,7 +165,7 @@ def spin_until(
     executor : SingleThreadedExecutor
         Runs the callbacks.
     condition : callable
-        Predicate that ends the spinning once it returns True.
+        Ends the spinning once it returns something true.
     timeout : float
         For how long [s].
     complaint : callable
@@ -177,7 +179,7 @@ def spin_until(
         It does not hold in time, or `complaint` has something to say before.
     """
     deadline, late_turns = time.monotonic() + timeout, 0
-    while not condition():
+    while not (result := condition()):
         executor.spin_once(timeout_sec=0.05)
         if may_take_longer():
             deadline = time.monotonic() + timeout
@@ -187,3 +189,4 @@ def spin_until(
             reason = f"nothing came for {timeout:g} s"
         if reason:
             raise RosError(reason)
+    return result

@@ -59,7 +59,7 @@ class WatchedEndpoints:
         on_lost: Callable[[Any], None] | None = None,
         reliability_parameter: str = "",
     ) -> Subscription:
-        """Create a subscription; for the other parameters see `endpoints.subscription`.
+        """Create a subscription, as `endpoints.subscription` does.
 
         Parameters
         ----------

@@ -10,10 +10,12 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 PICTURES = (node_topics.PARTICLES, node_topics.MARKERS)
 """Topics of what people look at, beside the overlay."""
@@ -71,7 +73,10 @@ class FrameOutputs:
             endpoints.publisher(state, qos.LATEST_RESULT, f"{prefix}{state.name}")
             for prefix in prefixes
         ]
-        self._overlay = OverlayPublisher(endpoints, kind.overlay)
+        self._overlay, self._overlay_jpeg = (
+            endpoints.publisher(topic, qos.PICTURES, topic.of_node("~"))
+            for topic in (node_topics.RAW_OVERLAY, kind.overlay)
+        )
         self._report = endpoints.publisher(kind.report, qos.RESULTS, kind.report.of_node("~"))
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
@@ -98,8 +103,7 @@ class FrameOutputs:
             Draws the overlay, blue-green-red, shape (H, W, 3).
         """
         self._publish_wanted(makers, PICTURES)
-        if self._overlay.is_wanted:
-            self._overlay.publish(header, draw())
+        self._publish_overlay(header, draw)
         self._publish_states(makers)
 
     def _publish_wanted(
@@ -107,6 +111,19 @@ class FrameOutputs:
     ) -> None:
         for publishers, own in zip(self._wanted, makers, strict=True):
             publish_wanted(publishers, own, *topics)
+
+    def _publish_overlay(self, header: Message, draw: Callable[[], Picture]) -> None:
+        """Draw the overlay once, and publish it raw and as JPEG, as it is subscribed to."""
+        wants_raw = self._overlay.get_subscription_count()
+        wants_jpeg = self._overlay_jpeg.get_subscription_count()
+        if not (wants_raw or wants_jpeg):
+            return
+        picture = draw()
+        if wants_raw:
+            self._overlay.publish(make_image(MESSAGES, raw_from_array(picture, "bgr8"), header))
+        if wants_jpeg:
+            jpeg = make_compressed_image(MESSAGES, encode_jpeg(picture), header)
+            self._overlay_jpeg.publish(jpeg)
 
     def _publish_states(self, makers: Sequence[MessageMakers]) -> None:
         """Publish report and states.

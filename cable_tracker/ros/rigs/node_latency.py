@@ -32,7 +32,7 @@ from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import DOMAIN_VARIABLE, use_local_environment
+from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -53,9 +53,6 @@ ANSWER_TIMEOUT, STRAGGLERS = 2.0, 0.1
 
 SETTLING = 0.3
 """Pause after a node is reset [s]."""
-
-DOMAIN = 87
-"""Ours, unless the environment names one."""
 
 CAMERA = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
@@ -139,7 +136,6 @@ def measure_node(trial: NodeTrial, advance: Callable[[int], None]) -> NodeTiming
         The processes do not find each other, or one of them has died.
     """
     use_local_environment()
-    os.environ.setdefault(DOMAIN_VARIABLE, str(DOMAIN))
     with ExitStack() as stack:
         node, executor = stack.enter_context(client_node(_probe))
         bench = _Bench(trial, node, executor, advance)

@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.ros.nodes import overlay_publisher, tracker_node
+from cable_tracker.ros.nodes import frame_outputs, tracker_node
 from cable_tracker.sequences.messages import cable as cable_messages
 from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
@@ -289,7 +289,7 @@ class TestTopics:
             "draw_estimate": tracker_node,
             "make_particles": cable_messages,
             "make_markers": cable_messages,
-            "encode_jpeg": overlay_publisher,
+            "encode_jpeg": frame_outputs,
         }
         built: list[str] = []
         for name, module in builders.items():

@@ -26,7 +26,6 @@ from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     closed_loop,
     listen_to_the_end,
     need_rows,
-    turn_of,
 )
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.tracking.parameter_table import ParameterValue
@@ -111,10 +110,11 @@ def run_chase(
 
         listen_to_the_end(
             recorder,
-            lambda: simulator.running,
-            turn_of(executor, group),
-            show,
-            lambda _: recorder.is_settled(),
+            executor,
+            group,
+            simulator,
+            show=show,
+            has_settled=lambda _: recorder.is_settled(),
         )
         rows = need_rows(recorder.rows())
         summary = summarise_chase(rows, request.distance)

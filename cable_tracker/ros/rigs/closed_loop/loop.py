@@ -39,7 +39,6 @@ from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     closed_loop,
     listen_to_the_end,
     need_rows,
-    turn_of,
 )
 from cable_tracker.sequences.tables.csv_tables import write_records
 from cable_tracker.simulation.dive import CABLE_RADIUS, MOUNTING
@@ -232,10 +231,11 @@ class _Run:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
         listen_to_the_end(
             self._recorder,
-            lambda: simulator.running,
-            turn_of(self._executor, self._group),
-            self._show,
-            self._has_settled,
+            self._executor,
+            self._group,
+            simulator,
+            show=self._show,
+            has_settled=self._has_settled,
         )
 
     def _show(self, frame: SeenFrame) -> None:

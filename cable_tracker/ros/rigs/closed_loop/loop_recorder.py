@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from rclpy.context import Context
 
@@ -57,18 +57,6 @@ class SeenFrame:
     error: float
 
 
-@dataclass(slots=True)
-class _Modes:
-    """When the controller changed its mode, by stamp [ns]."""
-
-    changes: dict[int, str] = field(default_factory=dict)
-
-    def at(self, stamp: int) -> str:
-        """Return the mode at a time."""
-        known = [time for time in self.changes if time <= stamp]
-        return self.changes[max(known)] if known else "WAITING"
-
-
 class LoopRecorder(RunRecorder[SeenFrame]):
     """Subscribes to all that a closed loop publishes.
 
@@ -94,14 +82,14 @@ class LoopRecorder(RunRecorder[SeenFrame]):
 
     def __init__(self, context: Context, namespace: str, *, with_images: bool = True) -> None:
         super().__init__("loop_recorder", context, namespace)
-        self._modes = _Modes()
+        self._modes: dict[int, str] = {}
         self._needed = NEEDED
         if with_images:
             self._needed |= {node_topics.IMAGE}
             self._record(node_topics.IMAGE)
 
     def _note_mode(self, stamp: int, mode: str) -> None:
-        self._modes.changes[stamp] = mode
+        self._modes[stamp] = mode
 
     def is_connected(self) -> bool:
         """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
@@ -151,6 +139,7 @@ class LoopRecorder(RunRecorder[SeenFrame]):
             measured_heading = yaw_of(measured.pose.orientation)
             sigma = math.sqrt(max(float(measured.covariance[7 * Y]), 0.0))
         report = frame.get(node_topics.FRAME_REPORT)
+        changed = max((time for time in self._modes if time <= stamp), default=None)
         return LoopRow(
             time=(stamp - first) / NANOSECONDS,
             x=float(pose.position.x),
@@ -159,7 +148,7 @@ class LoopRecorder(RunRecorder[SeenFrame]):
             yaw=yaw_of(pose.orientation),
             speed=math.hypot(twist.x, twist.y),
             status=report_status(report) if report is not None else "",
-            mode=self._modes.at(stamp),
+            mode="WAITING" if changed is None else self._modes[changed],
             error=float(true.position.y) * math.cos(heading),
             heading=heading,
             offset=float(true.position.y),

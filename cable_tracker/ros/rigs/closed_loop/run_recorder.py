@@ -18,11 +18,11 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.health.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.closed_loop.released_commands import ReleasedCommands
-from cable_tracker.ros.rigs.closed_loop.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -30,6 +30,18 @@ from cable_tracker.sequences.node_topics import CLOCK, NodeTopic
 
 SETTLE_TIME = 60.0
 """Longest wait of what steers in lockstep for all that the tracker's report announces [s]."""
+
+SILENCE_TIMEOUT = 300.0
+"""Time without a frame, or before the first, after which a run is given up [s]."""
+
+QUIET_TURNS = 50
+"""Number of turns of the executor without a message after which its queues are empty.
+
+That a process has ended says that its messages have arrived, not that they have been taken: they
+wait in the executor's queues. Turns tell, on a busy machine, too; time does not. A turn runs one
+callback. What else is ready, diagnostics or a service, takes turns with the messages of the run, so
+that a few turns would do.
+"""
 
 Row = TypeVar("Row")
 Seen = TypeVar("Seen")
@@ -157,20 +169,12 @@ def closed_loop(
         yield recorder, executor, group
 
 
-def turn_of(executor: SingleThreadedExecutor, group: NodeGroup) -> Callable[[], str]:
-    """Return what runs a callback, and tells which node has died; empty: none."""
-
-    def turn() -> str:
-        executor.spin_once(timeout_sec=0.02)
-        return group.what_has_died()
-
-    return turn
-
-
 def listen_to_the_end(
     recorder: RunRecorder[Seen],
-    is_running: Callable[[], bool],
-    turn: Callable[[], str],
+    executor: SingleThreadedExecutor,
+    group: NodeGroup,
+    simulator: NodeProcess,
+    *,
     show: Callable[[Seen], None],
     has_settled: Callable[[float], bool],
 ) -> None:
@@ -180,10 +184,12 @@ def listen_to_the_end(
     ----------
     recorder : RunRecorder
         Listens.
-    is_running : callable
-        Tells whether the simulator is.
-    turn : callable
-        Runs a callback of the recorder; returns what has gone wrong, or nothing.
+    executor : SingleThreadedExecutor
+        Runs its callbacks.
+    group : NodeGroup
+        The nodes of the run.
+    simulator : NodeProcess
+        The one of them that ends by itself.
     show : callable
         Takes what the video shows of a frame, once for each.
     has_settled : callable
@@ -192,19 +198,25 @@ def listen_to_the_end(
     Raises
     ------
     RosError
-        Something has gone wrong, or nothing comes.
+        A node has died, or nothing comes.
     """
-    silence, quiet = SilenceWatch(), QuietWatch()
+    last_frame = time.monotonic()
     ended: float | None = None
-    while ended is None or not (quiet.is_quiet and has_settled(time.monotonic() - ended)):
-        complaint = turn()
-        quiet.turn(recorder.heard)
+    quiet_turns = 0
+    while ended is None or quiet_turns < QUIET_TURNS or not has_settled(time.monotonic() - ended):
+        heard = recorder.heard
+        executor.spin_once(timeout_sec=0.02)
+        complaint = group.what_has_died()
         for frame in recorder.take():
             show(frame)
-            silence.hear()
-        if ended is None and not is_running():
-            ended, quiet = time.monotonic(), QuietWatch()
-        complaint = complaint or silence.complaint()
+            last_frame = time.monotonic()
+        quiet_turns = quiet_turns + 1 if ended is not None and recorder.heard == heard else 0
+        if ended is None and not simulator.running:
+            ended = time.monotonic()
+        if not complaint and time.monotonic() - last_frame > SILENCE_TIMEOUT:
+            complaint = (
+                f"nothing came for {SILENCE_TIMEOUT:g} s; is the machine too busy? run it again"
+            )
         if complaint:
             raise RosError(complaint)
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from rclpy.duration import Duration
 from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header
 
+from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, SeenOverlay
 from cable_tracker.ros.rigs.closed_loop.run_recorder import listen_to_the_end
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
@@ -40,7 +42,9 @@ class Chase:
         if topic == "state":
             message.position = [1.0]
         elif topic == "target_tracker/frame_report":
-            message.status = [DiagnosticStatus(values=[KeyValue(key="x", value="2.5")])]
+            message.status = [
+                DiagnosticStatus(message="TRACKING", values=[KeyValue(key="x", value="2.5")])
+            ]
         elif topic.endswith("compressed"):
             message.format, message.data = "jpeg", encode_jpeg(PICTURE).data
         else:
@@ -64,12 +68,14 @@ def test_messages_that_still_wait_when_the_simulator_has_ended_are_recorded(worl
     for second in (1, 2, 3):
         chase.says_all(second)
     shown: list[SeenOverlay] = []
-
-    def spin() -> str:
-        world.pass_time(0.02)
-        return ""
-
-    listen_to_the_end(recorder, lambda: False, spin, shown.append, lambda _: recorder.is_settled())
+    listen_to_the_end(
+        recorder,
+        world.executor,
+        NodeGroup(world.namespace),
+        SimpleNamespace(running=False),
+        show=shown.append,
+        has_settled=lambda _: recorder.is_settled(),
+    )
     assert [row.time for row in recorder.rows()] == [0.0, 1.0, 2.0]
     assert [row.range for row in recorder.rows()] == [2.5, 2.5, 2.5]
     assert [frame.picture.shape for frame in shown] == [PICTURE.shape] * 3
