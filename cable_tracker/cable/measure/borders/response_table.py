@@ -63,7 +63,7 @@ class ResponseTable:
     contrasts: Float32Array
     source: str
 
-    @property
+    @cached_property
     def absent(self) -> FloatArray:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
         nothing = np.float32(0.0)
