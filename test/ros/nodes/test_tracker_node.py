@@ -12,11 +12,14 @@ from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros.nodes import frame_outputs, tracker_node
 from cable_tracker.sequences.messages import cable as cable_messages
-from cable_tracker.sequences.messages.cable import read_particles, read_state
+from cable_tracker.sequences.messages.cable import cloud_of, read_particles, read_state
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.trackers import CableTracker
 
 FRAMES = 4
 
@@ -220,41 +223,24 @@ class TestTopics:
         for state, status in zip(states, statuses, strict=True):
             assert bool(state.position) == (status == "TRACKING")
 
-    def test_every_state_has_names_stamp_and_frame_of_its_image(
-        self, world: Any, image_message: Callable[..., Any], track_strip: Callable[..., list[Any]]
-    ) -> None:
-        states = track_strip(world.tracker(), 5)
-        for index, state in enumerate(states):
-            assert list(state.name) == ["d", "alpha", "w", "beta"]
-            assert state.header == image_message(index=index).header
-
-    def test_the_covariance_of_the_centreline_is_symmetric_and_finite(
+    def test_state_and_particles_are_those_of_the_tracker_without_a_node(
         self,
         world: Any,
         near: str,
-        image_message: Callable[..., Any],
+        strip: Callable[..., np.ndarray],
+        stamp_of_index: Callable[[int], int],
         track_strip: Callable[..., list[Any]],
     ) -> None:
-        node = world.tracker(initial_state=near)
-        lines = world.listen(PoseWithCovarianceStamped, "centreline")
-        states = track_strip(node)
-        world.spin(lambda: len(lines) == FRAMES)
-        pose = lines[-1].pose
-        d, alpha = states[-1].position[:2]
-        assert lines[-1].header == image_message(index=FRAMES - 1).header
-        assert pose.pose.position.x == pytest.approx(d * math.cos(alpha))
-        assert pose.pose.position.y == pytest.approx(d * math.sin(alpha))
-        assert pose.pose.position.z == 0.0
-        yaw = 2 * math.atan2(pose.pose.orientation.z, pose.pose.orientation.w)
-        assert yaw == pytest.approx(alpha)
-        covariance = np.array(pose.covariance).reshape(6, 6)
-        assert np.all(np.isfinite(covariance))
-        assert np.array_equal(covariance, covariance.T)
-        assert list(np.diag(covariance)[2:5]) == [UNKNOWN_VARIANCE] * 3
-        known = covariance[np.ix_([0, 1, 5], [0, 1, 5])]
-        assert np.all(np.linalg.eigvalsh(known) >= -1e-9)
-        sigma = np.array(states[-1].effort)
-        assert math.sqrt(covariance[5, 5]) == pytest.approx(sigma[1])
+        tracker = CableTracker(TrackerParameters())
+        tracker.initialise(GivenState.around(CableState(*map(float, near.split(",")))))
+        clouds = world.listen(PointCloud2, "particles")
+        states = track_strip(world.tracker(initial_state=near))
+        world.spin(lambda: len(clouds) == FRAMES)
+        for index, (state, cloud) in enumerate(zip(states, clouds, strict=True)):
+            estimate = tracker.process(strip(), stamp_of_index(index))
+            assert read_state(state) == estimate.state
+            assert list(state.effort) == list(estimate.standard_deviations()[:4])
+            assert np.array_equal(read_particles(cloud), cloud_of(tracker.particles).astype("f4"))
 
     def test_nothing_published_is_ever_not_a_number(
         self,
@@ -332,27 +318,6 @@ class TestTopics:
         assert raw[0].encoding == "bgr8"
         assert raw[0].header == compressed[0].header == image_message().header
         assert bytes(compressed[0].data[:2]) == b"\xff\xd8"
-
-    def test_the_particles_have_all_state_fields_and_weights(
-        self, world: Any, track_strip: Callable[..., list[Any]], image_message: Callable[..., Any]
-    ) -> None:
-        node = world.tracker(particle_count=70)
-        clouds = world.listen(PointCloud2, "particles")
-        track_strip(node, 1)
-        world.spin(lambda: clouds)
-        cloud = clouds[0]
-        names = ["x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha"]
-        names += ["v_w", "v_beta", "weight"]
-        assert [field.name for field in cloud.fields] == names
-        assert [field.offset for field in cloud.fields] == list(range(0, 48, 4))
-        assert (cloud.width, cloud.height, cloud.point_step) == (70, 1, 48)
-        assert len(cloud.data) == cloud.row_step == 3360
-        assert cloud.header == image_message().header
-        columns = read_particles(cloud)
-        assert np.array_equal(
-            columns[:, :8].astype("f4"), node.tracker.particles.states.astype("f4")
-        )
-        assert columns[:, 8].sum() == pytest.approx(1.0, abs=1e-5)
 
     def test_a_change_of_the_image_size_starts_anew_and_says_so(
         self,
