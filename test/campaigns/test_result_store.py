@@ -148,6 +148,21 @@ def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_pa
         assert kept_result(task, settings.store) == (1,)
 
 
+def test_results_stay_beside_an_output_that_cannot_be_written(tmp_path, full_disk):
+    task = Counting(1, tmp_path / "notes")
+    with (
+        pytest.raises(OutputError, match="No space left"),
+        campaign_folder(
+            tmp_path / "out", "table.md", ClusterSettings(),
+            force=False, resume=False, is_own_name=any_name,
+        ) as (_, settings),
+    ):  # fmt: skip
+        run_all([task], settings)
+        full_disk()
+    assert (tmp_path / f"out.{STORE}" / fingerprint_of(task)).is_file()
+    assert not (tmp_path / "out").exists()
+
+
 def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
     store = tmp_path / f"out.{STORE}"
     keep_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)

@@ -22,15 +22,6 @@ def test_scenarios_are_judged_with_two_seeds(command, tmp_path):
     assert "| default | " in (tmp_path / "out" / "table.md").read_text()
 
 
-def test_results_stay_where_the_table_cannot_be_written(command, monkeypatch, tmp_path, full_disk):
-    monkeypatch.setattr("cable_tracker.commands.campaigns.targets.write_figures", full_disk)
-    words = ("--scenario", "near_*", "--frames", 2, "--seeds", 1, "--method", "CamShift")
-    result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
-    assert result.code == 2
-    assert "No space left" in result.err
-    assert len(list((tmp_path / "out.tasks").iterdir())) == 1
-
-
 def test_what_simulate_has_written_is_judged_with_parameters_of_the_users(command, tmp_path):
     dive = tmp_path / "dive"
     made = command("simulate", dive, "--target", "near_surface", "--frames", 6)

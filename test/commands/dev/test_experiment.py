@@ -61,18 +61,6 @@ def test_chosen_rows_of_the_ablation_are_run(run, monkeypatch, tmp_path):
     assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
 
 
-def test_results_stay_where_the_tables_cannot_be_written(run, monkeypatch, tmp_path, full_disk):
-    short = partial(AblationExperiment, sequences=simulated_sequences(("S3",), 2))
-    monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
-    monkeypatch.setattr("cable_tracker.commands.dev.experiment.write_experiment", full_disk)
-    result = run(
-        "ablation", "--row", "thesis", "--seeds", 1, "--workers", 1, "--output", tmp_path / "out"
-    )
-    assert result.code == 2
-    assert "No space left" in result.err
-    assert len(list((tmp_path / "out.tasks").iterdir())) == 1
-
-
 def test_rows_are_only_for_the_ablation(run, tmp_path):
     result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
     result.assert_refused("--row chooses what the experiments ablation and")

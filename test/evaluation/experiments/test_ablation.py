@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
+from cable_tracker.campaigns.settings import HERE
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import (
@@ -66,15 +66,6 @@ def test_a_table_without_a_row_is_left_out(short_stripe):
 def test_a_note_names_the_values_that_were_changed(short_stripe):
     result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(HERE, lambda n: None)
     assert "`particles_200`: 200 particles (`particle_count` = 200)" in result.tables[0].notes
-
-
-def test_the_number_of_workers_changes_only_the_times():
-    sequences = simulated_sequences(("S6",), 2)
-    experiment = AblationExperiment((3,), ("thesis", "any_width"), sequences)
-    alone = experiment.run(HERE, lambda count: None)
-    together = experiment.run(CampaignSettings(ClusterSettings(2)), lambda count: None)
-    for one, other in zip(alone.tables, together.tables, strict=True):
-        assert columns(one, TIME) == columns(other, TIME)
 
 
 @pytest.mark.parametrize(("rows", "words"), [(("magic",), "'magic' is none of"), ((), "at least")])

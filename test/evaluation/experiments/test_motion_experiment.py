@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
+from cable_tracker.campaigns.settings import HERE
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments import motion_experiment
 from cable_tracker.evaluation.experiments.aided import OdometryFault
@@ -35,14 +35,6 @@ def test_settings_stand_in_rows_with_a_cell_for_every_heading():
     assert default.rows[0][4] == default.rows[0][3] and default.rows[1][4] == "–"
     assert all(len(row) == len(t.headings) for t in (default, thesis) for row in t.rows)
     assert sum(told) == experiment.frame_count() == 12
-
-
-def test_the_number_of_workers_does_not_change_the_numbers():
-    settings = (MotionSetting("as it is", OdometryFault.NONE),)
-    experiment = MotionExperiment((0, 1), (ScenarioSequence("S3", 2),), settings)
-    assert experiment.run(HERE, lambda n: None) == experiment.run(
-        CampaignSettings(ClusterSettings(2)), lambda n: None
-    )
 
 
 def test_broken_odometry_is_run_on_the_first_seeds_only(monkeypatch):
