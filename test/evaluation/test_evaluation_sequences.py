@@ -109,12 +109,6 @@ def test_a_recording_without_labels_says_what_to_do(pictures):
         RecordingSequence(pictures).frame_count()
 
 
-def test_a_malformed_line_is_named(pictures, label_file):
-    label_file.write_text("# comment\n\n1 2 3 # 00000.png\n")
-    with pytest.raises(RecordingError, match=r"line 3 is malformed \(3 numbers"):
-        RecordingSequence(pictures, truth=label_file).frame_count()
-
-
 def test_worlds_are_chosen_by_name_or_pattern():
     names = [each.name for each in simulated_sequences(["tune_*", "S3", "tune_faint"], 7)]
     assert names[-1] == "S3"

@@ -69,7 +69,7 @@ def test_a_folder_of_ros1_bags_names_them(make_ros1_bag):
     "name", ["x.mcap", "x.db3", "x.bag", "x.mp4", "x.txt", "x", "folder/", "a\0b"]
 )
 def test_a_missing_path_is_refused(tmp_path, name):
-    with pytest.raises(RecordingError):
+    with pytest.raises(RecordingError, match=name.rstrip("/").partition("\0")[0]):
         open_source(tmp_path / name)
 
 

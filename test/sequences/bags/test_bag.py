@@ -427,12 +427,6 @@ def test_garbage_is_refused(tmp_path, name, length):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["x.mcap", "x.db3", "x.bag", "folder"])
-def test_a_missing_path_is_refused(tmp_path, name):
-    with pytest.raises(RecordingError, match=name):
-        open_source(tmp_path / name)
-
-
 def test_messages_that_a_recorder_left_unmerged_are_mentioned(make_bag):
     path = make_bag(storage="sqlite3")
     (path / "bag.db3-wal").write_bytes(b"x")

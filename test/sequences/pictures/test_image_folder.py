@@ -145,14 +145,3 @@ def test_a_bad_picture_can_be_handed_out(folder):
     for index in (3, 5):
         with pytest.raises(FrameError):
             decode_grey(frames[index].image)
-
-
-def test_a_folder_without_pictures_is_refused(tmp_path):
-    (tmp_path / "notes.md").write_text("none")
-    with pytest.raises(RecordingError, match="holds no pictures"):
-        open_source(tmp_path)
-
-
-def test_a_missing_folder_is_refused(tmp_path):
-    with pytest.raises(RecordingError, match="nothing"):
-        open_source(tmp_path / "nothing")
