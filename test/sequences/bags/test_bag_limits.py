@@ -106,16 +106,6 @@ def test_a_message_that_unpacks_to_very_much_takes_no_memory(make_bag, monkeypat
     assert peak_memory(lambda: read(folder)) < 8 * MEGABYTE
 
 
-@pytest.mark.parametrize("compression", ["none", "message", "storage"])
-def test_what_a_recorder_writes_is_within_the_limits(make_bag, compression):
-    read(make_bag(compression=compression))
-
-
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_a_ros1_bag_is_within_the_limits(make_ros1_bag, compression):
-    read(make_ros1_bag(compression=compression))
-
-
 @pytest.mark.parametrize(
     ("pack", "unpack"),
     [

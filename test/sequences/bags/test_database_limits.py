@@ -16,17 +16,6 @@ from cable_tracker.sequences.bags.database_limits import check_database
 from cable_tracker.sequences.source import open_source
 
 
-def read(path: Path) -> None:
-    with open_source(path, skip_bad_frames=True) as source:
-        for _ in source.frames():
-            pass
-
-
-@pytest.mark.parametrize("compression", ["none", "message", "file"])
-def test_a_database_of_a_recorder_is_within_the_limits(make_bag, compression):
-    read(make_bag(storage="sqlite3", compression=compression))
-
-
 RECORDER = (
     "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT,"
     " offered_qos_profiles TEXT);"
@@ -91,7 +80,8 @@ def test_a_database_is_checked_that_rosbags_unpacks(make_bag, tmp_path):
 
 
 def test_a_database_of_plain_tables_is_read(tmp_path):
-    read(database(tmp_path / "dive.db3", RECORDER))
+    with open_source(database(tmp_path / "dive.db3", RECORDER), skip_bad_frames=True) as source:
+        assert len(list(source.frames())) == 1
 
 
 def looped(path: Path) -> Path:
