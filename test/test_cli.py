@@ -36,14 +36,6 @@ def test_wrong_usage_is_explained_with_exit_code_2(command, arguments):
     assert "Traceback" not in outcome.err
 
 
-def test_help_and_version(command):
-    assert command("--version") == (0, f"cable-tracker {__version__}\n", "")
-    for name in ("track", "convert", "simulate", "parameters"):
-        outcome = command(name, "--help")
-        assert outcome.code == 0
-        assert "Usage" in outcome.out
-
-
 @pytest.mark.parametrize(
     ("words", "shown"),
     [

@@ -5,12 +5,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-import yaml
 
 import cable_tracker
-from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.tracking.parameter_files import read_parameter_file
 
 ROOT = Path(__file__).resolve().parents[1]
 SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
@@ -64,19 +60,6 @@ def test_every_file_of_the_package_is_built_into_it(tmp_path):
     assert {path for path in wanted if "__pycache__" not in path.parts} == built
     assert Path("cable_tracker/cable/measure/borders/response_table.json") in built
     assert Path("cable_tracker/cable/measure/map/cable_map.onnx") in built
-
-
-@pytest.mark.parametrize("name", PRESETS)
-def test_preset_files_hold_the_presets(name):
-    values = read_parameter_file(ROOT / "config" / f"{name}.yaml")
-    assert TrackerParameters().replaced(values) == PRESETS[name]
-
-
-@pytest.mark.parametrize("name", PRESETS)
-def test_preset_files_are_in_the_form_that_ros_reads(name):
-    content = yaml.safe_load((ROOT / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
-    assert list(content) == ["/**"]
-    assert list(content["/**"]) == ["ros__parameters"]
 
 
 def test_the_dds_profile_has_room_for_large_frames_and_stays_on_loopback():

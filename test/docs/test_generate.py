@@ -1,19 +1,7 @@
-import importlib.util
-from pathlib import Path
-
 import pytest
+from generate import generated_files
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def load_generator():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-FILES = load_generator().generated_files()
+FILES = generated_files()
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

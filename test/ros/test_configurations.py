@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -123,13 +122,8 @@ def test_the_aggregator_finds_the_status_of_tracker_and_controller(world: Any, h
 
 
 @pytest.fixture
-def example() -> Any:
-    path = ROOT / "docs" / "examples" / "vehicle_beside_cable.py"
-    spec = importlib.util.spec_from_file_location("vehicle_beside_cable", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def example(load_example: Callable[[str], Any]) -> Any:
+    return load_example("vehicle_beside_cable.py")
 
 
 def cross_track(offset: float, yaw: float, covariance: np.ndarray) -> PoseWithCovarianceStamped:
