@@ -118,32 +118,6 @@ def test_listeners_hear_of_each_picture_once_and_in_order(session, camera):
     assert len(heard) == count
 
 
-def test_remapped_topics_are_found(world, session, image_message, near):
-    from rclpy.parameter import Parameter  # noqa: PLC0415
-
-    from cable_tracker.ros.nodes.tracker_node import TrackerNode  # noqa: PLC0415
-
-    tracker = world.add(
-        TrackerNode(
-            context=world.context,
-            namespace=world.namespace,
-            parameter_overrides=[Parameter("initial_state", value=near)],
-            cli_args=["--ros-args", "-r", "image:=eye/picture", "-r", "state:=elsewhere/state"],
-        )
-    )
-    tracker.wait_until_warm()
-    publisher = world.me.create_publisher(Image, "eye/picture", 10)
-    sent = iter(range(100_000))
-
-    def filmed():
-        publisher.publish(image_message(index=next(sent)))
-        for _ in range(10):
-            world.turn()
-        return session.latest is not None
-
-    world.spin(filmed)
-
-
 def test_parameters_are_read_and_changed(world, session, found):
     values = Asked(world, session.parameters).answer
     assert values["particle_count"] == 50
