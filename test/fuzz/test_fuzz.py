@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from targets import TARGETS, scratch
+from targets import TARGETS
 
 pytestmark = pytest.mark.slow
 
@@ -95,10 +95,3 @@ def test_recordings_that_name_a_wrong_type(target, name):
     for data in TARGETS[target].seeds().values():
         for old in (b"sensor_msgs/msg/Image", b"sensor_msgs/Image"):
             TARGETS[target].run(data.replace(old, name[: len(old)]))
-
-
-def test_a_target_leaves_no_files():
-    folder = scratch()
-    TARGETS["metadata"].run(b"")
-    TARGETS["sequence_file"].run(b"1 2 3 0.4 # a.png\n")
-    assert not folder.exists()

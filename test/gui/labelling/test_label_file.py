@@ -20,7 +20,7 @@ from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
 from cable_tracker.sequences.labels.frame_names import NumberedNames, PictureNames, names_of
 from cable_tracker.sequences.source import open_source
 
-from .conftest import COUNT, true_state
+from .conftest import true_state
 
 LABELS = {
     0: FrameLabel(true_state(0), stamp=10),
@@ -289,7 +289,3 @@ def test_a_link_is_followed_and_rights_are_kept(tmp_path, names):
     assert link.is_symlink()
     assert "dive.avi:0" in target.read_text()
     assert target.stat().st_mode & 0o777 == 0o640
-
-
-def test_there_are_as_many_frames_as_the_tests_say(video):
-    assert open_source(video).frame_count == COUNT

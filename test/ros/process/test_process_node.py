@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import io
-import os
 import signal
 import sys
 import time
@@ -264,7 +263,3 @@ class TestRunNode:
                 self.context.shutdown()
 
         assert run_node(lambda context: Closing(1, context=context), [], StopRequest()) == 0
-
-
-def test_the_environment_is_that_of_the_tests(domain: int) -> None:
-    assert os.environ["ROS_DOMAIN_ID"] == str(domain)

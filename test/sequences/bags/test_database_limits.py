@@ -15,7 +15,6 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.database_limits import check_database
 from cable_tracker.sequences.source import open_source
 
-
 RECORDER = (
     "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT,"
     " offered_qos_profiles TEXT);"
