@@ -1,9 +1,8 @@
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.benchmark.footage import Footage, FrameLoop, enlarged, footage
+from cable_tracker.benchmark.footage import Footage, FrameLoop, footage
 
 
 @given(st.integers(1, 9), st.integers(0, 100))
@@ -13,22 +12,6 @@ def test_the_frames_go_forwards_and_backwards_without_a_jump(count, number):
     assert 0 <= here < count
     assert abs(here - there) == (1 if count > 1 else 0)
     assert shown.index_at(number + shown.period) == here
-
-
-@pytest.mark.parametrize("size", [(320, 240), (640, 480), (1280, 720)])
-def test_frames_have_the_size_that_is_asked_for(size):
-    shown = footage(2, size)
-    assert shown.size == size
-    assert len(shown.images) == len(shown.truths) == 2
-    assert shown.images[0].flags.c_contiguous
-
-
-def test_a_size_of_another_shape_keeps_the_centre_where_it_is():
-    picture = np.zeros((240, 320), np.uint8)
-    picture[119:121] = 200
-    wide = enlarged(picture, (1280, 720))
-    assert wide[359:361].min() > 150
-    assert wide[:300].max() == wide[420:].max() == 0
 
 
 def test_a_truth_grows_with_the_frame_and_has_no_rates():

@@ -3,7 +3,7 @@ import mmap
 import pytest
 
 from cable_tracker.benchmark import memory
-from cable_tracker.benchmark.memory import KIB, measure_memory, measure_memory_apart, resident_bytes
+from cable_tracker.benchmark.memory import KIB, measure_memory, resident_bytes
 
 
 def test_memory_that_is_used_is_seen():
@@ -12,18 +12,6 @@ def test_memory_that_is_used_is_seen():
     with mmap.mmap(-1, 64 * KIB**2) as held:
         held.write(b"x" * len(held))
         assert resident_bytes() - before > 50 * KIB**2
-
-
-def test_frames_after_the_warm_up_are_watched(shown):
-    use = measure_memory("thesis", shown, 60)
-    assert use.frames == 48
-    assert use.start > 10.0
-
-
-@pytest.mark.slow
-def test_a_fresh_process_does_the_same():
-    use = measure_memory_apart("thesis", 3, 50)
-    assert (use.name, use.frames) == ("thesis", 40)
 
 
 def test_steady_growth_is_found(shown, monkeypatch):

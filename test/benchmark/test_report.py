@@ -1,12 +1,8 @@
 import dataclasses
 import math
 
-import pytest
-
 from cable_tracker.benchmark.accuracy import Accuracy
 from cable_tracker.benchmark.report import (
-    BEGIN,
-    END,
     check_page,
     result_markdown,
     tables_of,
@@ -15,7 +11,6 @@ from cable_tracker.benchmark.report import (
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import Quartiles
-from cable_tracker.errors import OutputError
 
 SPREAD = Quartiles(0.00012, 1234.5, 0.5, 4)
 RESULT = BenchmarkResult(
@@ -63,15 +58,6 @@ def test_the_page_says_how_it_was_measured():
     assert "| goal | wanted | measured | met |" in text
 
 
-def test_a_page_keeps_what_stands_around_the_tables(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
-    write_page(page, "new\n")
-    assert page.read_text() == f"before\n{BEGIN}\n\nnew\n\n{END}\nafter\n"
-    write_page(page, "newer\n")
-    assert page.read_text() == f"before\n{BEGIN}\n\nnewer\n\n{END}\nafter\n"
-
-
 def test_a_new_page_can_be_written_again(tmp_path):
     page = tmp_path / "page.md"
     for text in ("one\n", "two\n"):
@@ -79,12 +65,3 @@ def test_a_new_page_can_be_written_again(tmp_path):
         write_page(page, text)
     assert "two" in page.read_text()
     assert "one" not in page.read_text()
-
-
-@pytest.mark.parametrize("text", ["no place", f"{END} {BEGIN}", BEGIN])
-def test_a_page_without_a_place_is_left_alone(tmp_path, text):
-    page = tmp_path / "page.md"
-    page.write_text(text)
-    with pytest.raises(OutputError, match="has no place for the tables"):
-        check_page(page)
-    assert page.read_text() == text
