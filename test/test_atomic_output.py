@@ -153,7 +153,7 @@ def test_what_the_user_puts_into_an_earlier_folder_meanwhile_is_carried_over(tmp
     assert (tmp_path / "out/notes.txt").read_text() == "an hour of thoughts"
 
 
-def test_so_it_is_where_the_new_folder_has_a_file_of_that_name(tmp_path):
+def test_a_file_of_the_users_is_kept_beside_a_new_one_of_its_name(tmp_path):
     folder = replacing(tmp_path / "out")
     (folder.content / "notes.txt").write_text("ours")
     (tmp_path / "out/notes.txt").write_text("mine")

@@ -82,7 +82,7 @@ def test_a_wrap_hides_no_frame(outcome):
         assert np.flatnonzero(np.isnan(drawn[:, 1])).tolist() == [2]
 
 
-def test_frames_that_nobody_knows_are_shown_like_the_one_before(trace):
+def test_unknown_frames_are_shown_like_the_one_before(trace):
     run = trace("uhluunuh")
     assert carried(run, run.lost).tolist() == [False, False, True, True, True, False, False, False]
 

@@ -118,7 +118,7 @@ def test_when_the_cable_is_lost_the_vehicle_stops(following):
     assert following.mode is Mode.STOPPED
 
 
-def test_then_it_searches_along_the_line(following):
+def test_a_vehicle_that_lost_the_cable_searches_along_the_line(following):
     start = following.pose.x
     for command in following.sees_nothing(12.0):
         if following.mode is Mode.SEARCHING:
@@ -179,7 +179,7 @@ def test_a_cable_that_comes_back_is_followed_again(following):
     assert following.mode is Mode.FOLLOWING
 
 
-def test_also_after_giving_up(following):
+def test_a_cable_that_comes_back_after_giving_up_is_followed_again(following):
     for _ in following.sees_nothing(200.0):
         pass
     following.sees_the_x_axis(1.0)
@@ -222,7 +222,7 @@ def test_along_a_line_from_before_a_jump_of_odometry_nothing_is_searched(followi
     assert following.mode is Mode.FOLLOWING
 
 
-def test_nor_along_one_from_before_a_clock_was_set_back(following):
+def test_along_a_line_from_before_a_clock_was_set_back_nothing_is_searched(following):
     for _ in following.sees_nothing(4.0):
         pass
     following.time -= 60.0

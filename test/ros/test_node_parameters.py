@@ -126,7 +126,7 @@ class TestStart:
         assert node_parameters.unknown_overrides(node) == ["partikel_count"]
         assert "unknown parameter 'partikel_count' is ignored" in capfd.readouterr().err
 
-    def test_so_are_overrides_of_quality_of_service_which_change_nothing(
+    def test_overrides_of_quality_of_service_are_told_to_change_nothing(
         self, world: Any, capfd: pytest.CaptureFixture[str]
     ) -> None:
         name = "qos_overrides./image.subscription.reliability"
@@ -136,7 +136,7 @@ class TestStart:
         assert "image_reliability" in told
 
     @pytest.mark.parametrize("node", ["simulator", "controller"])
-    def test_so_they_are_by_the_nodes_of_the_loop(
+    def test_unknown_names_are_told_by_the_nodes_of_the_loop(
         self, world: Any, capfd: pytest.CaptureFixture[str], node: str
     ) -> None:
         getattr(world, node)(sped=3.0)

@@ -64,7 +64,7 @@ def test_the_same_labels_give_the_same_proposal(proposer):
     assert proposer.propose(5, labels) == proposer.propose(5, labels)
 
 
-def test_a_proposal_that_nobody_waits_for_is_given_up(proposer):
+def test_a_proposal_that_is_not_waited_for_is_given_up(proposer):
     answers = iter([False, False, False, True])
     found = proposer.propose(5, {0: FrameLabel(true_state(0))}, lambda: next(answers))
     assert found.words == "stopped"

@@ -333,7 +333,7 @@ def test_a_frame_that_is_labelled_anew_has_the_time_that_it_has_now(displaced):
     assert displaced.missing_stamps([0, 2, 4]) == []
 
 
-def test_so_have_the_interpolated_frames_that_follow_it(displaced, video, path):
+def test_interpolated_frames_have_new_times_with_the_frame_labelled_anew(displaced, video, path):
     displaced.picture(4)
     displaced.change(4, MOVED)
     assert displaced.missing_stamps(range(5)) == [1, 2, 3]
@@ -426,7 +426,7 @@ def test_a_name_that_labels_cannot_hold_is_told_before_anything_is_labelled(fold
 
 
 @pytest.mark.parametrize("name", [" dive", "di\nve"])
-def test_so_is_the_name_of_a_recording(folder, tmp_path, name):
+def test_a_recording_whose_name_labels_cannot_hold_is_told(folder, tmp_path, name):
     home = folder.rename(tmp_path / name)
     with pytest.raises(RecordingError, match=r"labels cannot name it, .*; rename it$"):
         Workspace(open_source(home), tmp_path / "labels.txt")

@@ -102,7 +102,7 @@ def test_a_wide_picture_is_reduced_and_the_numbers_stay_those_of_the_frame():
     assert description["size"] == [2 * LARGEST_WIDTH, 100]
 
 
-def test_so_is_one_that_is_taller_than_any_jpeg():
+def test_a_picture_taller_than_any_jpeg_is_reduced():
     description, sections = packed(snapshot(image=np.zeros((65_501, 8), np.uint8)))
     picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture.shape == (LARGEST_HEIGHT, 1)

@@ -49,7 +49,7 @@ class TestOnLoopback:
         assert passes(None, kind=kind, host=host)
 
     @pytest.mark.parametrize("host", ["evil.example", "evil.example:8080", "", "192.168.1.9:8080"])
-    def test_a_name_that_somebody_points_here_is_refused(self, kind, host):
+    def test_a_foreign_name_that_points_here_is_refused(self, kind, host):
         assert not passes(None, kind=kind, host=host)
 
     def test_pages_of_other_hosts_are_refused(self, kind):

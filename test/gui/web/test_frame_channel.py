@@ -60,7 +60,7 @@ def test_the_next_packet_waits_until_the_last_is_drawn_and_is_the_newest():
     watching(scenario)
 
 
-def test_a_packet_is_wanted_when_somebody_could_draw_it():
+def test_a_packet_is_wanted_when_a_browser_could_draw_it():
     async def scenario(channel, browser):
         assert channel.is_wanted
         channel.publish(b"one")
@@ -73,7 +73,7 @@ def test_a_packet_is_wanted_when_somebody_could_draw_it():
     watching(scenario)
 
 
-def test_nobody_wants_packets_where_nobody_looks():
+def test_no_packet_is_wanted_without_a_browser():
     assert not FrameChannel().is_wanted
 
 
@@ -90,7 +90,7 @@ def test_a_slow_browser_keeps_no_other_waiting():
     watching(scenario, browsers=2)
 
 
-def test_whoever_comes_later_gets_the_newest_at_once():
+def test_a_browser_that_comes_later_gets_the_newest_at_once():
     async def run():
         channel = FrameChannel()
         channel.publish(b"old")

@@ -200,7 +200,7 @@ def test_one_picture_that_disagrees_is_enough():
     assert shown(*[RIGHT] * 50, WRONG).verdict is False
 
 
-def test_then_it_takes_several_that_agree():
+def test_after_one_that_disagrees_it_takes_several_that_agree():
     assert shown(WRONG, *[RIGHT] * (CALM_PICTURES - 1)).verdict is False
     assert shown(WRONG, *[RIGHT] * CALM_PICTURES).verdict is True
 

@@ -46,7 +46,7 @@ def test_each_message_is_handed_out_once_up_to_shortly_after_the_frame(bag):
     assert second[-1] <= 2 * SECOND + LOOK_AHEAD
 
 
-def test_a_frame_that_nobody_knows_when_it_was_received_has_no_messages(bag):
+def test_a_frame_received_at_an_unknown_time_has_no_messages(bag):
     assert received(InstrumentFeed(bag), None) == []
 
 

@@ -131,7 +131,7 @@ def test_a_tracker_whose_reports_do_not_come_is_warned_of_once(world, tracker):
 
 @pytest.mark.usefixtures("no_patience_for_reports")
 @pytest.mark.parametrize("lockstep", [False, True])
-def test_but_not_after_a_report_and_not_in_lockstep(world, tracker, lockstep):
+def test_missing_reports_are_not_warned_of_after_one_nor_in_lockstep(world, tracker, lockstep):
     logs = world.listen(Log, "/rosout")
     world.controller(settle_time=0.0, state_timeout=60.0, lockstep=lockstep)
     tracker.is_heard()
@@ -197,7 +197,7 @@ def test_in_lockstep_the_report_says_whether_a_cross_track_comes(world, tracker)
         world.spin(lambda count=count: len(tracker.commands) > count, 30.0)
 
 
-def test_but_not_for_ever(world, tracker):
+def test_a_cross_track_is_not_waited_for_for_ever(world, tracker):
     world.controller(settle_time=0.1, state_timeout=60.0)
     tracker.is_heard()
     tracker.next_frame()
@@ -317,7 +317,7 @@ def test_a_state_of_a_time_that_no_message_has_room_for_ends_nothing(world, trac
     assert not tracker.commands
 
 
-def test_and_is_silence_for_a_vehicle_that_moves(world, tracker, diagnostics):
+def test_a_state_of_such_a_time_is_silence_for_a_vehicle_that_moves(world, tracker, diagnostics):
     node = world.controller(settle_time=60.0, state_timeout=2.0)
     tracker.is_heard()
     tracker.tells(0.0, frames=10)
@@ -431,7 +431,7 @@ def test_a_state_waits_for_odometry_that_is_behind(world):
 
 
 @pytest.mark.parametrize("odometry", [[], [0.997], [1.012], [1.5]])
-def test_but_in_lockstep_it_does(world, odometry):
+def test_in_lockstep_a_state_waits_for_odometry_of_its_very_time(world, odometry):
     node = world.controller(lockstep=True, settle_time=60.0)
     for seconds in odometry:
         node.on_odometry(odometry_at(seconds, 2.0))

@@ -114,7 +114,7 @@ def test_a_calibrated_camera_and_an_altitude_give_metres(
     ("parameters", "is_told"),
     [({}, True), ({"camera_z": -0.1}, False), ({"camera_pitch": 90.0}, False)],
 )
-def test_a_mounting_that_nobody_gave_is_told_once_with_the_first_metres(
+def test_a_mounting_that_was_not_given_is_told_once_with_the_first_metres(
     start: Callable[..., Any],
     capfd: pytest.CaptureFixture[str],
     parameters: dict[str, float],

@@ -732,7 +732,7 @@ class TestEnd:
         world.spin(lambda: node.finished)
         assert node._image.looks == 0
 
-    def test_but_does_not_wait_for_ever(
+    def test_it_does_not_wait_for_the_last_frame_for_ever(
         self, world: Any, make_dive: Dive, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(last_messages, "PATIENCE", 0.1)

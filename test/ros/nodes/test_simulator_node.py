@@ -116,7 +116,7 @@ def test_a_vehicle_that_is_to_stand_still_for_long_ends_the_run(world, start, pi
     world.spin(lambda: node.finished)
 
 
-def test_unless_nobody_wants_that(world, start, pilot):
+def test_a_vehicle_may_stand_still_where_no_end_is_asked_for(world, start, pilot):
     node = start()
     pilot.drives(surge=0.0, frames=30)
     assert not node.finished

@@ -264,7 +264,7 @@ class TestTopics:
         assert np.all(np.isfinite(numbers_of([message for topic in heard for message in topic])))
         assert all(np.all(np.isfinite(read_particles(cloud))) for cloud in clouds)
 
-    def test_pictures_are_not_built_while_nobody_subscribes(
+    def test_pictures_are_not_built_without_subscribers(
         self,
         world: Any,
         monkeypatch: pytest.MonkeyPatch,

@@ -257,7 +257,7 @@ class TestRunNode:
 
         assert run_node(make, [], stop) == 0
 
-    def test_a_context_that_somebody_shuts_down_is_an_orderly_end(self) -> None:
+    def test_a_context_shut_down_from_elsewhere_is_an_orderly_end(self) -> None:
         class Closing(Worker):
             def work(self) -> None:
                 self.context.shutdown()

@@ -35,12 +35,12 @@ def test_a_bag_is_read_whatever_characters_its_path_has(make_bag, folder, storag
 
 
 @pytest.mark.parametrize("compression", ["file", "message"])
-def test_so_is_a_compressed_one(make_bag, folder, compression):
+def test_a_compressed_bag_is_read_whatever_characters_its_path_has(make_bag, folder, compression):
     bag = make_bag(f"{folder.name}/b #2?", storage="sqlite3", compression=compression)
     assert len(list(open_source(bag).frames())) == 5
 
 
-def test_so_is_a_ros1_bag(make_ros1_bag, folder):
+def test_a_ros1_bag_is_read_whatever_characters_its_path_has(make_ros1_bag, folder):
     bag = make_ros1_bag(f"{folder.name}/b #2?.bag")
     assert len(list(open_source(bag).frames())) == 5
 
@@ -70,7 +70,7 @@ def test_the_suffix_of_a_bag_may_be_in_upper_case(make_bag, tmp_path, storage, n
             assert source.has_truth
 
 
-def test_so_may_that_of_a_ros1_bag(make_ros1_bag, tmp_path):
+def test_the_suffix_of_a_ros1_bag_may_be_in_upper_case(make_ros1_bag, tmp_path):
     bag = make_ros1_bag("OLD.BAG")
     assert len(list(open_source(bag).frames())) == 5
     with pytest.raises(RecordingError, match=r"name the file: OLD\.BAG"):

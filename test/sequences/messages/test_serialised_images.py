@@ -47,7 +47,7 @@ def test_a_compressed_image_is_read_too(stamp, frame_id, kind, data, little):
     assert (read.format, bytes(read.data)) == (kind, data)
 
 
-def test_the_pixels_are_a_view_that_nobody_can_write_to():
+def test_the_pixels_are_a_view_that_cannot_be_written_to():
     image = RawImage("mono8", 1, 4, 4, False, memoryview(b"\1\2\3\4"))
     message = make_image(FACTORY, image, make_header(FACTORY, 5, "camera"))
     whole = serialised(message, IMAGE)

@@ -13,7 +13,7 @@ def test_the_splits_share_no_kind_of_clutter():
     assert tune | report == set(PROFILES)
 
 
-def test_so_many_things_lie_in_a_view_as_asked_for():
+def test_a_view_has_as_many_things_as_asked_for():
     rng = np.random.default_rng(0)
     things = strew(Split.TUNE, (0.0, 26000.0), 2.0, 1.0, rng)
     pairs = [each for each in things if each.kind == "pair"]

@@ -20,7 +20,7 @@ def test_pixels_of_the_target_are_likelier_target(draw):
     assert ratios[~mask].mean() < -1.5
 
 
-def test_so_they_are_in_grey(draw):
+def test_pixels_of_the_target_are_likelier_target_in_grey(draw):
     image, mask = draw(colour=(10, 10, 10))
     appearance, bin_map = learnt(image[..., 1].copy(), mask, is_coloured=False)
     ratios = looked_up(bin_map, appearance.log_ratios(2.5))
