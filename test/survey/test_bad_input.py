@@ -225,7 +225,7 @@ def test_names_are_as_short_as_they_may_be(tmp_path):
 
 
 @pytest.fixture
-def full_disk():
+def small_files():
     """No file can grow beyond a few kilobytes."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -235,7 +235,7 @@ def full_disk():
     signal.signal(signal.SIGXFSZ, handler)
 
 
-def test_a_full_disk_is_said_and_leaves_nothing_half_written(bag, tmp_path, full_disk):
+def test_a_full_disk_is_said_and_leaves_nothing_half_written(bag, tmp_path, small_files):
     with pytest.raises(OutputError, match="cannot be written"):
         run_survey([bag], tmp_path / "map", PLAIN, ALONE)
     recordings = tmp_path / "map/recordings"

@@ -69,11 +69,8 @@ def test_arrays_begin_with_zeros_and_leave_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_disk_without_room_is_told_in_words(monkeypatch, tmp_path):
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.posix_fallocate", full)
+def test_a_disk_without_room_is_told_in_words(monkeypatch, tmp_path, full_disk):
+    monkeypatch.setattr("os.posix_fallocate", full_disk)
     with pytest.raises(OutputError, match="No space left"):
         Disk(tmp_path, block=1).array(100)
 

@@ -259,14 +259,11 @@ def test_labels_whose_flags_could_not_be_written_can_be_saved_again(file, path, 
     assert set(read_back(path, names).labels) == {0}
 
 
-def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch):
+def test_a_failed_write_leaves_the_old_labels(file, path, names, monkeypatch, full_disk):
     file.write(FileContent(LABELS))
     before = path.read_bytes()
 
-    def full(_descriptor):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OutputError, match="No space left"):
         file.write(FileContent({}))
     assert path.read_bytes() == before

@@ -192,21 +192,17 @@ def test_damaged_unsaved_labels_are_told(start, path):
 
 
 @pytest.fixture
-def full_disk(monkeypatch):
+def filled_disk(monkeypatch, full_disk):
     """A disk on which there is no place for unsaved labels until the patch is undone."""
-
-    def full(*_arguments, **_options):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("cable_tracker.gui.labelling.workspace.write_autosave", full)
+    monkeypatch.setattr("cable_tracker.gui.labelling.workspace.write_autosave", full_disk)
     return monkeypatch
 
 
-def test_a_full_disk_is_told_and_labelling_goes_on(workspace, full_disk):
+def test_a_full_disk_is_told_and_labelling_goes_on(workspace, filled_disk):
     edit(workspace)
     workspace.autosave()
     assert "No space left" in workspace.trouble
-    full_disk.undo()
+    filled_disk.undo()
     workspace.autosave()
     assert not workspace.trouble
 
@@ -271,7 +267,7 @@ def test_what_was_not_saved_waits_beside_its_own_file(start, workspace, tmp_path
 
 
 def test_labels_that_cannot_be_kept_are_not_given_up_for_another_file(
-    workspace, path, tmp_path, full_disk
+    workspace, path, tmp_path, filled_disk
 ):
     other = tmp_path / "other.txt"
     other.write_text("1 0.1 40 0 # dive/003.png\n")

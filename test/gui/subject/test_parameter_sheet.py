@@ -90,14 +90,10 @@ def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
         write_parameter_file(tmp_path / "none" / "tracker.yaml", "", CABLE, overwrite=False)
 
 
-def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch):
+def test_a_file_that_cannot_be_replaced_stays_as_it_was(tmp_path, monkeypatch, full_disk):
     path = tmp_path / "tracker.yaml"
     path.write_text("precious")
-
-    def full(*_arguments):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OutputError, match="No space left"):
         write_parameter_file(path, "two", CABLE, overwrite=True)
     assert path.read_text() == "precious"
