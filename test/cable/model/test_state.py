@@ -28,12 +28,12 @@ def test_an_array_gives_the_state_back():
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("column", StateColumn)
-def test_one_number_that_is_not_finite_makes_a_state_not_finite(column, value):
-    values = np.ones(STATE_SIZE)
-    assert CableState.from_array(values).is_finite()
-    values[column] = value
-    assert not CableState.from_array(values).is_finite()
+def test_one_number_that_is_not_finite_makes_a_state_not_finite(value):
+    assert CableState.from_array(np.ones(STATE_SIZE)).is_finite()
+    for column in StateColumn:
+        values = np.ones(STATE_SIZE)
+        values[column] = value
+        assert not CableState.from_array(values).is_finite()
 
 
 MOVING = CableState(8.0, 0.2, 16.0, 0.1, 4.0, 0.3, -12.0, 0.4)

@@ -433,7 +433,7 @@ def test_messages_that_a_recorder_left_unmerged_are_mentioned(make_bag):
     assert "bag.db3-wal holds messages" in open_source(path).note
 
 
-@pytest.mark.parametrize("tail", range(9))
+@pytest.mark.parametrize("tail", [0, 1, 8])
 def test_bytes_that_a_serialiser_leaves_at_the_end_do_no_harm(tmp_path, maker, picture, tail):
     kind = "sensor_msgs/msg/Image"
     data = maker.serialise(maker.image(7, picture(0))) + b"\x99" * tail
