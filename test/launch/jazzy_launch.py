@@ -65,18 +65,15 @@ class TextSubstitution(Substitution):
 
 
 class LaunchConfiguration(Substitution):
-    def __init__(self, variable_name: Any, *, default: Any = None) -> None:
+    def __init__(self, variable_name: Any) -> None:
         self._name = substitutions(variable_name)
-        self._default = None if default is None else substitutions(default)
 
     def perform(self, context: LaunchContext) -> str:
         name = perform(context, self._name)
         context.read.add(name)
-        if name in context.configurations:
-            return context.configurations[name]
-        if self._default is None:
+        if name not in context.configurations:
             raise RuntimeError(f"launch configuration '{name}' does not exist")
-        return perform(context, self._default)
+        return context.configurations[name]
 
 
 class PathJoinSubstitution(Substitution):
@@ -156,14 +153,8 @@ class DeclareLaunchArgument(Action):
 
 
 class LaunchDescription(LaunchDescriptionEntity):
-    def __init__(
-        self,
-        initial_entities: Iterable[LaunchDescriptionEntity] | None = None,
-        *,
-        deprecated_reason: str | None = None,
-    ) -> None:
-        need(deprecated_reason, str, type(None))
-        self.entities = list(initial_entities or ())
+    def __init__(self, initial_entities: Iterable[LaunchDescriptionEntity]) -> None:
+        self.entities = list(initial_entities)
         for entity in self.entities:
             need(entity, LaunchDescriptionEntity)
 
@@ -220,12 +211,6 @@ class ParameterValue:
         return value
 
 
-class ParameterFile:
-    def __init__(self, param_file: Any, *, allow_substs: Any = False) -> None:
-        need(allow_substs, bool)
-        self.path = substitutions(param_file)
-
-
 @dataclass(frozen=True, eq=False)
 class StartedNode:
     """A node as it would be started.
@@ -269,46 +254,26 @@ class Node(Action):
         self,
         *,
         executable: Any,
-        package: Any = None,
-        name: Any = None,
-        namespace: Any = None,
-        exec_name: Any = None,
-        parameters: Any = None,
-        remappings: Any = None,
-        ros_arguments: Any = None,
-        arguments: Any = None,
-        output: Any = None,
-        respawn: Any = False,
-        respawn_delay: float | None = None,
-        emulate_tty: bool = False,
-        additional_env: Mapping[Any, Any] | None = None,
-        on_exit: Any = None,
+        package: Any,
+        namespace: Any = "",
+        parameters: Any = (),
+        remappings: Any = (),
+        ros_arguments: Any = (),
+        output: Any = "log",
     ) -> None:
-        need(respawn_delay, float, type(None))
-        need(emulate_tty, bool)
-        if output is not None:
-            substitutions(output)
-        need(parameters, list, tuple, type(None))
-        self._texts = {
-            key: None if value is None else substitutions(value)
-            for key, value in {
-                "package": package, "executable": executable, "name": name,
-                "namespace": namespace,
-            }.items()
-        }  # fmt: skip
-        self._parameters = [self._checked(each) for each in parameters or ()]
+        need(parameters, list, tuple)
+        substitutions(output)
+        self._texts = [substitutions(each) for each in (package, executable, namespace)]
+        self._parameters = [self._checked(each) for each in parameters]
         self._remappings = [
-            (substitutions(source), substitutions(target)) for source, target in remappings or ()
+            (substitutions(source), substitutions(target)) for source, target in remappings
         ]
-        self._ros_arguments = [substitutions(each) for each in ros_arguments or ()]
-        self._arguments = [substitutions(each) for each in arguments or ()]
+        self._ros_arguments = [substitutions(each) for each in ros_arguments]
 
     @staticmethod
     def _checked(each: Any) -> Any:
-        if isinstance(each, ParameterFile):
-            return each
         if not isinstance(each, Mapping):
-            return ParameterFile(each)
+            return substitutions(each)
         for key, value in each.items():
             substitutions(key)
             if not isinstance(value, (ParameterValue, bool, int, float)):
@@ -316,8 +281,8 @@ class Node(Action):
         return each
 
     def _evaluated(self, context: LaunchContext, each: Any) -> Any:
-        if isinstance(each, ParameterFile):
-            path = Path(perform(context, each.path))
+        if not isinstance(each, Mapping):
+            path = Path(perform(context, each))
             if not path.is_file():
                 raise RuntimeError(f"Parameter file path is not a file: {path}")
             return path
@@ -329,17 +294,9 @@ class Node(Action):
         }
 
     def visit(self, context: LaunchContext) -> None:
-        texts = {
-            key: "" if value is None else perform(context, value)
-            for key, value in self._texts.items()
-        }
-        if self._arguments:
-            raise RuntimeError("our nodes take no arguments beside those of ROS")
         context.started.append(
             StartedNode(
-                texts["package"],
-                texts["executable"],
-                texts["namespace"],
+                *(perform(context, each) for each in self._texts),
                 tuple(self._evaluated(context, each) for each in self._parameters),
                 {perform(context, a): perform(context, b) for a, b in self._remappings},
                 tuple(perform(context, each) for each in self._ros_arguments),
@@ -348,9 +305,7 @@ class Node(Action):
 
 
 class Shutdown:
-    def __init__(self, *, reason: str = "reason not given", due_to_sigint: bool = False) -> None:
-        need(reason, str)
-        need(due_to_sigint, bool)
+    pass
 
 
 class EmitEvent(Action):
@@ -362,13 +317,9 @@ class EmitEvent(Action):
 
 
 class OnProcessExit:
-    def __init__(self, *, target_action: Action | None = None, on_exit: Any) -> None:
-        need(target_action, Node, type(None))
-        actions = on_exit if isinstance(on_exit, (list, tuple)) else [on_exit]
-        for each in actions:
-            if not callable(each):
-                need(each, LaunchDescriptionEntity)
-        self.target = target_action
+    def __init__(self, *, on_exit: list[Action]) -> None:
+        for each in on_exit:
+            need(each, Action)
 
 
 class RegisterEventHandler(Action):
@@ -406,7 +357,7 @@ MODULES: dict[str, tuple[Any, ...]] = {
     ),
     "launch_ros": (),
     "launch_ros.actions": (Node,),
-    "launch_ros.parameter_descriptions": (ParameterFile, ParameterValue),
+    "launch_ros.parameter_descriptions": (ParameterValue,),
     "launch_ros.substitutions": (FindPackageShare,),
 }  # fmt: skip
 
