@@ -101,7 +101,7 @@ test-all: install lint
 # Whole, it takes as long as five times the suite. `TESTS=test/cable` chooses a part of it, and
 # `TIER=quick` the tests for every change; `python test/processors.py --help` tells more.
 test-processors: install
-	$(BIN)/python test/processors.py $(TIER:%=--tier %) -n 2 --timeout 3600 -q $(TESTS)
+	$(BIN)/python test/processors.py $(if $(filter quick,$(TIER)),$(QUICK)) -n 2 --timeout 3600 -q $(TESTS)
 
 # JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
 test-jazzy: $(JAZZY_VENV)/installed

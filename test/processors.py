@@ -1,7 +1,6 @@
 """Run the tests as other processors, and a busy one, would.
 
-`python test/processors.py [--only NAME] [--tier quick] [--python PATH] [arguments of pytest]`, or
-`make test-processors`. Each
+`python test/processors.py [--only NAME] [arguments of pytest]`, or `make test-processors`. Each
 setting takes away what one library makes of this processor; the last bits of what it computes then
 differ, as they do on another machine. Settings of this machine that its libraries do not know are
 left out.
@@ -19,7 +18,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from itertools import cycle
 from pathlib import Path
 
 import cv2
@@ -29,7 +27,6 @@ ROOT = Path(__file__).resolve().parents[1]
 CACHE = ROOT / ".venv" / "cache"
 GLIBC_FEATURES = ("AVX512F", "AVX512VL", "AVX2", "FMA", "AVX")
 BUSY_LOOPS = 4
-TIERS = {"all": [], "quick": ["-m", "not slow and not browser", "--hypothesis-profile", "quick"]}
 
 
 @dataclass(frozen=True)
@@ -91,13 +88,13 @@ def busy(count: int) -> Iterator[None]:
             loop.join()
 
 
-def run(setting: Setting, python: str, arguments: list[str]) -> int:
-    """Run pytest of a Python under a setting; return its exit code."""
+def run(setting: Setting, arguments: list[str]) -> int:
+    """Run pytest under a setting; return its exit code."""
     told = " ".join(f"{name}={value}" for name, value in setting.environment.items())
     print(f"== {setting.name}: {told or f'{setting.busy_loops} busy loops'}", flush=True)
     with busy(setting.busy_loops):
         return subprocess.run(
-            [python, "-m", "pytest", *arguments],
+            [sys.executable, "-m", "pytest", *arguments],
             cwd=ROOT,
             env=os.environ | setting.environment,
             check=False,
@@ -108,19 +105,12 @@ def main() -> int:
     """Run pytest under the settings; return 1 if it fails under any."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", choices=[each.name for each in settings()], action="append")
-    parser.add_argument("--tier", choices=TIERS, default="all", help="which tests")
-    parser.add_argument(
-        "--python",
-        action="append",
-        help="interpreter to run them with; several are taken in turn, one for each setting",
-    )
     chosen, arguments = parser.parse_known_args()
-    pythons = cycle(chosen.python or [sys.executable])
     summary = []
     for setting in settings():
         if chosen.only is None or setting.name in chosen.only:
             begin = time.monotonic()
-            code = run(setting, next(pythons), [*TIERS[chosen.tier], *arguments])
+            code = run(setting, arguments)
             summary.append((setting.name, code, time.monotonic() - begin))
     for name, code, seconds in summary:
         print(f"{name:8} {'passed' if code == 0 else f'exit code {code}':14} {seconds:6.0f} s")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import subprocess
 import sys
 import tracemalloc
@@ -85,6 +86,11 @@ def test_recordings_with_flipped_bytes_cuts_and_wrong_lengths(target):
     for data in TARGETS[target].seeds().values():
         for _ in range(MUTATIONS):
             TARGETS[target].run(mutated(data, rng))
+
+
+def test_make_fuzzes_every_target():
+    (line,) = re.findall(r"^FUZZ_TARGETS \?= (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert line.split() == [*TARGETS]
 
 
 @pytest.mark.parametrize("target", BAGS)
