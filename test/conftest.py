@@ -195,24 +195,36 @@ class Outcome(NamedTuple):
         assert words in self.err
 
 
-@pytest.fixture
-def command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> Callable[..., Outcome]:
-    """Run `cable-tracker` in an empty folder."""
+@pytest.fixture(scope="session")
+def exit_code() -> Callable[..., int]:
+    """Run `cable-tracker` where this process is."""
     from cable_tracker import cli  # noqa: PLC0415
 
+    def run_command(*arguments: object) -> int:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(sys, "argv", ["cable-tracker", *map(str, arguments)])
+            try:
+                cli.main()
+            except SystemExit as end:
+                return end.code if isinstance(end.code, int) else 0
+        return 0
+
+    return run_command
+
+
+@pytest.fixture
+def command(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    exit_code: Callable[..., int],
+) -> Callable[..., Outcome]:
+    """Run `cable-tracker` in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
     def run_command(*arguments: object) -> Outcome:
         capsys.readouterr()
-        monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, arguments)])
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 0
-        return Outcome(code, *capsys.readouterr())
+        return Outcome(exit_code(*arguments), *capsys.readouterr())
 
     return run_command
 

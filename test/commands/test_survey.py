@@ -5,15 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 from estimate_reader import read_estimates
 
-from cable_tracker import cli
 from cable_tracker.commands.survey import parse_datum
 from cable_tracker.errors import ParameterError
 
@@ -24,48 +23,38 @@ USER_ERROR = 2
 Run = Callable[..., tuple[int, str]]
 
 
-def run_with(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, words)])
-    try:
-        cli.main()
-    except SystemExit as end:
-        return end.code if isinstance(end.code, int) else 0
-    return 0
-
-
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+def run(command: Callable[..., Any]) -> Run:
     """Run a command; return its exit code, and all that it said."""
 
     def run_command(*words: object) -> tuple[int, str]:
-        capsys.readouterr()
-        code = run_with(monkeypatch, *words)
-        said = capsys.readouterr()
-        return code, " ".join((said.out + said.err).split())
+        outcome = command(*words)
+        return outcome.code, " ".join((outcome.out + outcome.err).split())
 
     return run_command
 
 
 @pytest.fixture(scope="module")
-def dives(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def dives(
+    exit_code: Callable[..., int], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Path]:
     """Two short dives over one cable."""
     folder = tmp_path_factory.mktemp("dives")
     paths = (folder / "first", folder / "second")
-    with pytest.MonkeyPatch.context() as patch:
-        for seed, path in enumerate(paths):
-            code = run_with(
-                patch, "simulate", path, "--survey", 3, "--rate", 6, "--size", "160x120",
-                "--seed", seed,
-            )  # fmt: skip
-            assert code == 0
+    for seed, path in enumerate(paths):
+        words = ("--survey", 3, "--rate", 6, "--size", "160x120", "--seed", seed)
+        assert exit_code("simulate", path, *words) == 0
     return paths
 
 
 @pytest.fixture(scope="module")
-def surveyed(dives: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def surveyed(
+    exit_code: Callable[..., int],
+    dives: tuple[Path, Path],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
     output = tmp_path_factory.mktemp("map") / "out"
-    with pytest.MonkeyPatch.context() as patch:
-        assert run_with(patch, "survey", *dives, "--output", output) == 0
+    assert exit_code("survey", *dives, "--output", output) == 0
     return output
 
 
@@ -212,17 +201,17 @@ def test_a_datum_is_two_numbers_of_a_place():
 
 
 @pytest.fixture(scope="module")
-def tracked(dives: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory):
+def tracked(
+    exit_code: Callable[..., int],
+    dives: tuple[Path, Path],
+    tmp_path_factory: pytest.TempPathFactory,
+):
     """Track a dive with options; return its table."""
 
     def track(*options: object):
         output = tmp_path_factory.mktemp("tracked") / "out"
-        with pytest.MonkeyPatch.context() as patch:
-            code = run_with(
-                patch, "track", dives[0], "--output", output, "--no-video", "--no-pictures",
-                "--no-bag", *options,
-            )  # fmt: skip
-        assert code == 0
+        words = ("--output", output, "--no-video", "--no-pictures", "--no-bag", *options)
+        assert exit_code("track", dives[0], *words) == 0
         return read_estimates(output / "estimates.csv")
 
     return track
