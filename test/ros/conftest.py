@@ -182,6 +182,16 @@ class World:
         self.executor.add_node(node)
         return node
 
+    def remove(self, node: Any) -> None:
+        """End a node before the others."""
+        self.nodes.remove(node)
+        node.destroy_node()
+
+    def ends_with(self, node: Any, error: type[Exception], match: str) -> None:
+        with pytest.raises(error, match=match):
+            self.spin(lambda: node.finished)
+        self.remove(node)
+
     def _arguments(self, parameters: dict[str, Any]) -> dict[str, Any]:
         overrides = [Parameter(name, value=value) for name, value in parameters.items()]
         return {
@@ -533,6 +543,20 @@ def diagnostics(world: World) -> Callable[..., list[Any]]:
         ]
 
     return of
+
+
+@pytest.fixture
+def said(world: World, diagnostics: Callable[..., list[Any]]) -> Callable[..., str]:
+    """What the diagnostics of a node say now under a key."""
+
+    def saying(node: Any, key: str) -> str:
+        world.empty_queues()
+        before = len(diagnostics(node))
+        node.publish_diagnostics()
+        world.spin(lambda: len(diagnostics(node)) > before)
+        return str(diagnostics(node)[-1][1][key])
+
+    return saying
 
 
 @cache

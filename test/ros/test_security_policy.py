@@ -57,8 +57,7 @@ def test_it_is_what_the_tracker_does(world: Any) -> None:
             image_transport=transport, instrument_reliability=reliability, use_sim_time=True
         )
         seen.append(used(node, world.namespace))
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.remove(node)
     published, read, served = union(seen)
     assert published == rules("tracker", "topic", "publish")
     assert read == rules("tracker", "topic", "subscribe")
@@ -75,8 +74,7 @@ def test_it_is_what_the_replay_does(
             source=str(path), paused=True, publish_clock=clock, use_sim_time=not clock
         )
         seen.append(used(node, world.namespace))
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.remove(node)
     published, read, served = union(seen)
     # Frames of the vehicle are sent where their messages are installed.
     assert published | {"/clock", "/tf_static"} == rules("replay", "topic", "publish")

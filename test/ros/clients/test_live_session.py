@@ -168,8 +168,7 @@ def test_a_node_that_goes_and_comes_again_is_found_again(world, session, found, 
     camera(lambda: session.latest is not None)
     before = session.latest.number
     world.executor.remove_node(found)
-    world.nodes.remove(found)
-    found.destroy_node()
+    world.remove(found)
     world.spin(lambda: "no node" in session.trouble)
     world.tracker(particle_count=30)
 

@@ -373,8 +373,7 @@ def test_a_controller_that_ends_stops_the_vehicle(world, tracker):
     tracker.is_heard()
     tracker.tells(0.0)
     assert tracker.commands[-1].linear.x > 0.0
-    world.nodes.remove(node)
-    node.destroy_node()
+    world.remove(node)
     world.spin(lambda: tracker.commands[-1].linear.x == 0.0)
 
 

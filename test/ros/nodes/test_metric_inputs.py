@@ -133,18 +133,13 @@ def test_a_mounting_that_was_not_given_is_told_once_with_the_first_metres(
 
 
 def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
-    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+    start: Callable[..., Any], said: Callable[..., str]
 ) -> None:
     node, vehicle = start(diagnostics_period=0.05)
     vehicle.measures(ALTITUDE)
     vehicle.sees(3)
     assert vehicle.foot == [] == vehicle.ahead
-    node.publish_diagnostics()
-    world.spin(
-        lambda: any(
-            "no camera calibration" in values["no metres"] for _, values in diagnostics(node)
-        )
-    )
+    assert "no camera calibration" in said(node, "no metres")
 
 
 @pytest.mark.parametrize(
@@ -159,7 +154,7 @@ def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
 )
 def test_what_is_wrong_gives_no_metres_and_is_named(
     start: Callable[..., Any],
-    diagnostics: Callable[..., Any],
+    said: Callable[..., str],
     world: Any,
     altitude: float,
     info: dict[str, Any],
@@ -171,20 +166,20 @@ def test_what_is_wrong_gives_no_metres_and_is_named(
     vehicle.measures(altitude)
     vehicle.sees(3)
     assert vehicle.foot == [] == vehicle.ahead
-    assert said(node, diagnostics, world, "no metres").startswith(words)
+    assert said(node, "no metres").startswith(words)
 
 
 def test_an_altimeter_that_falls_silent_is_told_where_a_fixed_altitude_stands_in(
-    start: Callable[..., Any], diagnostics: Any, world: Any
+    start: Callable[..., Any], said: Callable[..., str]
 ) -> None:
     node, vehicle = start(fixed_altitude=ALTITUDE, instrument_timeout=0.01)
     vehicle.is_calibrated()
     vehicle.measures(2.0 * ALTITUDE)
     vehicle.sees()
-    assert said(node, diagnostics, world, "no altimeter") == ""
+    assert said(node, "no altimeter") == ""
     vehicle.sees(2)
     assert vehicle.foot[-1].pose.pose.position.z == pytest.approx(-ALTITUDE, rel=0.01)
-    assert said(node, diagnostics, world, "no altimeter").startswith("fixed_altitude stands in")
+    assert said(node, "no altimeter").startswith("fixed_altitude stands in")
 
 
 def test_the_roll_of_the_imu_is_corrected(start: Callable[..., Any]) -> None:
@@ -218,35 +213,20 @@ def test_a_mounting_out_of_range_is_refused(start: Callable[..., Any]) -> None:
     assert not result.successful
 
 
-def said(node: Any, diagnostics: Callable[..., Any], world: Any, key: str) -> str:
-    """What diagnostics say now."""
-    before = len(diagnostics(node))
-    node.publish_diagnostics()
-    world.spin(lambda: len(diagnostics(node)) > before)
-    return str(diagnostics(node)[-1][1][key])
-
-
-def unaided(node: Any, diagnostics: Callable[..., Any], world: Any) -> str:
-    """Why the last frame was not aided, as diagnostics say it."""
-    return said(node, diagnostics, world, "no motion aid")
-
-
-def test_odometry_reaches_the_filter(
-    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
-) -> None:
+def test_odometry_reaches_the_filter(start: Callable[..., Any], said: Callable[..., str]) -> None:
     node, vehicle = start(fixed_altitude=ALTITUDE)
     vehicle.is_calibrated()
     vehicle.sees(2)
-    assert unaided(node, diagnostics, world) == "no odometry has come"
+    assert said(node, "no motion aid") == "no odometry has come"
     for index in range(30):
         vehicle.sways(1e-4 * (-1) ** index)
         vehicle.sees()
-    assert unaided(node, diagnostics, world) == ""
+    assert said(node, "no motion aid") == ""
 
 
 def test_odometry_that_disagrees_is_told(
     start: Callable[..., Any],
-    diagnostics: Callable[..., Any],
+    said: Callable[..., str],
     world: Any,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
@@ -255,17 +235,15 @@ def test_odometry_that_disagrees_is_told(
     for index in range(12):
         vehicle.sways(1.5 + 0.001 * index)
         vehicle.sees()
-    assert "disagrees" in unaided(node, diagnostics, world)
-    said = capfd.readouterr().err
-    assert "goes on without odometry" in said and ODOMETRY_ADVICE in said
+    assert "disagrees" in said(node, "no motion aid")
+    told = capfd.readouterr().err
+    assert "goes on without odometry" in told and ODOMETRY_ADVICE in told
 
 
-def test_the_aid_can_be_switched_off(
-    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
-) -> None:
+def test_the_aid_can_be_switched_off(start: Callable[..., Any], said: Callable[..., str]) -> None:
     node, vehicle = start(fixed_altitude=ALTITUDE, motion_aid=False)
     vehicle.sees()
-    assert unaided(node, diagnostics, world) == "the parameter motion_aid is false"
+    assert said(node, "no motion aid") == "the parameter motion_aid is false"
 
 
 class Instruments:

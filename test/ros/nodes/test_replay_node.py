@@ -137,8 +137,7 @@ class TestSources:
         node = world.replay(source=str(path), rate=100)
         world.spin(lambda: node.finished)
         assert node.report().startswith(f"sent 3 frames of {path} in ")
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.remove(node)
         assert f"sent 3 frames of {path}" in capfd.readouterr().err
 
 
@@ -185,11 +184,8 @@ class TestBadSources:
             play_to_the_end(world, node, heard)
             assert indices_of(heard) == [0, 1, 2, 3]
             return
-        with pytest.raises(RecordingError, match="frame 2 cannot be decoded"):
-            world.spin(lambda: node.finished)
+        world.ends_with(node, RecordingError, "frame 2 cannot be decoded")
         assert node.sent == 2
-        world.nodes.remove(node)
-        node.destroy_node()
 
     def test_why_an_image_is_sent_empty_is_told(
         self, world: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
@@ -503,10 +499,7 @@ class TestServices:
         response = world.call(Trigger, "replay/step")
         assert not response.success and "frame 2 cannot be decoded" in response.message
         node.on_pause(SetBool.Request(data=False), SetBool.Response())
-        with pytest.raises(RecordingError, match="frame 2 cannot be decoded"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, RecordingError, "frame 2 cannot be decoded")
 
     def test_stepping_while_playing_is_refused(self, world: Any, make_dive: Dive) -> None:
         world.replay(source=str(make_dive(15)), rate=0.1, loop=True)
@@ -562,10 +555,7 @@ class TestServices:
 
     def test_a_start_after_the_end_is_an_error(self, world: Any, make_dive: Dive) -> None:
         node = world.replay(source=str(make_dive(4)), start=60.0)
-        with pytest.raises(ParameterError, match="no frame after that time"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, ParameterError, "no frame after that time")
 
 
 class TestLockstep:
@@ -608,8 +598,7 @@ class TestLockstep:
             node = world.replay(source=path, lockstep=True)
             world.spin(lambda node=node: node.finished)
             world.spin(lambda count=count: len(states) == count)
-            world.nodes.remove(node)
-            node.destroy_node()
+            world.remove(node)
             tracker.on_reset(Trigger.Request(), Trigger.Response())
         assert any(state.position for state in states)
         assert states[:10] == states[10:]
@@ -640,29 +629,20 @@ class TestLockstep:
         world.listen(Image, "image")
         world.me.create_publisher(JointState, "state", 10)
         node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
-        with pytest.raises(RosError, match=r"no `state` came for frame 0 within 0\.2 s"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, RosError, r"no `state` came for frame 0 within 0\.2 s")
 
     def test_a_lockstep_without_a_tracker_ends_with_an_error(
         self, world: Any, make_dive: Dive
     ) -> None:
         node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
-        with pytest.raises(RosError, match=r"no node subscribes to .*/image"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, RosError, r"no node subscribes to .*/image")
 
     def test_a_lockstep_without_answers_says_that_images_are_subscribed_to(
         self, world: Any, make_dive: Dive
     ) -> None:
         world.listen(Image, "image")
         node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
-        with pytest.raises(RosError, match=r"subscribed to, but no node publishes .*/state"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, RosError, r"subscribed to, but no node publishes .*/state")
 
     def test_a_lockstep_names_the_instruments_that_the_tracker_does_not_read(
         self, world: Any, vehicle_bag: Path
@@ -672,10 +652,7 @@ class TestLockstep:
         world.listen(CameraInfo, "camera_info")
         world.me.create_publisher(JointState, "state", qos.LATEST_RESULT)
         node = world.replay(source=str(vehicle_bag), lockstep=True, answer_timeout=0.2)
-        with pytest.raises(RosError, match=r"but not altitude; .* altitude_topic:=none"):
-            world.spin(lambda: node.finished)
-        world.nodes.remove(node)
-        node.destroy_node()
+        world.ends_with(node, RosError, r"but not altitude; .* altitude_topic:=none")
 
 
 def test_no_attribute_hides_one_of_rclpy(world: Any, make_dive: Dive) -> None:

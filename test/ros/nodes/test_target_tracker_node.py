@@ -207,7 +207,7 @@ class TestMarks:
         self,
         world: Any,
         show: Callable[..., None],
-        diagnostics: Callable[..., list[Any]],
+        said: Callable[..., str],
         corners: Any,
         reason: str,
         comes_first: bool,
@@ -220,8 +220,7 @@ class TestMarks:
             show(node, index)
         assert node.status == "INITIALISING"
         assert node.statistics.refused == 0
-        node.publish_diagnostics()
-        world.spin(lambda: diagnostics(node) and reason in diagnostics(node)[-1][1]["last restart"])
+        assert reason in said(node, "last restart")
 
     def test_a_mark_in_another_frame_is_refused(
         self, world: Any, show: Callable[..., None]
@@ -247,16 +246,13 @@ class TestMarks:
         assert node.status == status
 
     def test_a_target_that_does_not_stand_out_is_told_and_not_claimed(
-        self, world: Any, show: Callable[..., None], diagnostics: Callable[..., list[Any]]
+        self, world: Any, show: Callable[..., None], said: Callable[..., str]
     ) -> None:
         node = world.target_tracker(initial_target="20,20,60,60")
         for index in range(4):
             show(node, index)
         assert node.status == "INITIALISING"
-        node.publish_diagnostics()
-        world.spin(
-            lambda: diagnostics(node) and "stand out" in diagnostics(node)[-1][1]["last restart"]
-        )
+        assert "stand out" in said(node, "last restart")
 
     def test_a_detector_proposes_where_it_is_asked_to(
         self, world: Any, show: Callable[..., None]
@@ -375,17 +371,11 @@ class TestMetres:
         assert poses[-1].header.frame_id == "base_link"
 
     def test_without_a_calibration_it_says_why_there_are_no_metres(
-        self, world: Any, follow: Callable[..., list[Any]], diagnostics: Callable[..., list[Any]]
+        self, world: Any, follow: Callable[..., list[Any]], said: Callable[..., str]
     ) -> None:
         node = world.target_tracker(initial_target=BOX)
         follow(node, 3)
-        node.publish_diagnostics()
-        world.spin(
-            lambda: (
-                diagnostics(node)
-                and "no camera calibration" in diagnostics(node)[-1][1]["no metres"]
-            )
-        )
+        assert "no camera calibration" in said(node, "no metres")
 
     @pytest.mark.parametrize("instrument", ["odometry", "imu"])
     def test_turns_of_the_camera_are_taken_out(
