@@ -243,7 +243,9 @@ class CrossTrackMeter:
         fault = _fault_of_lines(lines)
         if fault is not None:
             return fault
-        centre, spread = mean_and_covariance(lines.values[1:])
+        # Whether a sum beyond all numbers overflows or is invalid depends on the processor.
+        with np.errstate(over="ignore", invalid="ignore"):
+            centre, spread = mean_and_covariance(lines.values[1:])
         if not (np.isfinite(centre).all() and np.isfinite(spread).all()):
             raise MetricError(
                 "the cable's place is beyond all numbers; see the parameters camera_x, camera_y,"

@@ -273,7 +273,6 @@ class TestWithheld:
             MetricSettings(**{setting: math.nan})
 
     @pytest.mark.parametrize("mounting", [{"x": 1e200}, {"y": 1e200}, {"z": 1e200}])
-    @pytest.mark.filterwarnings("ignore:overflow")
     def test_a_place_beyond_all_numbers(self, calibrations, estimate, mounting):
         far = meter(calibrations["plumb_bob"], Mounting(**mounting))
         assert reason(far, estimate) is Reason.NOT_COMPUTED
