@@ -9,7 +9,7 @@ target: about where it was last seen, the less so the longer that is ago.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -47,32 +47,11 @@ class SurvivalRates(NamedTuple):
     margin: float
 
 
-class LeavingParameters(Protocol):
-    """The parameters that say how often what is tracked goes out of view."""
-
-    @property
-    def disappearance_rate(self) -> float:
-        """How often it vanishes in the middle of the image [1/s]."""
-        ...
-
-    @property
-    def leaving_rate(self) -> float:
-        """What is added to that at the edge [1/s]."""
-        ...
-
-    @property
-    def leaving_margin(self) -> float:
-        """Distance to the edge at which leaving begins [px at the reference width]."""
-        ...
-
-
-def survival_rates(parameters: LeavingParameters, image_width: int) -> SurvivalRates:
-    """Return how often a target leaves frames of a given width [px]."""
-    return SurvivalRates(
-        vanishing=parameters.disappearance_rate,
-        leaving=parameters.leaving_rate,
-        margin=parameters.leaving_margin * pixel_scale(image_width),
-    )
+def survival_rates(
+    vanishing: float, leaving: float, margin: float, image_width: int
+) -> SurvivalRates:
+    """Return the rates for frames of a width [px], of a margin [px at the reference width]."""
+    return SurvivalRates(vanishing, leaving, margin * pixel_scale(image_width))
 
 
 @compiled_inside

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -38,6 +37,5 @@ def test_the_last_place_is_forgotten_but_never_quite():
 
 
 def test_the_margin_grows_with_the_picture():
-    parameters = SimpleNamespace(disappearance_rate=0.25, leaving_rate=10.0, leaving_margin=8.0)
-    assert survival_rates(parameters, 320) == RATES
-    assert survival_rates(parameters, 640) == RATES._replace(margin=16.0)
+    assert survival_rates(*RATES, 320) == RATES
+    assert survival_rates(*RATES, 640) == RATES._replace(margin=16.0)

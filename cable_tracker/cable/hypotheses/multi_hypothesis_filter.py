@@ -15,8 +15,8 @@ wherever it comes from.
 Whether a hypothesis is a cable at all is judged against strips drawn at random in the same frame,
 see `background` and `score_likelihood`. Presence is the logistic of such a score of the leading
 hypothesis, summed over its frames (`presence`); it is not the integral of f(x) L(x), as in a
-Bernoulli filter. That filter's prediction alone is used (`predict_existence`): it gives P(survived)
-and P(born), by which the parts of f are weighed and particles are shared out.
+Bernoulli filter. That filter's prediction alone is used: it gives P(survived) and P(born), by which
+the parts of f are weighed and particles are shared out.
 
 References
 ----------

@@ -27,7 +27,6 @@ from cable_tracker.cable.model.movement import CableMovement, MotionAid
 from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, WIDTH, pose_units
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled
-from cable_tracker.particle_filter.existence import PredictedExistence, predict_existence
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
@@ -125,8 +124,10 @@ class Predictor:
         self._image_size = image_size
         self._rng = rng
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
-        self._survival_rates = survival_rates(parameters, width)
         self._frame_scale = pixel_scale(width)
+        self._survival_rates = survival_rates(
+            parameters.disappearance_rate, parameters.leaving_rate, parameters.leaving_margin, width
+        )
         self._births_anywhere = births_anywhere(box, image_size, self._frame_scale)
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(self._frame_scale)
         limits = possible_limits(parameters, width)
@@ -147,7 +148,7 @@ class Predictor:
             drawn, reference_angle, self._image_size, self._survival_rates, dt
         )
         birth = event_probability(parameters.appearance_rate, dt)
-        existence = predict_existence(belief.presence, survival, birth)
+        survived, born = belief.presence * survival, (1.0 - belief.presence) * birth
         # Without movement a kernel would be a point: the first frame after a given prior.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
         rated = dt if motion is not None else min(dt, MOST_RATED)
@@ -156,18 +157,21 @@ class Predictor:
         prior = PriorPresence(
             expected=expected,
             log_odds=belief.log_odds,
-            survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
+            survival=survival,
             birth=birth,
             # Consecutive frames look alike, the less the longer the time between them.
             gain=1.0 - over_time(1.0 - parameters.presence_gain, time),
         )
-        density = self._density(ancestors, existence, expected[0], belief.memory, dt, time, motion)
+        density = self._density(
+            ancestors, survived, born, expected[0], belief.memory, dt, time, motion
+        )
         return Prediction(density, prior, reference_angle)
 
     def _density(
         self,
         ancestors: Ancestors,
-        existence: PredictedExistence,
+        survived: float,
+        born: float,
         leader: FloatArray,
         memory: RememberedCable | None,
         dt: float,
@@ -176,6 +180,7 @@ class Predictor:
     ) -> PredictedDensity:
         """Return the density of cables in view.
 
+        `survived` and `born` are the probabilities of one that was and was not in view before,
         `leader` (8,) is where the leading one will be, `time` that over which kernels spread [s].
         """
         parameters = self._parameters
@@ -184,7 +189,7 @@ class Predictor:
         births = self._births_anywhere
         if memory is not None:
             births = births_with_memory(births, memory, parameters.memory_time, self._frame_scale)
-        switched = existence.survived * event_probability(BORDER_SWITCH_RATE, dt)
+        switched = survived * event_probability(BORDER_SWITCH_RATE, dt)
         return PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
@@ -195,8 +200,8 @@ class Predictor:
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
             rate_gains=diffusion.rate_gains,
             rate_scales=np.ascontiguousarray(diffusion.rate_scales),
-            mass_survived=max(existence.survived, LEAST_PROBABILITY),
-            mass_born=max(existence.born, LEAST_PROBABILITY),
+            mass_survived=max(survived, LEAST_PROBABILITY),
+            mass_born=max(born, LEAST_PROBABILITY),
             log_width=memory.log_width if memory is not None else 0.0,
             width_spread=memory.width_spread(parameters) if memory is not None else math.inf,
             births=births,

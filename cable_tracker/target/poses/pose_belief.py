@@ -152,7 +152,10 @@ def _survival(
     height, width = shape
     x, y = centres[:, X], centres[:, Y]
     inside = np.minimum(width / 2 - np.abs(x), height / 2 - np.abs(y))
-    return survival_probability(inside, survival_rates(parameters, width), dt)
+    rates = survival_rates(
+        parameters.disappearance_rate, parameters.leaving_rate, parameters.leaving_margin, width
+    )
+    return survival_probability(inside, rates, dt)
 
 
 def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:

@@ -66,7 +66,9 @@ def densities(density, states) -> np.ndarray:
 
 
 def survival_probabilities(states, size, parameters, dt) -> np.ndarray:
-    rates = survival_rates(parameters, size[0])
+    rates = survival_rates(
+        parameters.disappearance_rate, parameters.leaving_rate, parameters.leaving_margin, size[0]
+    )
     return np.array([survival_probability(inset(state, *size), rates, dt) for state in states])
 
 
