@@ -15,15 +15,15 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled, compiled_inside
 
 
-def student_t_stretches(
+def student_t_factors(
     rng: np.random.Generator, count: int, columns: int, degrees_of_freedom: float
 ) -> FloatArray:
     """Draw the factors that make Student-t numbers of normal ones, shape (count, columns)."""
     if math.isinf(degrees_of_freedom):
         return np.ones((count, columns))
     chi_squares = rng.chisquare(degrees_of_freedom, (count, columns))
-    stretches: FloatArray = np.sqrt(degrees_of_freedom / chi_squares)
-    return stretches
+    factors: FloatArray = np.sqrt(degrees_of_freedom / chi_squares)
+    return factors
 
 
 def standard_student_t(
@@ -31,7 +31,7 @@ def standard_student_t(
 ) -> FloatArray:
     """Draw from the distribution of location zero and unit scale, shape (count, dimensions)."""
     normal = rng.standard_normal((count, dimensions))
-    return normal * student_t_stretches(rng, count, 1, degrees_of_freedom)
+    return normal * student_t_factors(rng, count, 1, degrees_of_freedom)
 
 
 @compiled_inside

@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
-from cable_tracker.particle_filter.student_t import student_t_stretches
+from cable_tracker.particle_filter.student_t import student_t_factors
 
 BIRTH_TAIL = 4.0
 """Degrees of freedom of the Student-t of births about the remembered cable."""
@@ -31,7 +31,7 @@ class FrameNoise(NamedTuple):
     ----------
     normal : FloatArray
         Standard normal, shape (N, 8): columns of the state.
-    stretches : FloatArray
+    tail_factors : FloatArray
         Factors that make Student-t numbers of the normal ones, shape (N, 2): of the pose, of the
         rates.
     uniform : FloatArray
@@ -49,7 +49,7 @@ class FrameNoise(NamedTuple):
     """
 
     normal: FloatArray
-    stretches: FloatArray
+    tail_factors: FloatArray
     uniform: FloatArray
     about_memory: FloatArray
     anywhere: FloatArray
@@ -62,13 +62,13 @@ def draw_frame_noise(
 ) -> FrameNoise:
     """Draw for `count` particles, `births` of which are born.
 
-    `degrees_of_freedom` are those of the movement; infinite ones stretch nothing.
+    `degrees_of_freedom` are those of the movement; with infinite ones they are 1.
     """
     normal = rng.standard_normal((count, STATE_SIZE))
-    stretches = student_t_stretches(rng, count, 2, degrees_of_freedom)
+    tail_factors = student_t_factors(rng, count, 2, degrees_of_freedom)
     return FrameNoise(
         normal,
-        stretches,
+        tail_factors,
         rng.random((count, STATE_SIZE)),
         rng.standard_t(BIRTH_TAIL, (births, POSE_SIZE)),
         rng.random((STRIPS_ANYWHERE, POSE_SIZE)),

@@ -149,10 +149,10 @@ def add_rates(
     state: FloatArray, row: int, ancestor: int, predicted: PredictedDensity, noise: FrameNoise
 ) -> None:
     """Fill in the rates of the child of an ancestor, given how far it is from where that drifts."""
-    stretch = noise.stretches[row, 1]
+    factor = noise.tail_factors[row, 1]
     for column in range(POSE_SIZE):
         moved = state[column] - predicted.kernels.places[ancestor, column]
-        spread = noise.normal[row, POSE_SIZE + column] * stretch * predicted.rate_scales[column]
+        spread = noise.normal[row, POSE_SIZE + column] * factor * predicted.rate_scales[column]
         changed = predicted.rate_gains[column] * moved + spread
         state[POSE_SIZE + column] = predicted.rates[ancestor, column] + changed
 

@@ -157,7 +157,7 @@ def draw_about_peaks(states: FloatArray, start: int, noise: FrameNoise, peaks: P
                 offset = 0.0
                 for term in range(column + 1):
                     offset += peaks.factors[peak, column, term] * noise.normal[row, term]
-                offset *= noise.stretches[row, 0]
+                offset *= noise.tail_factors[row, 0]
                 states[row, column] = peaks.locations[peak, column] + offset
             row += 1
 

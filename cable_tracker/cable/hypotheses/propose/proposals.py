@@ -168,9 +168,9 @@ def _place_first(
     """Fill in the states of survivors and births, and the poses of the others of `_draw_first`."""
     predicted, noise, counts = inputs.predicted, inputs.noise, inputs.counts
     for row in range(counts.survivors):
-        ancestor, stretch = inputs.ancestors[row], noise.stretches[row, 0]
+        ancestor, factor = inputs.ancestors[row], noise.tail_factors[row, 0]
         for column in range(POSE_SIZE):
-            spread = noise.normal[row, column] * stretch * predicted.kernels.scales[column]
+            spread = noise.normal[row, column] * factor * predicted.kernels.scales[column]
             states[row, column] = predicted.kernels.places[ancestor, column] + spread
         add_rates(states[row], row, ancestor, predicted, noise)
     first = counts.survivors + counts.births
@@ -183,9 +183,9 @@ def _place_first(
     switched = first + counts.switches
     place_switches(states, first, switched, predicted.border_switch, noise)
     for row in range(switched, switched + counts.detections):
-        centre, stretch = centres[(row - switched) % len(centres)], noise.stretches[row, 0]
+        centre, factor = centres[(row - switched) % len(centres)], noise.tail_factors[row, 0]
         for column in range(POSE_SIZE):
-            spread = noise.normal[row, column] * stretch * config.detection_sigmas[column]
+            spread = noise.normal[row, column] * factor * config.detection_sigmas[column]
             states[row, column] = centre[column] + spread
 
 

@@ -17,10 +17,10 @@ TAILS = st.sampled_from([4.0, 1.0, 30.0, math.inf])
 def test_every_particle_has_a_row_and_every_birth_another(count, births, tail):
     noise = draw_frame_noise(np.random.default_rng(0), count, births, tail)
     assert noise.normal.shape == noise.uniform.shape == (count, 8)
-    assert noise.stretches.shape == (count, 2)
+    assert noise.tail_factors.shape == (count, 2)
     assert noise.about_memory.shape == (births, 4)
     assert ((noise.uniform >= 0.0) & (noise.uniform < 1.0)).all()
-    assert (noise.stretches > 0.0).all()
+    assert (noise.tail_factors > 0.0).all()
 
 
 @given(st.integers(0, 2**32 - 1), TAILS)
@@ -38,13 +38,13 @@ def test_the_same_seed_gives_the_same_numbers_and_another_seed_others(seed, tail
 
 def test_a_gaussian_is_not_stretched(rng):
     noise = draw_frame_noise(rng, 30, 0, math.inf)
-    np.testing.assert_array_equal(noise.stretches, 1.0)
+    np.testing.assert_array_equal(noise.tail_factors, 1.0)
 
 
 def test_pose_and_rates_have_heavy_tails_and_jump_independently(rng):
     noise = draw_frame_noise(rng, 40_000, 0, 4.0)
-    pose = np.abs(noise.normal[:, :4] * noise.stretches[:, :1])
-    rates = np.abs(noise.normal[:, 4:] * noise.stretches[:, 1:])
+    pose = np.abs(noise.normal[:, :4] * noise.tail_factors[:, :1])
+    rates = np.abs(noise.normal[:, 4:] * noise.tail_factors[:, 1:])
     for part in (pose, rates):
         # Quantiles of |t| with 4 degrees of freedom.
         assert np.median(part) == pytest.approx(0.741, rel=0.03)
