@@ -26,7 +26,7 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, WIDTH, C
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.tracking.frame_check import check_frame

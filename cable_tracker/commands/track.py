@@ -60,7 +60,7 @@ from cable_tracker.commands.options.parameters import (
     chosen_start,
     single_values,
 )
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.offline.advice import advice

@@ -9,8 +9,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.picture.working_image import working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.border_lines import BorderLines
-from cable_tracker.detection.line_pairs import Detection, pair_lines
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, Detection, PairLimits, pair_lines
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH

@@ -28,8 +28,7 @@ from cable_tracker.detection.coherent_lines import (
     coarse_texture,
     coherent_votes,
 )
-from cable_tracker.detection.line_pairs import plausible_pairs
-from cable_tracker.detection.pair_limits import PairLimits
+from cable_tracker.detection.line_pairs import PairLimits, plausible_pairs
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
     BIN,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,9 +19,9 @@ from cable_tracker.cable.model.state import (
     WIDTH,
     CableState,
 )
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.detection.border_lines import BorderLines, turn_between
-from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
@@ -34,6 +35,35 @@ PARTNER_SHARE = 0.5
 
 GAP_FACTOR = 0.5
 """Factor on the score of a pair that is the gap between two strips narrower than itself."""
+
+
+class PairLimits(NamedTuple):
+    """Smallest and largest cable that a detector reports.
+
+    Attributes
+    ----------
+    narrowest, widest : float
+        Smallest and largest w [px at the reference width].
+    most_skew : float
+        Largest |beta| [rad].
+    """
+
+    narrowest: float
+    widest: float
+    most_skew: float
+
+
+def pair_limits(parameters: TrackerParameters) -> PairLimits:
+    """Return limits that cover the cables that a tracker can follow."""
+    return PairLimits(
+        narrowest=parameters.width_minimum,
+        widest=parameters.width_maximum,
+        most_skew=math.radians(parameters.skew_limit),
+    )
+
+
+DEFAULT_LIMITS = pair_limits(TrackerParameters())
+"""Limits of the preset `default`."""
 
 
 @dataclass(frozen=True, slots=True)

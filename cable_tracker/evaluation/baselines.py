@@ -14,7 +14,14 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    STATE_SIZE,
+    WIDTH,
+    CableState,
+)
 from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.line_pairs import Detection
 from cable_tracker.detection.search_region import SearchRegion
@@ -159,9 +166,9 @@ class DetectorTracker:
         sigmas = REGION_SIGMAS * np.sqrt(np.diag(belief.covariance)[:POSE_SIZE])
         return SearchRegion(
             state=belief.state,
-            distance=max(float(sigmas[StateColumn.DISTANCE]), REGION_DISTANCE * scale),
-            angle=max(float(sigmas[StateColumn.ANGLE]), math.radians(REGION_ANGLE)),
-            width=max(float(sigmas[StateColumn.WIDTH]), REGION_WIDTH * scale),
+            distance=max(float(sigmas[DISTANCE]), REGION_DISTANCE * scale),
+            angle=max(float(sigmas[ANGLE]), math.radians(REGION_ANGLE)),
+            width=max(float(sigmas[WIDTH]), REGION_WIDTH * scale),
         )
 
     def _best_fitting(

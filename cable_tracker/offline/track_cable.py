@@ -10,7 +10,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.detection.pair_limits import PairLimits
+from cable_tracker.detection.line_pairs import PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cable_facts import cable_facts, row_metres
 from cable_tracker.metric.cross_track import CrossTrack

@@ -15,7 +15,7 @@ from cable_tracker.detection.line_pair_proposer import (
     LinePairProposer,
     accumulated_votes,
 )
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.vote_peaks import ANGLE_BINS
 
 CABLES = [

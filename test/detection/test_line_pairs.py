@@ -18,10 +18,11 @@ from cable_tracker.detection.line_pairs import (
     GAP_FACTOR,
     MOST_DETECTIONS,
     REGION_SHARE,
+    PairLimits,
+    pair_limits,
     pair_lines,
     plausible_pairs,
 )
-from cable_tracker.detection.pair_limits import PairLimits, pair_limits
 from cable_tracker.detection.search_region import SearchRegion
 
 SIZE = (320, 240)

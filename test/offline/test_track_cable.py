@@ -10,7 +10,7 @@ from rosbags.highlevel import AnyReader
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.offline.results import BAG, ESTIMATES, WantedResults, follow_all

@@ -17,7 +17,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, pair_limits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, pair_limits
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.offline.cable_folder import CableFolder

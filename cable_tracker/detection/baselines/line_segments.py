@@ -21,7 +21,7 @@ from cable_tracker.detection.baselines.segments import Segments, lines_of_segmen
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.edges import gradient_of
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import ResourceError
 from cable_tracker.tracking.image_frame import pixel_to_image

@@ -10,7 +10,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.labelling.labels import Labels
 from cable_tracker.sequences.encodings import decode_grey

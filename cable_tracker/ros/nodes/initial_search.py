@@ -7,7 +7,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.detector import CableDetector
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import ParameterError
 
 

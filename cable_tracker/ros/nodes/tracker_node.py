@@ -16,7 +16,7 @@ from cable_tracker.cable.parameters.parameters import (
     TrackerParameters,
 )
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.metric.cable_facts import cable_facts
 from cable_tracker.node_parameter_tables import (

@@ -12,7 +12,7 @@ from watched_session import Watched
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.recording_session import RecordingSession

@@ -9,7 +9,7 @@ from rclpy.parameter import Parameter
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.baselines.detectors import DETECTORS
-from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros.nodes.initial_search import InitialSearch

@@ -7,7 +7,7 @@ from dataclasses import replace
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
