@@ -189,7 +189,7 @@ def write_node_parameters(path: Path, parameters: Mapping[str, ParameterValue]) 
     path.write_text("\n".join([*EVERY_NODE, *lines, ""]), encoding="utf-8")
 
 
-def with_values(text: str, values: Mapping[str, ParameterValue], node: str) -> str:
+def edited_text(text: str, values: Mapping[str, ParameterValue], node: str) -> str:
     """Return the text of a parameter file with some values changed, and all else as it is.
 
     A value is changed where it counts, in the last section for the node that names it; what none

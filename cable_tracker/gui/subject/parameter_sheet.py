@@ -13,9 +13,9 @@ from cable_tracker.errors import GuiError, ParameterError, write_failure
 from cable_tracker.gui.subject.subject import Groups, Subject
 from cable_tracker.printable import printable
 from cable_tracker.tracking.parameter_files import (
+    edited_text,
     format_values,
     parse_parameters,
-    with_values,
 )
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
@@ -178,7 +178,7 @@ def _changed(path: Path, new: str, subject: Subject) -> str:
     try:
         before = defaults | values_from_text(old, "", subject)
         differing = {name: each for name, each in wanted.items() if each != before[name]}
-        text = with_values(old, differing, subject.kind.node)
+        text = edited_text(old, differing, subject.kind.node)
         after = defaults | values_from_text(text, "", subject)
     except (ParameterError, yaml.YAMLError) as error:
         raise _unchangeable(path) from error
