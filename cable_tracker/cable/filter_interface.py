@@ -31,7 +31,7 @@ class BeliefSummary:
     Attributes
     ----------
     covariance : FloatArray
-        Covariance of the error of the estimate, shape (8, 8), columns of `StateColumn`.
+        Covariance of the error of the estimate, shape (8, 8), columns of `CableState`.
     effective_sample_size : float
         N_eff, before resampling.
     evidence : float

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, WIDTH, CableState
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class SearchRegion:
         expected = self.state
         chart = states_in_chart(states, expected.angle)
         inside: BoolArray = (
-            (np.abs(chart[:, StateColumn.DISTANCE] - expected.distance) <= self.distance)
-            & (np.abs(chart[:, StateColumn.ANGLE] - expected.angle) <= self.angle)
-            & (np.abs(chart[:, StateColumn.WIDTH] - expected.width) <= self.width)
+            (np.abs(chart[:, DISTANCE] - expected.distance) <= self.distance)
+            & (np.abs(chart[:, ANGLE] - expected.angle) <= self.angle)
+            & (np.abs(chart[:, WIDTH] - expected.width) <= self.width)
         )
         return inside
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 LOST_DISTANCE = 10.0
@@ -44,7 +44,5 @@ def is_off_cable(
         recording with labels, a centreline outside the true borders.
     """
     allowance = np.maximum(forgiven, widths / 2)
-    held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (
-        np.abs(errors[:, StateColumn.ANGLE]) <= LOST_ANGLE
-    )
+    held = (np.abs(errors[:, DISTANCE]) <= allowance) & (np.abs(errors[:, ANGLE]) <= LOST_ANGLE)
     return np.asarray(~held)

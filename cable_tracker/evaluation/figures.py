@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
-from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, StateColumn
+from cable_tracker.cable.model.state import ANGLE, POSE_COMPONENTS, POSE_SIZE
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import percentages
@@ -126,7 +126,7 @@ def _draw_trace(axes: Sequence[Axes], trace: Trace) -> None:
 
 def _draw_component(axis: Axes, trace: Trace, column: int) -> None:
     _, symbol, unit, factor = POSE_COMPONENTS[column]
-    angle = StateColumn.ANGLE
+    angle = ANGLE
     frames = trace.frames.astype(np.float64)
     truth, estimate = trace.truths[:, column] * factor, trace.estimates[:, column] * factor
     # Labels of every second frame are joined; a cable that was away is not.

@@ -58,7 +58,7 @@ class CableKalmanFilter:
     Attributes
     ----------
     mean : FloatArray
-        Shape (8,), columns of `StateColumn` [px, rad, per second]; alpha in (-pi/2, pi/2].
+        Shape (8,), columns of `CableState` [px, rad, per second]; alpha in (-pi/2, pi/2].
     covariance : FloatArray
         Shape (8, 8).
     noise : KalmanNoise

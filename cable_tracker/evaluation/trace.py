@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import wrapped_estimate
-from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, WIDTH, CableState
 from cable_tracker.evaluation.failure_criteria import forgiven_distances, is_off_cable
 from cable_tracker.sequences.labels.sequence_file import APART
 from cable_tracker.stamps import NANOSECONDS
@@ -141,7 +141,7 @@ class Trace:
 
         The mean counts whether or not it is claimed.
         """
-        widths = self.truths[:, StateColumn.WIDTH]
+        widths = self.truths[:, WIDTH]
         return self.visible & is_off_cable(
             self.errors, widths, forgiven=forgiven_distances(self.image_widths)
         )

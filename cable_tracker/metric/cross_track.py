@@ -20,7 +20,7 @@ from cable_tracker.cable.model.geometry import (
     segment_inside,
     wrap_angles,
 )
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE
 from cable_tracker.compilation import compiled
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
@@ -277,8 +277,8 @@ class CrossTrackMeter:
         """Follow cables with what is known of the vehicle, (N, 7), down to the sea bed."""
         sights = self._sights(points[:, POSE_SIZE:])
         borders = project_borders(points[:, :POSE_SIZE])
-        angles = np.column_stack((points[:, StateColumn.ANGLE], borders.angles))
-        offsets = np.column_stack((points[:, StateColumn.DISTANCE], borders.offsets))
+        angles = np.column_stack((points[:, ANGLE], borders.angles))
+        offsets = np.column_stack((points[:, DISTANCE], borders.offsets))
         rays = camera.rays(points_on_lines(angles, offsets, along))
         moments, usable = _moments(rays, sights.rotations, math.sin(LEAST_DEPRESSION))
         # Rays of a straight cable lie in a plane, whose normal is that of their least moment; the

@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE_RATE, POSE_SIZE, SKEW_RATE, CableState
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.simulation.borders import (
     ProjectedBorders,
@@ -79,7 +79,7 @@ class Views:
     projected : ProjectedBorders
         Borders of the cable in the images.
     states : FloatArray
-        Exact d, alpha, w, beta and their rates, shape (N, 8), columns of `StateColumn`; NaN where
+        Exact d, alpha, w, beta and their rates, shape (N, 8), columns of `CableState`; NaN where
         no border is inside the image.
     """
 
@@ -116,10 +116,10 @@ class Dive:
         states = fit_states(projected, self.camera.image_size)
         # Where the line is written the other way round, so is the sense of its distance and skew.
         states[:, POSE_SIZE:] = wanted[:, POSE_SIZE:]
-        angles = wanted[:, StateColumn.ANGLE]
-        turned = np.abs(wrap_states(wanted)[:, StateColumn.ANGLE] - angles) > np.pi / 2
-        states[turned, StateColumn.DISTANCE_RATE] *= -1
-        states[turned, StateColumn.SKEW_RATE] *= -1
+        angles = wanted[:, ANGLE]
+        turned = np.abs(wrap_states(wanted)[:, ANGLE] - angles) > np.pi / 2
+        states[turned, DISTANCE_RATE] *= -1
+        states[turned, SKEW_RATE] *= -1
         states[~projected.in_view()] = np.nan
         return Views(times, poses, projected, states)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, CableState
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
 from cable_tracker.simulation.motion.vehicle import VehicleState
@@ -117,7 +117,7 @@ class CableScene:
         if visible_share(projected, 0, hidden) <= 0.0:
             return None
         states = fit_states(projected, self.camera.image_size)
-        states[0, POSE_SIZE:] = self._rates(state, states[0, StateColumn.ANGLE])
+        states[0, POSE_SIZE:] = self._rates(state, states[0, ANGLE])
         return CableState.from_array(states[0])
 
     def _rates(self, state: VehicleState, angle: float) -> FloatArray:

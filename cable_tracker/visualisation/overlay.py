@@ -17,7 +17,7 @@ from cable_tracker.cable.model.segments import (
     border_segments,
     centreline_segments,
 )
-from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, STATE_SIZE, CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.tracking.image_frame import image_to_pixel
@@ -124,7 +124,7 @@ def draw_overlay(
     truth : CableState or None
         True state of the cable; drawn dashed.
     cloud : FloatArray or None
-        Particles, shape (N, 9): the columns of `StateColumn`, and the weight.
+        Particles, shape (N, 9): the columns of `CableState`, and the weight.
     hypotheses : sequence of Hypothesis
         Where the cable may be. Of those after the first, which is that of the estimate,
         the centrelines are drawn where there is a state or a cloud.
@@ -221,13 +221,13 @@ def _draw_segments(
 def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> None:
     """Draw centrelines faintly, those of high weight more clearly."""
     reach = float(np.hypot(*pen.image_size)) / 2
-    distances = cloud[:, StateColumn.DISTANCE] * scale
+    distances = cloud[:, DISTANCE] * scale
     usable = np.isfinite(cloud[:, :2]).all(axis=1) & (np.abs(distances) < reach)
     # Lightest first, so that a heavier one is drawn over it.
     chosen = heaviest_rows(cloud[:, -1], usable, LARGEST_CLOUD)
     if chosen.size == 0:
         return
-    angles, ends = cloud[chosen, StateColumn.ANGLE], np.array([-reach, reach])
+    angles, ends = cloud[chosen, ANGLE], np.array([-reach, reach])
     fixed = _to_fixed(points_on_lines(angles, distances[chosen], ends), pen.image_size)
     weights = cloud[chosen, -1]
     opacity = 20 + 85 * np.sqrt(weights / weights[-1])

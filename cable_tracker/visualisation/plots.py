@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.state import POSE_COMPONENTS, POSE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, POSE_COMPONENTS, POSE_SIZE, CableState
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
@@ -162,7 +162,7 @@ def _draw_component(axis: Axes, series: _Series, column: int) -> None:
     estimates, truths = series.estimates, series.truths
     times, estimate, sigma = broken_at_wraps(
         series.times,
-        estimates[:, StateColumn.ANGLE],
+        estimates[:, ANGLE],
         estimates[:, column] * shown.factor,
         series.sigmas[:, column] * shown.factor,
     )
@@ -172,7 +172,7 @@ def _draw_component(axis: Axes, series: _Series, column: int) -> None:
     )
     draw_line(axis, times, estimate, colour, linewidth=1.4)
     true_times, truth = broken_at_wraps(
-        series.true_times, truths[:, StateColumn.ANGLE], truths[:, column] * shown.factor
+        series.true_times, truths[:, ANGLE], truths[:, column] * shown.factor
     )
     draw_line(axis, true_times, truth, dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
@@ -196,7 +196,7 @@ def _bridged(times: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatAr
 
     Where only every second or third frame is labelled, a line would otherwise never be drawn.
     """
-    labelled = np.flatnonzero(np.isfinite(states[:, StateColumn.ANGLE]))
+    labelled = np.flatnonzero(np.isfinite(states[:, ANGLE]))
     long_gaps = np.flatnonzero(np.diff(times[labelled]) > LONGEST_BRIDGE)
     kept = np.sort(np.concatenate((labelled, labelled[long_gaps] + 1)))
     return times[kept], states[kept]

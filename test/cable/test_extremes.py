@@ -18,7 +18,7 @@ from sound_estimates import assert_sound
 
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initial_state import GivenState
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH, CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
@@ -117,7 +117,7 @@ def test_mean_and_covariance_of_any_cables_are_sound(states, log_weights):
     weights = np.exp(normalise_log_weights(log_weights).log_weights)
     mean, covariance = cable_mean_and_covariance(states, weights)
     assert np.isfinite(mean).all()
-    assert -RIGHT < mean[StateColumn.ANGLE] <= RIGHT
+    assert -RIGHT < mean[ANGLE] <= RIGHT
     assert np.isfinite(covariance).all()
     eigenvalues = np.linalg.eigvalsh(covariance)
     assert eigenvalues.min() >= -1e-9 * max(eigenvalues.max(), 1.0)
@@ -133,12 +133,12 @@ def test_particles_stay_within_their_limits(name, states, dt, seed):
     parameters = preset(name)
     moved = LimitedMovement(parameters, 320).propagate(states, dt, np.random.default_rng(seed))
     assert np.isfinite(moved).all()
-    angles = moved[:, StateColumn.ANGLE]
+    angles = moved[:, ANGLE]
     assert ((angles > -RIGHT) & (angles <= RIGHT)).all()
-    assert (np.abs(moved[:, StateColumn.DISTANCE]) <= parameters.distance_limit).all()
-    widths = moved[:, StateColumn.WIDTH]
+    assert (np.abs(moved[:, DISTANCE]) <= parameters.distance_limit).all()
+    widths = moved[:, WIDTH]
     assert ((widths >= parameters.width_minimum) & (widths <= parameters.width_maximum)).all()
-    assert (np.abs(moved[:, StateColumn.SKEW]) <= math.radians(parameters.skew_limit)).all()
+    assert (np.abs(moved[:, SKEW]) <= math.radians(parameters.skew_limit)).all()
 
 
 @given(arrays(np.float64, (9, 8), elements=st.floats(-1e9, 1e9)))

@@ -41,7 +41,7 @@ class CableEstimate:
         Weighted mean of the particles (MMSE) of the leading hypothesis [px, rad, per second]. Meant
         for the controller only while the status is TRACKING.
     covariance : FloatArray
-        Covariance of its error, shape (8, 8), columns of `StateColumn`.
+        Covariance of its error, shape (8, 8), columns of `CableState`.
     effective_sample_size : float
         N_eff, between 1 and N, before resampling.
     evidence : float

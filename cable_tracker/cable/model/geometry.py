@@ -19,11 +19,15 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import (
     ANGLE,
+    ANGLE_RATE,
     DISTANCE,
+    DISTANCE_RATE,
     POSE_SIZE,
     SKEW,
+    SKEW_RATE,
     STATE_SIZE,
     WIDTH,
+    WIDTH_RATE,
     CableState,
 )
 from cable_tracker.compilation import compiled, compiled_inside
@@ -152,10 +156,10 @@ def pose_in_chart(pose: FloatArray, reference_angle: float, result: FloatArray) 
 def state_in_chart(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
     """Fill in the same for a cable (8,); the rates change their signs as what they change does."""
     sign = pose_in_chart(state, reference_angle, result)
-    result[POSE_SIZE + DISTANCE] = sign * state[POSE_SIZE + DISTANCE]
-    result[POSE_SIZE + ANGLE] = state[POSE_SIZE + ANGLE]
-    result[POSE_SIZE + WIDTH] = state[POSE_SIZE + WIDTH]
-    result[POSE_SIZE + SKEW] = sign * state[POSE_SIZE + SKEW]
+    result[DISTANCE_RATE] = sign * state[DISTANCE_RATE]
+    result[ANGLE_RATE] = state[ANGLE_RATE]
+    result[WIDTH_RATE] = state[WIDTH_RATE]
+    result[SKEW_RATE] = sign * state[SKEW_RATE]
 
 
 @compiled

@@ -17,9 +17,10 @@ from cable_tracker.cable.model.state import (
     DISTANCE,
     POSE_SIZE,
     POSE_WORDS,
+    SKEW_RATE,
     STATE_SIZE,
+    WIDTH_RATE,
     CableState,
-    StateColumn,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
@@ -229,9 +230,9 @@ def draw_given_states(
     # With zero rate variance the model never changes a rate: one drawn here would stay, so none is
     # drawn.
     if parameters.width_rate_variance == 0.0:
-        usual[StateColumn.WIDTH_RATE] = 0.0
+        usual[WIDTH_RATE] = 0.0
     if parameters.skew_rate_variance == 0.0:
-        usual[StateColumn.SKEW_RATE] = 0.0
+        usual[SKEW_RATE] = 0.0
     sigma = np.where(np.isnan(given.sigma), usual, given.sigma)
     known = np.isfinite(sigma)
     mean = given.state.to_array()

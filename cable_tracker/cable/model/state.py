@@ -4,36 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 
+DISTANCE, ANGLE, WIDTH, SKEW, DISTANCE_RATE, ANGLE_RATE, WIDTH_RATE, SKEW_RATE = range(8)
+"""Columns of an array of states, shape (N, 8), see `CableState`."""
 
-class StateColumn(IntEnum):
-    """Columns of an array of states, shape (N, 8)."""
+STATE_SIZE = 8
 
-    DISTANCE = 0
-    ANGLE = 1
-    WIDTH = 2
-    SKEW = 3
-    DISTANCE_RATE = 4
-    ANGLE_RATE = 5
-    WIDTH_RATE = 6
-    SKEW_RATE = 7
-
-
-LENGTHS = [
-    StateColumn.DISTANCE,
-    StateColumn.WIDTH,
-    StateColumn.DISTANCE_RATE,
-    StateColumn.WIDTH_RATE,
-]
+LENGTHS = [DISTANCE, WIDTH, DISTANCE_RATE, WIDTH_RATE]
 """Columns of a state that are in pixels."""
-
-STATE_SIZE = len(StateColumn)
 
 POSE_SIZE = 4
 """Pose components: the first columns, d, alpha, w, beta; as many rates follow."""
@@ -76,7 +59,7 @@ COMPONENTS = (
     Component("v_w", "v_w", "px/s", 1.0),
     Component("v_beta", "v_β", "deg/s", DEGREE),
 )
-"""In the order of `StateColumn`."""
+"""In the order of the columns."""
 
 POSE_COMPONENTS = COMPONENTS[:POSE_SIZE]
 
@@ -85,10 +68,6 @@ POSE_WORDS = ("d {:.1f} px", "alpha {:.3f} rad", "w {:.1f} px", "beta {:.3f} rad
 
 STATE_SYMBOLS = tuple(each.symbol for each in COMPONENTS)
 POSE_SYMBOLS = STATE_SYMBOLS[:POSE_SIZE]
-
-DISTANCE, ANGLE, WIDTH, SKEW = range(POSE_SIZE)
-"""Columns of the pose as `cable` names them, in kernels and outside: in kernels Numba 0.59 takes no
-enumeration for an index beside a slice."""
 
 
 def pose_units(scale: float) -> FloatArray:
@@ -138,7 +117,7 @@ class CableState:
     skew_rate: float = 0.0
 
     def to_array(self) -> FloatArray:
-        """Return the state as an array of shape (8,), in the order of `StateColumn`."""
+        """Return the state as an array of shape (8,), in the order of the columns."""
         # Named one by one, for `astuple` copies each of them deeply, which takes far longer.
         return np.array(
             [

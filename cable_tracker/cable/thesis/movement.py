@@ -8,7 +8,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.limits import StateLimits, clip_to_limits, state_limits
 from cable_tracker.cable.model.movement import CableMovement, MotionAid
-from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, StateColumn
+from cable_tracker.cable.model.state import DISTANCE, DISTANCE_RATE, POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.student_t import standard_student_t
 
@@ -65,5 +65,5 @@ def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     mirrored = np.where(values > limits.upper, 2 * limits.upper - values, mirrored)
     result[:, :POSE_SIZE] = mirrored
     turned = np.abs(states[:, DISTANCE]) > limits.upper[DISTANCE]
-    result[turned, StateColumn.DISTANCE_RATE] *= -1.0
+    result[turned, DISTANCE_RATE] *= -1.0
     return clip_to_limits(result, limits)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import POSE_SIZE, POSE_SYMBOLS, StateColumn
+from cable_tracker.cable.model.state import DISTANCE, POSE_SIZE, POSE_SYMBOLS, WIDTH
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -163,7 +163,7 @@ def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
     squares = [nees(dive.errors, dive.covariances) for dive in dives]
     pooled = np.concatenate([np.empty(0), *squares])
     shares = (*coverage(dives, np.array([PROBABILITY]))[0], _share_in_region(pooled))
-    biases = (median(errors[:, column]) for column in (StateColumn.DISTANCE, StateColumn.WIDTH))
+    biases = (median(errors[:, column]) for column in (DISTANCE, WIDTH))
     below = sum(_share_in_region(each) < PROBABILITY for each in squares)
     return (
         str(len(errors)),

@@ -11,13 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import states_in_chart
-from cable_tracker.cable.model.state import (
-    LENGTHS,
-    POSE_COMPONENTS,
-    POSE_SIZE,
-    STATE_SIZE,
-    StateColumn,
-)
+from cable_tracker.cable.model.state import ANGLE, LENGTHS, POSE_COMPONENTS, POSE_SIZE, STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
@@ -98,6 +92,6 @@ def increment_variances(states: FloatArray) -> FloatArray:
         )
     before, after = full[:-1][pairs], full[1:][pairs]
     # In the chart of the state before, a step across the wrap is as small as any other.
-    steps = states_in_chart(after, before[:, StateColumn.ANGLE]) - before
+    steps = states_in_chart(after, before[:, ANGLE]) - before
     variances: FloatArray = np.var(steps[:, :POSE_SIZE], axis=0, ddof=1) * UNITS
     return variances

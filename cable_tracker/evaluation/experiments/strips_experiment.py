@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import StripSequence
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
@@ -76,7 +76,7 @@ class StripsExperiment(CampaignExperiment):
 
 def _width(run: RunResult) -> float:
     """Return the width of the strip [px at 320 px]."""
-    width = float(run.trace.truths[0, StateColumn.WIDTH])
+    width = float(run.trace.truths[0, WIDTH])
     return width * REFERENCE_WIDTH / float(run.trace.image_widths[0])
 
 
@@ -88,8 +88,8 @@ def is_found(run: RunResult) -> bool:
 def is_measured(run: RunResult) -> bool:
     """Tell whether it is claimed rightly in the last frame, and its width is right."""
     trace = run.trace
-    error = abs(float(trace.errors[-1, StateColumn.WIDTH]))
-    right = error <= WIDTH_TOLERANCE * float(trace.truths[-1, StateColumn.WIDTH])
+    error = abs(float(trace.errors[-1, WIDTH]))
+    right = error <= WIDTH_TOLERANCE * float(trace.truths[-1, WIDTH])
     return bool(trace.useful[-1]) and right
 
 

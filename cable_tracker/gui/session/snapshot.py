@@ -51,7 +51,7 @@ class CableSnapshot(Snapshot[EstimateRow]):
     rate_sigma : tuple of float
         Standard deviations of the rates [per second]; empty where they are not known.
     cloud : FloatArray or None
-        Particles and their weights, shape (N, 9): columns of `StateColumn`, then the weight. None
+        Particles and their weights, shape (N, 9): columns of `CableState`, then the weight. None
         if there are none.
     hypotheses : tuple of Hypothesis
         Hypotheses, as `CableEstimate` has them; empty if they are not known.

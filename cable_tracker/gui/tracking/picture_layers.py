@@ -15,7 +15,7 @@ from cable_tracker.cable.model.segments import (
     border_segments,
     centreline_segments,
 )
-from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, CableState
 from cable_tracker.gui.session.snapshot import CableSnapshot, TargetSnapshot
 from cable_tracker.sequences.messages.line_markers import sides_of_polygon
 from cable_tracker.target.model.estimate import box_corners
@@ -87,8 +87,8 @@ def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
     """
     width, height = size
     reach = float(np.hypot(width, height)) / 2
-    cloud = cloud[np.abs(cloud[:, StateColumn.DISTANCE]) < reach]
-    distances, angles = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
+    cloud = cloud[np.abs(cloud[:, DISTANCE]) < reach]
+    distances, angles = cloud[:, DISTANCE], cloud[:, ANGLE]
     cos, sin = np.cos(angles), np.sin(angles)
     x, y = to_page(distances * cos, distances * sin, size)
     # The browser draws all lines of about one opacity as one stroke, which does not add up.

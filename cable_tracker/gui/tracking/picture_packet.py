@@ -36,7 +36,7 @@ LARGEST_HEIGHT = 4 * LARGEST_WIDTH
 """Taller pictures are reduced to this; a JPEG has at most 65500 rows [px]."""
 
 TO_DISPLAY = np.array([each.factor for each in COMPONENTS])
-"""Factors from px, rad to px, deg, columns of `StateColumn`."""
+"""Factors from px, rad to px, deg, columns of `CableState`."""
 
 TARGET_TO_DISPLAY = np.array([1.0, 1.0, 1.0, DEGREE, 1.0, 1.0])
 """Factors from the units of `TargetClaim.state` to those of the page, shape (6,)."""

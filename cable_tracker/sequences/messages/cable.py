@@ -16,11 +16,12 @@ from cable_tracker.cable.model.geometry import foot_point
 from cable_tracker.cable.model.initial_state import GivenPoint, GivenState
 from cable_tracker.cable.model.segments import Segment, border_segments, centreline_segments
 from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
     POSE_SYMBOLS,
     STATE_SIZE,
     STATE_SYMBOLS,
     CableState,
-    StateColumn,
 )
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
@@ -120,7 +121,7 @@ def centreline_covariance(state: CableState, covariance: FloatArray) -> FloatArr
     """
     cos, sin = math.cos(state.angle), math.sin(state.angle)
     jacobian = np.array([[cos, -state.distance * sin], [sin, state.distance * cos], [0.0, 1.0]])
-    columns = [StateColumn.DISTANCE, StateColumn.ANGLE]
+    columns = [DISTANCE, ANGLE]
     known = jacobian @ covariance[np.ix_(columns, columns)] @ jacobian.T
     return pose_covariance((X, Y, YAW), known)
 
@@ -219,7 +220,7 @@ def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) 
     Fields x, y, z (foot point [px], z = 0, for rviz), d, alpha, w, beta, v_d, v_alpha, v_w, v_beta
     [px, rad, per second], weight (summing to one).
     """
-    distance, angle = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
+    distance, angle = cloud[:, DISTANCE], cloud[:, ANGLE]
     points = np.column_stack(
         (distance * np.cos(angle), distance * np.sin(angle), np.zeros(len(cloud)), cloud)
     )

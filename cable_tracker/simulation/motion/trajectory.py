@@ -12,7 +12,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    ANGLE_RATE,
+    DISTANCE,
+    DISTANCE_RATE,
+    SKEW,
+    SKEW_RATE,
+    STATE_SIZE,
+    WIDTH,
+    WIDTH_RATE,
+)
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -219,14 +229,14 @@ class Trajectory:
         """
         scale = pixel_scale(image_width)
         states = np.empty((times.size, STATE_SIZE))
-        states[:, StateColumn.DISTANCE] = scale * self.distance.values(times)
-        states[:, StateColumn.ANGLE] = self.angle.values(times)
-        states[:, StateColumn.WIDTH] = scale * self.width.values(times)
-        states[:, StateColumn.SKEW] = self.skew.values(times)
-        states[:, StateColumn.DISTANCE_RATE] = scale * _rate(self.distance, times)
-        states[:, StateColumn.ANGLE_RATE] = _rate(self.angle, times)
-        states[:, StateColumn.WIDTH_RATE] = scale * _rate(self.width, times)
-        states[:, StateColumn.SKEW_RATE] = _rate(self.skew, times)
+        states[:, DISTANCE] = scale * self.distance.values(times)
+        states[:, ANGLE] = self.angle.values(times)
+        states[:, WIDTH] = scale * self.width.values(times)
+        states[:, SKEW] = self.skew.values(times)
+        states[:, DISTANCE_RATE] = scale * _rate(self.distance, times)
+        states[:, ANGLE_RATE] = _rate(self.angle, times)
+        states[:, WIDTH_RATE] = scale * _rate(self.width, times)
+        states[:, SKEW_RATE] = _rate(self.skew, times)
         return states
 
     def way(self, times: FloatArray) -> FloatArray:

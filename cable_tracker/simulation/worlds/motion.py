@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, STATE_SIZE, WIDTH
 from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
@@ -105,10 +105,10 @@ def random_motion(
     else:
         places = _swing(means, frame_count, rng)
     states = np.zeros((frame_count, STATE_SIZE))
-    width = np.maximum(places[:, StateColumn.WIDTH], 3.0)
+    width = np.maximum(places[:, WIDTH], 3.0)
     steepest = np.arctan(width / (2 * _nearest_apex(places, height)))
-    places[:, StateColumn.WIDTH] = width
-    places[:, StateColumn.SKEW] = np.clip(places[:, StateColumn.SKEW], -steepest, steepest)
+    places[:, WIDTH] = width
+    places[:, SKEW] = np.clip(places[:, SKEW], -steepest, steepest)
     states[:, :POSE_SIZE] = places
     if frame_count > 1:
         states[:, POSE_SIZE:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
@@ -129,10 +129,10 @@ def _way_out(places: FloatArray, height: float) -> FloatArray:
     From the foot point, the way that the borders converge; 0 or less where none of the picture lies
     on it.
     """
-    distance, angle = places[:, StateColumn.DISTANCE], places[:, StateColumn.ANGLE]
+    distance, angle = places[:, DISTANCE], places[:, ANGLE]
     normal = np.stack((np.cos(angle), np.sin(angle)), axis=1)
     onward = np.stack((-normal[:, 1], normal[:, 0]), axis=1)
-    onward *= np.where(places[:, StateColumn.SKEW] < 0.0, -1.0, 1.0)[:, None]
+    onward *= np.where(places[:, SKEW] < 0.0, -1.0, 1.0)[:, None]
     # Where the line leaves the stripe between two opposite sides of the picture.
     half = np.array((REFERENCE_WIDTH, height)) / 2
     steps = np.where(np.abs(onward) < 1e-9, 1e-9, onward)
@@ -186,7 +186,7 @@ def _inspect(means: FloatArray, count: int, rng: np.random.Generator) -> FloatAr
 
 def _swing(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
     times = np.arange(count) / WORLD_RATE
-    limits = np.array(LIVELY_LIMITS) * (1.0, 1.0, means[StateColumn.WIDTH], 1.0)
+    limits = np.array(LIVELY_LIMITS) * (1.0, 1.0, means[WIDTH], 1.0)
     swings = [
         Harmonics.random(float(limit), LIVELY_BANDS, rng).values(times) * rng.uniform(0.4, 1.0)
         for limit in limits

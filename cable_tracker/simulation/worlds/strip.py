@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import ANGLE, SKEW, WIDTH
 from cable_tracker.tracking.image_frame import to_image
 
 LEAST_SCALE = 0.06
@@ -73,10 +73,10 @@ def border_points(
     (Image, Image)
         x and y of the left border's points, then of the right one's, float32, shape (1, K) [px].
     """
-    distance, angle, half = state[0], state[StateColumn.ANGLE], state[StateColumn.WIDTH] / 2
+    distance, angle, half = state[0], state[ANGLE], state[WIDTH] / 2
     reach = float(np.hypot(*image_size)) / 2 + abs(float(distance)) + float(half)
     along = np.arange(-reach, reach, spacing)
-    offset = half - along * np.tan(state[StateColumn.SKEW])
+    offset = half - along * np.tan(state[SKEW])
     usable = offset > LEAST_SCALE * half
     across = distance + np.concatenate((-offset[usable], offset[usable]))
     along = np.concatenate((along[usable], along[usable]))

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.state import LENGTHS, CableState, StateColumn
+from cable_tracker.cable.model.state import LENGTHS, WIDTH, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.rendering.texture import in_rows, smooth_step
 from cable_tracker.simulation.setting_checks import check_seed, check_size
@@ -123,7 +123,7 @@ class WorldDive:
         )
         self.states[:, LENGTHS] *= self._scale
         # On the bottom a texel is a pixel where the view is middling.
-        self._unit = float(self.states[:, StateColumn.WIDTH].mean()) / (2 * self._scale)
+        self._unit = float(self.states[:, WIDTH].mean()) / (2 * self._scale)
         speed = float(rng.uniform(*TRAVEL_SPEED))
         self._travel = speed * np.arange(world.frame_count) / WORLD_RATE
 
