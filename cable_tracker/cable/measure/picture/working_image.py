@@ -166,6 +166,7 @@ class WorkingImage:
         bent by what is no longer so; else the bend is found when a map is made for other reasons.
         """
         bend = self.history.bend
+        # What a cached property has worked out stands among the variables of its object.
         has_map = "_bent_map" in vars(self)
         if has_map or bend != STRAIGHT:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
