@@ -46,11 +46,53 @@ def test_a_compressed_caption_at_the_very_edge_does_not_hide_a_bar(live):
     """Compression in blocks of 8 px spreads what is written to the outermost line."""
     barred = live.copy()
     barred[:24] = 6
-    cv2.putText(barred, "KP 23.417", (2, 10), cv2.FONT_HERSHEY_SIMPLEX, 0.35, 230)
-    _, packed = cv2.imencode(".jpg", barred, (cv2.IMWRITE_JPEG_QUALITY, 60))
-    shown = cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE)
+    write(barred, "KP 23.417", (2, 10))
+    shown = compressed(barred, 60)
     assert np.ptp(shown[0].astype(int)) > 10
     assert dead_lines(shown) == 24 + BESIDE
+
+
+def compressed(picture: np.ndarray, quality: int) -> np.ndarray:
+    _, packed = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, quality))
+    return cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE)
+
+
+def write(picture: np.ndarray, text: str, place: tuple[int, int], level: int = 230) -> None:
+    cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.35, level)
+
+
+@pytest.mark.parametrize("quality", [40, 60, 80])
+def test_captions_from_end_to_end_of_a_compressed_bar_do_not_hide_it(live, quality):
+    barred = live.copy()
+    barred[:24] = 16
+    for row in (9, 20):
+        write(barred, "N 671", (2, row))
+        write(barred, "183", (132, row))
+    assert dead_lines(compressed(barred, quality)) == 24 + BESIDE
+
+
+def test_boxes_of_captions_that_are_darker_than_a_bar_do_not_hide_it(live):
+    barred = live.copy()
+    barred[:24] = 16
+    barred[4:18, 2:70] = barred[4:18, 80:158] = 0
+    write(barred, "KP 12.415", (4, 14))
+    assert dead_lines(barred) == 24 + BESIDE
+
+
+@pytest.mark.parametrize("thickness", [17, 20, 22])
+def test_the_block_in_which_a_compressed_bar_ends_is_filled_with_it(live, thickness):
+    """The last lines of such a bar are neither black nor of the scene: its edge stands there."""
+    barred = live.copy()
+    barred[:thickness] = 0
+    assert thickness <= dead_lines(compressed(barred, 30)) <= 24 + BESIDE
+
+
+@pytest.mark.parametrize("thickness", [17, 20, 22])
+def test_no_edge_is_left_of_a_compressed_bar(live, thickness):
+    barred = np.full_like(live, 120)
+    barred[:thickness] = 0
+    filled = without_dead_margins(compressed(barred, 30))
+    assert np.ptp(filled.astype(int)) < 20
 
 
 def test_a_dark_bottom_that_is_nowhere_plain_is_no_margin(rng):
