@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import borders_cross_inside, relative_direction
+from cable_tracker.cable.model.geometry import borders_cross_inside, pose_between, pose_in_chart
 from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
@@ -205,16 +205,11 @@ def _cable_between(
 
     Their normals point to the same side.
     """
-    left, right = angle, other
     bright = offset <= other_offset
-    if not bright:
-        left, right = right, left
-    skew = (right - left) / 2
-    cos_skew = math.cos(skew)
-    middle = (left + right) / 2
-    wrapped, sign = relative_direction(middle, 0.0)
-    pose[DISTANCE] = sign * (offset + other_offset) / (2 * cos_skew)
-    pose[ANGLE] = wrapped
-    pose[WIDTH] = abs(other_offset - offset) / cos_skew
-    pose[SKEW] = sign * skew
+    if bright:
+        between = pose_between(angle, other, offset, other_offset)
+    else:
+        between = pose_between(other, angle, other_offset, offset)
+    pose[DISTANCE], pose[ANGLE], pose[WIDTH], pose[SKEW] = between
+    pose_in_chart(pose, 0.0, pose)
     return bright

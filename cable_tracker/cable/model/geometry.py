@@ -276,12 +276,19 @@ def states_from_borders(borders: Borders) -> FloatArray:
     The inverse of `project_borders`. The two normals must point the same way, from left to right,
     and be less than pi apart.
     """
-    left, right = borders.angles[:, 0], borders.angles[:, 1]
-    skew = (right - left) / 2
+    return np.stack(pose_between(*borders.angles.T, *borders.offsets.T), axis=1)
+
+
+@compiled_inside
+def pose_between(
+    left_angle: Number, right_angle: Number, left_offset: Number, right_offset: Number
+) -> tuple[Number, Number, Number, Number]:
+    """Return d, alpha, w, beta of the cable between two lines, see `states_from_borders`."""
+    skew = (right_angle - left_angle) / 2
     cos_skew = np.cos(skew)
-    distance = (borders.offsets[:, 0] + borders.offsets[:, 1]) / (2 * cos_skew)
-    width = (borders.offsets[:, 1] - borders.offsets[:, 0]) / cos_skew
-    return np.stack((distance, (left + right) / 2, width, skew), axis=1)
+    distance = (left_offset + right_offset) / (2 * cos_skew)
+    width = (right_offset - left_offset) / cos_skew
+    return distance, (left_angle + right_angle) / 2, width, skew
 
 
 def foot_point(distance: float, angle: float) -> tuple[float, float]:
