@@ -225,8 +225,7 @@ class CableTracker:
         width = self._frame.size[0]
         self._notice = _notice_of(given, state_limits(self._parameters, width))
         states = draw_given_states(given, self._parameters, width, self._rng)
-        believe = cable_filter.given_belief if given.is_certain else cable_filter.guessed_belief
-        return believe(states)
+        return cable_filter.given_belief(states, is_certain=given.is_certain)
 
     def _make_filter(self, image_size: tuple[int, int]) -> Filter:
         parameters = self._parameters

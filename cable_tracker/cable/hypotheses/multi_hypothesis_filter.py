@@ -141,13 +141,9 @@ class MultiHypothesisFilter:
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE)
 
-    def given_belief(self, states: FloatArray) -> Belief:
-        """Return the belief after states (N, 8) of the cable were given."""
-        return replace(self.guessed_belief(states), is_given=True)
-
-    def guessed_belief(self, states: FloatArray) -> Belief:
-        """Return the belief after states (N, 8) were given that may be of something else."""
-        return initial_belief(states, GIVEN_PRESENCE)
+    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> Belief:
+        """Return the belief after states (N, 8) were given, of the cable or maybe another thing."""
+        return replace(initial_belief(states, GIVEN_PRESENCE), is_given=is_certain)
 
     def converted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
@@ -157,7 +153,7 @@ class MultiHypothesisFilter:
         indices = self._resample(particles.weights, count, self._rng)
         if isinstance(belief, Belief):
             return resampled_belief(belief, indices)
-        return self.guessed_belief(particles.states[indices])
+        return self.given_belief(particles.states[indices], is_certain=False)
 
     def is_searching(self, belief: Belief) -> bool:
         """Tell whether there is more likely no cable than one, or the search begins anew."""

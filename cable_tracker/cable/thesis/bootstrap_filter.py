@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -77,15 +77,12 @@ class BootstrapFilter:
 
     def first_belief(self) -> BootstrapBelief:
         """Return particles all over the search box."""
-        return self.guessed_belief(random_states(self._parameters, self._width, self._rng))
+        states = random_states(self._parameters, self._width, self._rng)
+        return self.given_belief(states, is_certain=False)
 
-    def given_belief(self, states: FloatArray) -> BootstrapBelief:
-        """Return the belief after states (N, 8) of the cable were given."""
-        return replace(self.guessed_belief(states), is_given=True)
-
-    def guessed_belief(self, states: FloatArray) -> BootstrapBelief:
-        """Return equally weighted particles, states (N, 8)."""
-        return BootstrapBelief(Particles.equally_weighted(states))
+    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> BootstrapBelief:
+        """Return equally weighted particles, states (N, 8), of the cable or maybe another thing."""
+        return BootstrapBelief(Particles.equally_weighted(states), is_certain)
 
     def converted(self, belief: ParticleBelief) -> BootstrapBelief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""

@@ -224,7 +224,7 @@ def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture
 def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     cable_filter = make_filter()
     assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].is_given
-    guess = cable_filter.guessed_belief(cloud(STRIP))
+    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     followed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert followed.known_time == pytest.approx(10 * FRAME)
     gone = run(cable_filter, followed, [noise(k) for k in range(25)])[-1]
@@ -234,7 +234,7 @@ def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
 
 def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
     cable_filter = make_filter(evidence_to_find=100.0)
-    guess = cable_filter.guessed_belief(cloud(STRIP))
+    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     assert run(cable_filter, guess, [strip] * 10, FOUND)[-1].known_time == 0.0
     given = cable_filter.given_belief(cloud(STRIP))
     assert run(cable_filter, given, [strip] * 10, FOUND)[-1].is_given
@@ -242,7 +242,7 @@ def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
 
 def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
     cable_filter = make_filter(evidence_to_find=100.0)
-    guess = cable_filter.guessed_belief(cloud(STRIP))
+    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     believed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert believed.presence > 0.9
     assert believed.memory is None
@@ -253,7 +253,8 @@ def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
 
 def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
     cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
-    beliefs = run(cable_filter, cable_filter.guessed_belief(cloud(STRIP)), [strip] * 30, FOUND)
+    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
+    beliefs = run(cable_filter, guess, [strip] * 30, FOUND)
     faint_times = np.array([belief.faint_time for belief in beliefs])
     assert 0.4 <= faint_times.max() < 0.4 + 2 * FRAME
     assert (np.diff(faint_times) < 0.0).any()
@@ -278,7 +279,7 @@ def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
         width_minimum=150.0, appearance_rate=0.0, search_share=0.0, detector_share=0.0,
         diffusion_degrees_of_freedom=0.0,
     )  # fmt: skip
-    before = cable_filter.guessed_belief(cloud(STRIP))
+    before = cable_filter.given_belief(cloud(STRIP), is_certain=False)
     (after,) = run(cable_filter, before, [strip])
     assert_sound(after)
     assert after.presence == LEAST_PRESENCE
@@ -613,7 +614,8 @@ def density_about_the_strip(strip, turned, monkeypatch) -> float:
     monkeypatch.setattr(working_image, "make_cable_map", lambda *_: strip_map(STRIP))
     elsewhere = CableState(0.0, STRIP.angle - turned, 30.0, 0.0)
     cable_filter = make_filter(refinement_rounds=1)
-    cable_filter.step(cable_filter.guessed_belief(cloud(elsewhere)), strip, FRAME, NO_DETECTIONS)
+    guess = cable_filter.given_belief(cloud(elsewhere), is_certain=False)
+    cable_filter.step(guess, strip, FRAME, NO_DETECTIONS)
     sample, states = samples[0]
     offsets = np.abs(states[:, :4] - STRIP.to_array()[:4])
     at_strip = (offsets < np.array([6.0, 0.1, 6.0, 0.1])).all(axis=1)

@@ -84,7 +84,8 @@ def test_another_number_of_particles_is_drawn_from_the_present_ones():
 
 def test_only_what_was_given_is_known_to_be_so_until_a_search_begins(strip):
     cable_filter = make_filter()
-    given, guessed = cable_filter.given_belief(cloud()), cable_filter.guessed_belief(cloud())
+    given = cable_filter.given_belief(cloud())
+    guessed = cable_filter.given_belief(cloud(), is_certain=False)
     for belief, is_given in ((given, True), (guessed, False), (cable_filter.first_belief(), False)):
         after = cable_filter.converted(cable_filter.step(belief, strip, FRAME, NO_DETECTIONS))
         assert cable_filter.summary(after, strip).follows_given == is_given
