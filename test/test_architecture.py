@@ -49,7 +49,7 @@ MAY_IMPORT = {
     },
     "evaluation": {
         "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric",
-        "cable", "target", "tracking", "particle_filter",
+        "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
     },
     "offline": {
         "trackers", "detection", "visualisation", "sequences", "metric", "cable", "target",

@@ -44,7 +44,7 @@ from cable_tracker.commands.options.common import (
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.followed_kinds import TARGET
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight, node_values
+from cable_tracker.metric.recorded.recorded_target import node_values, recorded_target
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame, parse_start
@@ -141,12 +141,12 @@ def target(  # noqa: PLR0917
             tracker = TargetTracker(parameters)
             if start is not None:
                 tracker.initialise(start)
-            sight = (
-                RecordedTargetSight(described, target_size) if described.has_instruments else None
+            instruments = (
+                recorded_target(described, target_size) if described.has_instruments else None
             )
-            with sight or nullcontext():
+            with instruments or nullcontext():
                 damage = follow_all(
-                    frames, lambda frame: follow_frame(frame, tracker, results, sight)
+                    frames, lambda frame: follow_frame(frame, tracker, results, instruments)
                 )
         need_usable_frames(recording.path, results.rows, damage)
     print_notes(source, described.remarks())

@@ -20,7 +20,6 @@ from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry, Unaided
 from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
-from cable_tracker.metric.settings import instrument_settings
 from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
@@ -58,13 +57,13 @@ class CableSight(Sight[CableVehicleParameters]):
         texture_pause: float = 0.0,
     ) -> None:
         self._texture_pause = texture_pause
-        self._instruments = Instruments(instrument_settings(parameters))
+        self._instruments = Instruments(parameters)
         self._forget_motion()
         super().__init__(parameters, calibration)
 
     def configure(self, parameters: CableVehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
-        self._instruments.configure(instrument_settings(parameters))
+        self._instruments.configure(parameters)
         super().configure(parameters)
 
     def forget_all(self) -> None:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.metric.altitude import Altimeter, Altitude
+from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
-from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
+from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
 from cable_tracker.metric.history import History, Reading
 from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.settings import altimeter_of, metric_settings
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.stamps import NANOSECONDS
 
 UNKNOWN_ATTITUDE = (
@@ -25,43 +27,17 @@ UNKNOWN_ATTITUDE = (
 """Such an attitude is not kept, and so what counts as missing may come all the time."""
 
 
-@dataclass(frozen=True, slots=True)
-class InstrumentSettings:
-    """How instruments are to be read.
-
-    Attributes
-    ----------
-    metric : MetricSettings
-        Mounting and what else does not change.
-    altimeter : Altimeter
-        Mounting and errors of the altimeter.
-    fixed_altitude : float
-        Altitude of base_link used without an altimeter, before its first measurement, or where its
-        last one is too old [m]; 0 for none.
-    timeout : float
-        Measurements older than this, at the time of a frame, do not count [s].
-    level_sigma : float
-        Doubt about roll and pitch, each, without an imu: the vehicle counts as level [rad].
-    """
-
-    metric: MetricSettings = field(default_factory=MetricSettings)
-    altimeter: Altimeter = field(default_factory=Altimeter)
-    fixed_altitude: float = 0.0
-    timeout: float = 1.0
-    level_sigma: float = math.radians(2.0)
-
-
 class Instruments:
     """Keeps measurements, and turns estimates into metres with those of the same time.
 
     Parameters
     ----------
-    settings : InstrumentSettings
-        Settings of the instruments.
+    parameters : CableVehicleParameters
+        How camera and instruments are mounted and read.
     """
 
-    def __init__(self, settings: InstrumentSettings) -> None:
-        self._settings = settings
+    def __init__(self, parameters: CableVehicleParameters) -> None:
+        self.configure(parameters)
         self._calibration: Calibration | None = None
         self._altitudes = History()
         self._attitudes = History()
@@ -71,9 +47,10 @@ class Instruments:
         self._altitudes.clear()
         self._attitudes.clear()
 
-    def configure(self, settings: InstrumentSettings) -> None:
-        """Take other settings, and keep the measurements."""
-        self._settings = settings
+    def configure(self, parameters: CableVehicleParameters) -> None:
+        """Take other parameters, and keep the measurements."""
+        self._parameters = parameters
+        self._metric, self._altimeter = metric_settings(parameters), altimeter_of(parameters)
 
     def take_calibration(self, calibration: Calibration) -> None:
         """Use a calibration from now on."""
@@ -90,7 +67,7 @@ class Instruments:
 
     def cross_track(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
-        meter = CrossTrackMeter(self._settings.metric, self._calibration)
+        meter = CrossTrackMeter(self._metric, self._calibration)
         attitude = self.attitude_at(estimate.stamp)
         if isinstance(attitude, Withheld):
             # An altitude is read with an attitude: what withholds one withholds both. The meter
@@ -101,9 +78,9 @@ class Instruments:
     def attitude_at(self, stamp: int) -> Attitude | Withheld:
         """Return the attitude at a time [ns]; level, with doubt, if there never was an imu."""
         if not len(self._attitudes):
-            return Attitude(0.0, 0.0, self._settings.level_sigma)
+            return Attitude(0.0, 0.0, math.radians(self._parameters.level_sigma))
         reading = self._attitudes.at(stamp)
-        if reading is None or reading.nearest > self._settings.timeout:
+        if reading is None or reading.nearest > self._parameters.instrument_timeout:
             why = self._stale("imu", is_later=reading is None)
             return Withheld(Reason.STALE_ATTITUDE, f"{why}; {UNKNOWN_ATTITUDE}")
         attitude = Attitude(*(float(value) for value in reading.values))
@@ -113,23 +90,22 @@ class Instruments:
 
     def altitude_at(self, stamp: int, attitude: Attitude) -> Altitude | Withheld:
         """Return the altitude of base_link at a time [ns]."""
-        settings = self._settings
         reading = self._altitudes.at(stamp)
         if self._is_fixed(stamp, reading):
-            sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
-            return Altitude(settings.fixed_altitude, sigma)
+            fixed = self._parameters.fixed_altitude
+            return Altitude(fixed, self._altimeter.relative_sigma * fixed)
         if not len(self._altitudes):
             return Withheld(
                 Reason.NO_ALTITUDE, "none has come on altitude; or set the parameter fixed_altitude"
             )
-        if reading is None or reading.nearest > settings.timeout:
+        if reading is None or reading.nearest > self._parameters.instrument_timeout:
             return Withheld(
                 Reason.STALE_ALTITUDE, self._stale("altitude", is_later=reading is None)
             )
         # An altitude that cannot be must not be bridged by its neighbours.
         for values in (*self._altitudes.around(stamp), reading.values):
             metres, low, high = (float(value) for value in values)
-            altitude = settings.altimeter.read(metres, attitude, (low, high))
+            altitude = self._altimeter.read(metres, attitude, (low, high))
             if isinstance(altitude, Withheld):
                 return altitude
         return altitude
@@ -150,9 +126,9 @@ class Instruments:
         An altimeter whose stamps are all later than the image has just begun to speak, or its clock
         is wrong where they are later by more than the timeout.
         """
-        if not self._settings.fixed_altitude > 0.0:
+        if not self._parameters.fixed_altitude > 0.0:
             return False
-        timeout = self._settings.timeout
+        timeout = self._parameters.instrument_timeout
         if reading is None:
             begins = self._altitudes.between(stamp, stamp + round(timeout * NANOSECONDS))
             return bool(begins) or not len(self._altitudes)
@@ -169,16 +145,15 @@ class Instruments:
         altitude = self.altitude_at(estimate.stamp, attitude)
         if isinstance(altitude, Withheld):
             return altitude
-        metric = self._settings.metric
-        height = altitude.metres - metric.cable_height
-        return Overflight(camera, metric.mounting, attitude, height, altitude.sigma)
+        height = altitude.metres - self._metric.cable_height
+        return Overflight(camera, self._metric.mounting, attitude, height, altitude.sigma)
 
     def _stale(self, topic: str, *, is_later: bool) -> str:
         if is_later:
             return f"{topic} has only later stamps than the image; set all clocks alike"
         return (
-            f"the last on {topic} is more than {self._settings.timeout:g} s older than the image;"
-            " look whether it still comes, and set all clocks alike"
+            f"the last on {topic} is more than {self._parameters.instrument_timeout:g} s older than"
+            " the image; look whether it still comes, and set all clocks alike"
         )
 
 

@@ -1,4 +1,4 @@
-"""From the vehicle's parameters to settings, and from a bag's frames to parameters."""
+"""From the vehicle's parameters to mountings, and from a bag's frames to parameters."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.instruments import InstrumentSettings
-from cable_tracker.metric.targets.target_metres import TargetSettings
 from cable_tracker.node_parameter_tables import (
     MOUNTING_PARAMETERS,
     CableVehicleParameters,
@@ -31,26 +29,18 @@ def mounting_of(parameters: CableVehicleParameters | TargetVehicleParameters) ->
     )
 
 
-def instrument_settings(parameters: CableVehicleParameters) -> InstrumentSettings:
-    """Return how instruments are to be read."""
-    return InstrumentSettings(
-        metric=MetricSettings(
-            mounting_of(parameters), parameters.look_ahead, parameters.cable_height
-        ),
-        altimeter=Altimeter(
-            (parameters.altimeter_x, parameters.altimeter_y, parameters.altimeter_z),
-            parameters.altitude_is_vertical,
-            parameters.altitude_sigma,
-        ),
-        fixed_altitude=parameters.fixed_altitude,
-        timeout=parameters.instrument_timeout,
-        level_sigma=math.radians(parameters.level_sigma),
+def metric_settings(parameters: CableVehicleParameters) -> MetricSettings:
+    """Return how cables are to be measured."""
+    return MetricSettings(mounting_of(parameters), parameters.look_ahead, parameters.cable_height)
+
+
+def altimeter_of(parameters: CableVehicleParameters) -> Altimeter:
+    """Return the altimeter that the parameters describe."""
+    return Altimeter(
+        (parameters.altimeter_x, parameters.altimeter_y, parameters.altimeter_z),
+        parameters.altitude_is_vertical,
+        parameters.altitude_sigma,
     )
-
-
-def target_settings(parameters: TargetVehicleParameters) -> TargetSettings:
-    """Return how targets are to be measured."""
-    return TargetSettings(mounting_of(parameters), parameters.target_size, parameters.motion_aid)
 
 
 def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, object]:

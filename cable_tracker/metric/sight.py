@@ -36,6 +36,11 @@ class Sight(ABC, Generic[VehicleParameters]):
         self._camera_info: Message | None = None
         self._use_calibration()
 
+    @property
+    def parameters(self) -> VehicleParameters:
+        """The parameters in force."""
+        return self._parameters
+
     @abstractmethod
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""

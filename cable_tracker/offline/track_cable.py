@@ -135,7 +135,7 @@ def track_picture(
     ms = (time.perf_counter() - begin) * 1e3
     if metres is None:
         return estimate, ms, None
-    metres.observe(estimate)
+    metres.sight.observe(estimate)
     return estimate, ms, metres.measure(estimate)
 
 
@@ -161,6 +161,7 @@ def track_frame(
     )
     output.write_overlay(node_topics.OVERLAY, lambda: draw_estimate(grey, estimate, cloud))
     if metres is not None and isinstance(known, CrossTrack):
-        output.write_all(cross_track_messages(factory, header, metres.base_frame, known))
+        base_frame = metres.sight.parameters.base_frame
+        output.write_all(cross_track_messages(factory, header, base_frame, known))
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])

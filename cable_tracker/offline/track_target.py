@@ -7,9 +7,11 @@ import time
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.metric.messages import relative_messages
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.metric.targets.target_metres import TargetMetres
+from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import (
     TargetRow,
@@ -51,7 +53,10 @@ def parse_start(init: str) -> TargetStart | None:
 
 
 def follow_picture(
-    frame: Frame, image: Image, tracker: TargetTracker, sight: RecordedTargetSight | None
+    frame: Frame,
+    image: Image,
+    tracker: TargetTracker,
+    instruments: RecordedInstruments[TargetSight] | None,
 ) -> tuple[TargetEstimate, float, TargetMetres | None]:
     """Follow into a picture, shape (H, W, 3), with what the instruments said up to its frame.
 
@@ -62,29 +67,33 @@ def follow_picture(
     FrameError
         The frame cannot be used.
     """
-    if sight is not None:
-        sight.advance(frame)
+    if instruments is not None:
+        instruments.advance(frame)
     begin = time.perf_counter()
     height, width = image.shape[:2]
+    sight = instruments.sight if instruments is not None else None
     motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
     estimate = tracker.process(image, frame.stamp, motion)
     ms = (time.perf_counter() - begin) * 1e3
-    return estimate, ms, sight.take(estimate) if sight is not None else None
+    return estimate, ms, sight.take([estimate])[0] if sight is not None else None
 
 
 def follow_frame(
-    frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedTargetSight | None
+    frame: Frame,
+    tracker: TargetTracker,
+    results: TargetFolder,
+    instruments: RecordedInstruments[TargetSight] | None,
 ) -> None:
-    """Follow a target into a frame, and add it to the results; without `sight` all in pixels."""
+    """Follow a target into a frame, and add it to the results; in pixels without instruments."""
     output = FrameMessages(results.bag, frame)
     try:
         image = decode_bgr_levels(frame.image)
-        estimate, ms, metres = follow_picture(frame, image, tracker, sight)
+        estimate, ms, metres = follow_picture(frame, image, tracker, instruments)
     except FrameError as error:
         output.write_all(
             messages_without_target(output.factory, output.header, REFUSED, str(error))
         )
-        if sight is not None:
+        if instruments is not None:
             results.metres.append(refused_metres_row(frame, str(error)))
         results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
         return
@@ -92,11 +101,12 @@ def follow_frame(
     poses = particles.states if particles is not None else None
     picture = draw_target(shown_levels(image), estimate, poses)
     facts: dict[str, str] = {}
-    if sight is not None and metres is not None:
-        place = sight.settings.mounting.position
+    if instruments is not None and metres is not None:
+        parameters = instruments.sight.parameters
+        place = mounting_of(parameters).position
         facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))
-        output.write_all(relative_messages(factory, header, sight.base_frame, metres, place))
+        output.write_all(relative_messages(factory, header, parameters.base_frame, metres, place))
     output.write_all(
         target_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
     )

@@ -5,11 +5,12 @@ import math
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.altitude import Altimeter, Altitude
-from cable_tracker.metric.cross_track import CrossTrack, MetricSettings
+from cable_tracker.metric.altitude import Altitude
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 
 SECOND = 1_000_000_000
 LIMITS = (0.1, 50.0)
@@ -22,7 +23,7 @@ def estimate(make_estimate):
 
 @pytest.fixture
 def instruments(calibrations):
-    instruments = Instruments(InstrumentSettings())
+    instruments = Instruments(CableVehicleParameters())
     instruments.take_calibration(calibrations["pinhole"])
     return instruments
 
@@ -41,7 +42,7 @@ def test_with_calibration_and_altitude_there_are_metres(instruments, estimate):
 
 
 def test_without_calibration_the_words_say_so(estimate):
-    instruments = Instruments(InstrumentSettings())
+    instruments = Instruments(CableVehicleParameters())
     instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
     assert reason(instruments.cross_track(estimate)) is Reason.NO_CALIBRATION
 
@@ -51,7 +52,7 @@ def test_without_altitude_the_words_say_so(instruments, estimate):
 
 
 def test_a_fixed_altitude_stands_in(instruments, estimate):
-    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.configure(CableVehicleParameters(fixed_altitude=2.0))
     assert instruments.altitude_at(0, Attitude()) == Altitude(2.0, 0.02)
     instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
     measured = instruments.altitude_at(10 * SECOND, Attitude())
@@ -61,7 +62,7 @@ def test_a_fixed_altitude_stands_in(instruments, estimate):
 
 def test_a_fixed_altitude_stands_in_for_an_altimeter_that_fell_silent(instruments):
     instruments.take_altitude(SECOND, 1.4, LIMITS)
-    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.configure(CableVehicleParameters(fixed_altitude=2.0))
     assert instruments.altitude_at(3 * SECOND, Attitude()) == Altitude(2.0, 0.02)
     assert "altitude is more than 1 s older" in instruments.stand_in_at(3 * SECOND)
     instruments.take_altitude(3 * SECOND, 1.5, LIMITS)
@@ -71,7 +72,7 @@ def test_a_fixed_altitude_stands_in_for_an_altimeter_that_fell_silent(instrument
 
 def test_a_fixed_altitude_stands_in_until_the_altimeter_begins(instruments):
     # A recording knows what came a little after a picture, too.
-    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.configure(CableVehicleParameters(fixed_altitude=2.0))
     instruments.take_altitude(int(2.2 * SECOND), 1.4, LIMITS)
     assert instruments.altitude_at(2 * SECOND, Attitude()) == Altitude(2.0, 0.02)
     # It has not fallen silent, of which there would be a warning.
@@ -86,7 +87,7 @@ def test_a_fixed_altitude_stands_in_until_the_altimeter_begins(instruments):
 def test_a_fixed_altitude_does_not_stand_in_for_an_altimeter_that_speaks(
     instruments, metres, second, expected
 ):
-    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    instruments.configure(CableVehicleParameters(fixed_altitude=2.0))
     instruments.take_altitude(int(second * SECOND), metres, LIMITS)
     told = instruments.altitude_at(2 * SECOND, Attitude())
     assert reason(told) is expected
@@ -164,8 +165,8 @@ def test_a_vehicle_on_its_back_does_not_count_as_upright(instruments, estimate):
 
 def test_doubt_about_the_level_makes_the_offset_less_sure(calibrations, estimate):
     sigmas = []
-    for doubt in (0.0, 0.05):
-        instruments = Instruments(InstrumentSettings(level_sigma=doubt, fixed_altitude=1.4))
+    for doubt in (0.0, math.degrees(0.05)):
+        instruments = Instruments(CableVehicleParameters(level_sigma=doubt, fixed_altitude=1.4))
         instruments.take_calibration(calibrations["pinhole"])
         result = instruments.cross_track(estimate)
         assert isinstance(result, CrossTrack)
@@ -176,7 +177,7 @@ def test_doubt_about_the_level_makes_the_offset_less_sure(calibrations, estimate
 def test_settings_change_at_once(instruments, estimate):
     instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
     instruments.configure(
-        InstrumentSettings(MetricSettings(look_ahead=3.0), Altimeter((0.0, 0.0, -0.6)), timeout=0.5)
+        CableVehicleParameters(look_ahead=3.0, altimeter_z=-0.6, instrument_timeout=0.5)
     )
     result = instruments.cross_track(estimate)
     assert isinstance(result, CrossTrack)

@@ -8,7 +8,7 @@ import pytest
 from chase_bag import write_chase_bag
 
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_target import recorded_target
 from cable_tracker.offline.results import ESTIMATES, METRES, WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame
@@ -31,10 +31,10 @@ def refused_in_the_middle(tmp_path):
         tiny = raw_from_array(np.zeros((2, 2, 3), np.uint8), "bgr8")
         frames[1] = replace(frames[1], image=tiny)
         with (
-            RecordedTargetSight(recorded_vehicle(source)) as sight,
+            recorded_target(recorded_vehicle(source)) as instruments,
             TargetFolder(tmp_path / "out", wanted=TABLES_ALONE) as results,
         ):
-            follow_all(frames, lambda frame: follow_frame(frame, tracker, results, sight))
+            follow_all(frames, lambda frame: follow_frame(frame, tracker, results, instruments))
     return results.path
 
 

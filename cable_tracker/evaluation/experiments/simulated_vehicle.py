@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.cross_track import MetricSettings
-from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.odometry.motion import TWIST
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.instruments import (
     LEAST_RANGE,
@@ -138,11 +137,13 @@ def _disturbed(
 def _instruments(
     dive: Dive, flight: Flight, errors: InstrumentErrors, rng: np.random.Generator
 ) -> Instruments:
-    mounting = Mounting(pitch=math.pi / 2 - dive.camera.mounting)
     instruments = Instruments(
-        InstrumentSettings(
-            metric=MetricSettings(mounting, LOOK_AHEAD, dive.tube.height),
-            altimeter=Altimeter(is_vertical=True, relative_sigma=errors.altitude),
+        CableVehicleParameters(
+            camera_pitch=90.0 - math.degrees(dive.camera.mounting),
+            look_ahead=LOOK_AHEAD,
+            cable_height=dive.tube.height,
+            altitude_is_vertical=True,
+            altitude_sigma=errors.altitude,
         )
     )
     instruments.take_calibration(calibration_of(dive.camera))

@@ -18,7 +18,7 @@ from cable_tracker.gui.session.session_trackers.target_session_tracker import Ta
 from cable_tracker.gui.session.task_thread import TaskThread
 from cable_tracker.gui.session.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle, recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_target import recorded_target
 from cable_tracker.printable import printable
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.labels.target_labels import find_boxes, own_boxes
@@ -307,7 +307,7 @@ def _make_tracker(
     """
     if isinstance(parameters, TargetParameters):
         truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
-        sight = RecordedTargetSight(vehicle) if vehicle.has_instruments else None
-        return TargetSessionTracker(request.init, parameters, truth, sight)
+        instruments = recorded_target(vehicle) if vehicle.has_instruments else None
+        return TargetSessionTracker(request.init, parameters, truth, instruments)
     assert isinstance(parameters, TrackerParameters)
     return CableSessionTracker(source, request.init, parameters, vehicle.metres())

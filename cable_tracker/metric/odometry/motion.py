@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.history import History
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_HOLD = 0.2
@@ -36,6 +37,9 @@ more than a vehicle under water does, and instruments say so by a huge variance.
 TWIST = 6
 """Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""
 
+TURNS_ALONE = np.diag([UNKNOWN_VARIANCE] * 3 + [0.0] * 3)
+"""Covariance of the twist of an instrument that measures turns alone, shape (6, 6)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unaided:
@@ -58,6 +62,10 @@ NO_FRAME = Unaided("no frame has come")
 FIRST_FRAME = Unaided("no frame has come before")
 NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
 CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)
+TURN_NOT_MEASURED = Unaided(
+    "odometry measures no turns (the covariance of its rates is beyond"
+    f" {math.degrees(UNKNOWN_TURN):.0f} deg/s); give an imu"
+)
 TEXTURE_DISAGREES = Unaided(
     "odometry disagrees with how the sea bed moves in the image", disagrees=True
 )
@@ -123,6 +131,10 @@ class Odometry:
         self.missing = None
         self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
 
+    def add_turn(self, stamp: int, rates: FloatArray) -> None:
+        """Take rates of turn (3,) [rad/s] of a time [ns], measured without velocities."""
+        self.add(stamp, np.concatenate((np.zeros(3), rates)), TURNS_ALONE)
+
     def motion(self, start: int, end: int) -> PoseChange | Unaided:
         """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
 
@@ -174,6 +186,30 @@ class Odometry:
         reading = self._twists.at(stamp)
         assert reading is not None
         return stamp, reading.values
+
+
+def moved_between(
+    odometry: Odometry, gyroscope: Odometry, start: int, end: int
+) -> PoseChange | Unaided:
+    """Return how base_link moved between two times [ns], or why that is not known.
+
+    Its turn is known then, its way perhaps not. A turn that odometry does not measure about all
+    axes is that of the gyroscope, if there is one.
+    """
+    moved = odometry.motion(start, end)
+    if isinstance(moved, PoseChange) and moved.measured_turns == 3:
+        return moved
+    turned = gyroscope.motion(start, end)
+    if isinstance(turned, PoseChange):
+        if isinstance(moved, PoseChange) and moved.knows_way:
+            return odometry.turned_by(gyroscope, start, end)
+        return turned
+    if isinstance(moved, PoseChange) and moved.measured_turns:
+        # Odometry in a plane: to keep level is nearer to the truth than not to turn.
+        return moved
+    if gyroscope.missing is None:
+        return turned
+    return TURN_NOT_MEASURED if isinstance(moved, PoseChange) else moved
 
 
 def _with_rates(twist: FloatArray, turning: FloatArray) -> FloatArray:

@@ -15,7 +15,6 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.recorded.vehicle import (
@@ -79,28 +78,15 @@ class RecordedCableSight(RecordedInstruments[CableSight]):
         source: InstrumentSource | None,
         pauses: Pauses = Pauses(),
     ) -> None:
-        self._vehicle = vehicle
-        self._pauses = pauses
         self._measured = self._stood_in = 0
         self._stand_in = ""
-        super().__init__(InstrumentFeed(source, pauses.of_instruments()))
+        super().__init__(
+            InstrumentFeed(source, pauses.of_instruments()),
+            lambda: CableSight(vehicle.parameters, vehicle.calibration, pauses.texture),
+        )
         self._aids = vehicle.parameters.motion_aid and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
-
-    @property
-    def base_frame(self) -> str:
-        """Name of the vehicle's frame."""
-        return self._vehicle.parameters.base_frame
-
-    def _first_sight(self) -> CableSight:
-        vehicle = self._vehicle
-        return CableSight(vehicle.parameters, vehicle.calibration, self._pauses.texture)
-
-    @property
-    def instruments(self) -> Instruments:
-        """Calibration, altitude, attitude as they are known so far."""
-        return self._sight.instruments
 
     @property
     def is_aided(self) -> bool:
@@ -112,20 +98,16 @@ class RecordedCableSight(RecordedInstruments[CableSight]):
 
         None without odometry, or while it disagrees with what the camera sees.
         """
-        return self._sight.motion(stamp, image) if self._aids else None
-
-    def observe(self, estimate: CableEstimate) -> None:
-        """Learn from an estimate how far odometry may be believed; once for each frame."""
-        self._sight.observe(estimate)
+        return self.sight.motion(stamp, image) if self._aids else None
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
         self._measured += 1
-        stand_in = self.instruments.stand_in_at(estimate.stamp)
+        stand_in = self.sight.instruments.stand_in_at(estimate.stamp)
         if stand_in:
             self._stood_in += 1
             self._stand_in = self._stand_in or stand_in
-        return self._sight.measure(estimate)
+        return self.sight.measure(estimate)
 
     def remarks(self) -> tuple[str, ...]:
         """Return a remark where `fixed_altitude` stood in, to be asked for after tracking."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from collections.abc import Callable
 from copy import copy, deepcopy
 from typing import Generic, Self
 
@@ -12,22 +12,25 @@ from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
 from cable_tracker.sequences.frame import Frame
 
 
-class RecordedInstruments(ABC, Generic[AnySight]):
+class RecordedInstruments(Generic[AnySight]):
     """Hands instruments of a recording to a sight; a frame may be any, see `jump`.
 
     Parameters
     ----------
     feed : InstrumentFeed
         Messages of the instruments.
+    make_sight : callable
+        Makes a sight that knows what is known before the recording begins.
+
+    Attributes
+    ----------
+    sight : Sight
+        Knows what the instruments have said so far.
     """
 
-    def __init__(self, feed: InstrumentFeed) -> None:
-        self._feed = feed
-        self._sight = self._first_sight()
-
-    @abstractmethod
-    def _first_sight(self) -> AnySight:
-        """Return one that knows what is known before the recording begins."""
+    def __init__(self, feed: InstrumentFeed, make_sight: Callable[[], AnySight]) -> None:
+        self._feed, self._make_sight = feed, make_sight
+        self.sight = make_sight()
 
     def __enter__(self) -> Self:
         return self
@@ -42,14 +45,14 @@ class RecordedInstruments(ABC, Generic[AnySight]):
     def copy(self) -> Self:
         """Return another one that goes on as this one would."""
         other = copy(self)
-        other._feed, other._sight = self._feed.copy(), deepcopy(self._sight)
+        other._feed, other.sight = self._feed.copy(), deepcopy(self.sight)
         return other
 
     def advance(self, frame: Frame) -> list[InstrumentMessage]:
         """Take what the instruments said up to a frame and shortly after it, and return it."""
         taken = list(self._feed.up_to(frame))
         for message in taken:
-            self._sight.take_message(message.instrument, message.stamp, message.message)
+            self.sight.take_message(message.instrument, message.stamp, message.message)
         return taken
 
     def jump(self, *, to_start: bool = False) -> None:
@@ -59,6 +62,6 @@ class RecordedInstruments(ABC, Generic[AnySight]):
         """
         self._feed.jump(to_start=to_start)
         if to_start:
-            self._sight = self._first_sight()
+            self.sight = self._make_sight()
         else:
-            self._sight.forget_all()
+            self.sight.forget_all()

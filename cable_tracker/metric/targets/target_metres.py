@@ -7,15 +7,16 @@ size it shows; the vehicle's way between frames makes one of how its bearing cha
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import MetricError
-from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
+from cable_tracker.metric.calibration import CameraModel
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
-from cable_tracker.metric.odometry.motion import UNKNOWN_TURN, Odometry, PoseChange, Unaided
+from cable_tracker.metric.odometry.motion import PoseChange, Unaided
+from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.relative_state import (
     RelativeState,
     TargetSighting,
@@ -23,7 +24,7 @@ from cable_tracker.metric.targets.relative_state import (
     begin_without_size,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -34,35 +35,8 @@ UNSURE_RANGE = 0.3
 LONGEST_GAP = 5.0
 """Time without a frame after which the belief about the range begins anew [s]."""
 
-TURN_NOT_MEASURED = Unaided(
-    "odometry measures no turns (the covariance of its rates is beyond"
-    f" {math.degrees(UNKNOWN_TURN):.0f} deg/s); give an imu"
-)
-
-TURNS_ALONE = np.diag([UNKNOWN_VARIANCE] * 3 + [0.0] * 3)
-"""Covariance of the twist of an instrument that measures turns alone, shape (6, 6)."""
-
 PIXEL_SIDES = np.array([[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
 """Middles of a pixel's sides: right, left, upper, lower [px]."""
-
-
-@dataclass(frozen=True, slots=True)
-class TargetSettings:
-    """Settings that are known beforehand.
-
-    Attributes
-    ----------
-    mounting : Mounting
-        Mounting of the camera on the vehicle.
-    target_size : float
-        Root of the area that the target shows [m]; 0: not known.
-    uses_motion : bool
-        Whether odometry and gyroscope are used.
-    """
-
-    mounting: Mounting = field(default_factory=lambda: Mounting(pitch=0.0))
-    target_size: float = 0.0
-    uses_motion: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,56 +53,6 @@ class TargetMetres:
 
     ray: FloatArray | Withheld
     relative: RelativeState | Withheld
-
-
-class VehicleMotion:
-    """Calibration and motion of the camera, as far as instruments have told of them."""
-
-    def __init__(self) -> None:
-        self._calibration: Calibration | None = None
-        self._odometry = Odometry()
-        self._gyroscope = Odometry("imu")
-
-    def forget(self) -> None:
-        """Forget all measurements; the calibration stays."""
-        self._odometry, self._gyroscope = Odometry(), Odometry("imu")
-
-    def take_calibration(self, calibration: Calibration) -> None:
-        """Use a calibration from now on."""
-        self._calibration = calibration
-
-    def take_twist(self, stamp: int, twist: FloatArray, covariance: FloatArray) -> None:
-        """Take a twist of base_link (6,) and its covariance (6, 6) of a time [ns]."""
-        self._odometry.add(stamp, twist, covariance)
-
-    def take_turn(self, stamp: int, rates: FloatArray) -> None:
-        """Take the rates of turn of base_link (3,) [rad/s] of a time [ns]."""
-        self._gyroscope.add(stamp, np.concatenate((np.zeros(3), rates)), TURNS_ALONE)
-
-    def camera(self, image_size: tuple[int, int]) -> CameraModel | Withheld:
-        """Return the calibrated camera for images of a size, or why there is none."""
-        return camera_for(self._calibration, image_size)
-
-    def between(self, start: int, end: int) -> PoseChange | Unaided:
-        """Return how base_link moved between two times [ns], or why that is not known.
-
-        Its turn is known then, its way perhaps not. A turn that odometry does not measure about all
-        axes is that of the gyroscope, if there is one.
-        """
-        moved = self._odometry.motion(start, end)
-        if isinstance(moved, PoseChange) and moved.measured_turns == 3:
-            return moved
-        turned = self._gyroscope.motion(start, end)
-        if isinstance(turned, PoseChange):
-            if isinstance(moved, PoseChange) and moved.knows_way:
-                return self._odometry.turned_by(self._gyroscope, start, end)
-            return turned
-        if isinstance(moved, PoseChange) and moved.measured_turns:
-            # Odometry in a plane: to keep level is nearer to the truth than not to turn.
-            return moved
-        if self._gyroscope.missing is None:
-            return turned
-        return TURN_NOT_MEASURED if isinstance(moved, PoseChange) else moved
 
 
 def turn_of_picture(
@@ -199,21 +123,22 @@ class TargetRange:
 
     Parameters
     ----------
-    settings : TargetSettings
-        See there.
+    parameters : TargetVehicleParameters
+        Mounting of the camera, size of the target, and whether motion counts.
     """
 
-    def __init__(self, settings: TargetSettings) -> None:
-        self._settings = settings
+    def __init__(self, parameters: TargetVehicleParameters) -> None:
+        self._parameters = parameters
+        self._mounting = mounting_of(parameters)
         self._state: RelativeState | None = None
         self._stamp = 0
 
-    def configure(self, settings: TargetSettings) -> None:
-        """Take other settings; another size or mounting begins anew."""
-        before = self._settings
-        if (settings.target_size, settings.mounting) != (before.target_size, before.mounting):
+    def configure(self, parameters: TargetVehicleParameters) -> None:
+        """Take other parameters; another size or mounting begins anew."""
+        size, mounting = self._parameters.target_size, self._mounting
+        self._parameters, self._mounting = parameters, mounting_of(parameters)
+        if (size, mounting) != (parameters.target_size, self._mounting):
             self._state = None
-        self._settings = settings
 
     def forget(self) -> None:
         """Begin anew."""
@@ -234,7 +159,7 @@ class TargetRange:
         camera : CameraModel or Withheld
             Camera that took the frame.
         moved : PoseChange or Unaided
-            Motion of the vehicle since the frame before, see `VehicleMotion.between`.
+            Motion of the vehicle since the frame before, see `moved_between`.
         """
         self._age(estimate.stamp, moved)
         if not estimate.is_claimed:
@@ -257,8 +182,8 @@ class TargetRange:
             self._state = None
             return
         state = self._state
-        if not isinstance(moved, Unaided) and self._settings.uses_motion:
-            turn, arm, axes = moved.rotation, self._settings.mounting.position, state.axes
+        if not isinstance(moved, Unaided) and self._parameters.motion_aid:
+            turn, arm, axes = moved.rotation, self._mounting.position, state.axes
             way = moved.translation + turn @ arm - arm if moved.knows_way else np.zeros(3)
             state = state.seen_from(axes.T @ turn @ axes, axes.T @ way)
         self._state = state.predicted(seconds)
@@ -267,9 +192,9 @@ class TargetRange:
         if self._state is not None:
             self._state = self._state.updated(seen)
         elif seen.is_whole and seen.angular_size > 0.0:
-            size = self._settings.target_size
+            size = self._parameters.target_size
             begun = begin_relative_state(seen, size) if size else begin_without_size(seen)
-            self._state = replace(begun, axes=self._settings.mounting.body_rotation)
+            self._state = replace(begun, axes=self._mounting.body_rotation)
 
     def _told(self) -> RelativeState | Withheld:
         state = self._state
@@ -277,7 +202,7 @@ class TargetRange:
             return Withheld(Reason.RANGE_UNKNOWN, "the target has not been seen as a whole yet")
         if state.range_sigma > UNSURE_RANGE * state.range:
             advice = (
-                "" if self._settings.target_size
+                "" if self._parameters.target_size
                 else ": set target_size, or give odometry and move across the line of sight"
             )  # fmt: skip
             share = 100.0 * state.range_sigma / state.range

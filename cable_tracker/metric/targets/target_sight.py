@@ -8,18 +8,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cable_tracker.metric.calibration import Calibration, CameraModel
+from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
-from cable_tracker.metric.odometry.motion import FIRST_FRAME, SWITCHED_OFF, PoseChange, Unaided
-from cable_tracker.metric.settings import target_settings
-from cable_tracker.metric.sight import Sight
-from cable_tracker.metric.targets.target_metres import (
-    TargetMetres,
-    TargetRange,
-    TargetSettings,
-    VehicleMotion,
-    turn_of_picture,
+from cable_tracker.metric.odometry.motion import (
+    FIRST_FRAME,
+    SWITCHED_OFF,
+    Odometry,
+    PoseChange,
+    Unaided,
+    moved_between,
 )
+from cable_tracker.metric.settings import mounting_of
+from cable_tracker.metric.sight import Sight
+from cable_tracker.metric.targets.target_metres import TargetMetres, TargetRange, turn_of_picture
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
@@ -59,27 +60,21 @@ class TargetSight(Sight[TargetVehicleParameters]):
         calibration: Calibration | None = None,
         count: int = 1,
     ) -> None:
-        self._settings = target_settings(parameters)
-        self._motion = VehicleMotion()
-        self._ranges = [TargetRange(self._settings) for _ in range(count)]
-        self._forget_frame()
+        self._calibration: Calibration | None = None
+        self._ranges = [TargetRange(parameters) for _ in range(count)]
+        self._forget_motion()
         super().__init__(parameters, calibration)
 
-    def _forget_frame(self) -> None:
+    def _forget_motion(self) -> None:
+        self._odometry, self._gyroscope = Odometry(), Odometry("imu")
         self._before: int | None = None
         self._moved: PoseChange | Unaided = FIRST_FRAME
         self.unaided: Unaided | None = None
 
-    @property
-    def settings(self) -> TargetSettings:
-        """Settings in force."""
-        return self._settings
-
     def configure(self, parameters: TargetVehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
-        self._settings = target_settings(parameters)
         for each in self._ranges:
-            each.configure(self._settings)
+            each.configure(parameters)
         super().configure(parameters)
 
     def forget(self, number: int | None = None) -> None:
@@ -90,19 +85,18 @@ class TargetSight(Sight[TargetVehicleParameters]):
     def forget_all(self) -> None:
         """Forget ranges, measurements and the last frame; the calibration stays."""
         self.forget()
-        self._motion.forget()
-        self._forget_frame()
+        self._forget_motion()
 
     def _take_calibration(self, calibration: Calibration) -> None:
-        self._motion.take_calibration(calibration)
+        self._calibration = calibration
 
     def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
         if instrument is Instrument.IMU:
             rates = read_rates_of_turn(message)
             if rates is not None:
-                self._motion.take_turn(stamp, rates)
+                self._gyroscope.add_turn(stamp, rates)
         elif instrument is Instrument.ODOMETRY:
-            self._motion.take_twist(stamp, *read_twist(message, LEAST_SIGMAS))
+            self._odometry.add(stamp, *read_twist(message, LEAST_SIGMAS))
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture since the frame before.
@@ -117,17 +111,19 @@ class TargetSight(Sight[TargetVehicleParameters]):
             Width and height [px].
         """
         self._moved = (
-            FIRST_FRAME if self._before is None else self._motion.between(self._before, stamp)
+            FIRST_FRAME
+            if self._before is None
+            else moved_between(self._odometry, self._gyroscope, self._before, stamp)
         )
-        camera = self._motion.camera(image_size)
-        if not self._settings.uses_motion:
+        camera = camera_for(self._calibration, image_size)
+        if not self._parameters.motion_aid:
             self.unaided = SWITCHED_OFF
         elif isinstance(self._moved, Unaided):
             self.unaided = self._moved
         elif not isinstance(camera, CameraModel):
             self.unaided = Unaided(str(camera))
         else:
-            turn = turn_of_picture(camera, self._settings.mounting, self._moved.rotation)
+            turn = turn_of_picture(camera, mounting_of(self._parameters), self._moved.rotation)
             self.unaided = TURNED_TOO_FAR if turn is None else None
             return turn
         return None
@@ -136,6 +132,6 @@ class TargetSight(Sight[TargetVehicleParameters]):
         """Return what a frame's estimates are in metres; once for each frame."""
         self._before = estimates[0].stamp
         return [
-            each.take(estimate, self._motion.camera(estimate.image_size), self._moved)
+            each.take(estimate, camera_for(self._calibration, estimate.image_size), self._moved)
             for each, estimate in zip(self._ranges, estimates, strict=True)
         ]

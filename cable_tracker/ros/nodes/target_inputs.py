@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.odometry.motion import Unaided
+from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight
@@ -44,7 +45,7 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
     @property
     def camera_place(self) -> FloatArray:
         """Position of the camera in `base_frame`, shape (3,) [m]."""
-        return self._sight.settings.mounting.position
+        return mounting_of(self._sight.parameters).position
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""

@@ -265,7 +265,7 @@ class _Run:
             return
         row["status"] = STATUSES.index(estimate.status.value)
         row["presence"] = np.nan if estimate.presence is None else estimate.presence
-        self._metres.observe(estimate)
+        self._metres.sight.observe(estimate)
         if estimate.status is TrackingStatus.TRACKING:
             row["d"], row["alpha"], row["w"], row["beta"] = estimate.state.to_array()[:4]
         if 0 <= frame.stamp - self._measured < METRES_PAUSE:
@@ -278,7 +278,7 @@ class _Run:
         result = self._metres.measure(estimate)
         if isinstance(result, Withheld):
             row["reason"] = self._dive.table.reason_number(result.reason.value)
-        flight = self._metres.instruments.overflight(estimate)
+        flight = self._metres.sight.instruments.overflight(estimate)
         if isinstance(flight, Overflight):
             self._dive.flight = flight
             put_view(row, flight, estimate)

@@ -16,7 +16,7 @@ from cable_tracker.gui.session.recording_session import RecordingSession
 from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.gui.tracking.desk import TrackingDesk, start_with_box
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_target import recorded_target
 from cable_tracker.offline.results import WantedResults, follow_all
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.track_target import follow_frame
@@ -91,7 +91,7 @@ def rows_of_command(path, box, folder):
     tracker.initialise(TargetStart.from_box(*box))
     with (
         open_chosen(RecordingRequest(path)) as source,
-        RecordedTargetSight(recorded_vehicle(source)) as sight,
+        recorded_target(recorded_vehicle(source)) as sight,
         TargetFolder(folder, timing=False, wanted=TABLE_ONLY) as results,
     ):
         follow_all(source.frames(), lambda frame: follow_frame(frame, tracker, results, sight))

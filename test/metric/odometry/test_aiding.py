@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.odometry.agreement_gate import CALM_FRAMES, FEWEST
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.homography import PlaneMotion
@@ -18,6 +18,7 @@ from cable_tracker.metric.odometry.motion import (
     Odometry,
 )
 from cable_tracker.metric.odometry.sea_bed_texture import CALM_PICTURES, SeaBedTexture
+from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.tracking.status import TrackingStatus
 
 SECOND = 1_000_000_000
@@ -34,7 +35,7 @@ class Drive:
     PIXELS_A_FRAME = SWAY * 280.0 / 1.4 / 25
 
     def __init__(self, calibration, make_estimate):
-        instruments = Instruments(InstrumentSettings(fixed_altitude=1.4))
+        instruments = Instruments(CableVehicleParameters(fixed_altitude=1.4))
         instruments.take_calibration(calibration)
         self.odometry = Odometry()
         self.aiding = MotionAiding(instruments, self.odometry)
@@ -121,7 +122,7 @@ def test_without_a_claim_nothing_is_judged(drive):
 
 
 def test_without_altitude_there_is_no_aid(make_estimate, calibrations):
-    instruments = Instruments(InstrumentSettings())
+    instruments = Instruments(CableVehicleParameters())
     instruments.take_calibration(calibrations["pinhole"])
     drive = Drive(calibrations["pinhole"], make_estimate)
     drive.aiding = MotionAiding(instruments, drive.odometry)

@@ -13,11 +13,13 @@ from cable_tracker.metric.odometry.motion import (
     Odometry,
     PoseChange,
     Unaided,
+    moved_between,
     rotations_by,
 )
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
 SECOND = 1_000_000_000
-STEP = SECOND // 50
+STEP, FRAME = SECOND // 50, SECOND // 25
 COVARIANCE = np.diag([1e-4, 1e-4, 4e-4, 1e-5, 1e-5, 1e-6])
 VECTORS = arrays(np.float64, 3, elements=st.floats(-1.5, 1.5))
 
@@ -140,3 +142,111 @@ def test_a_rotation_turns_about_its_vector(vector):
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
     np.testing.assert_allclose(rotation @ vector, vector, atol=1e-9)
     assert np.trace(rotation) == pytest.approx(1 + 2 * math.cos(np.linalg.norm(vector)), abs=1e-9)
+
+
+class Vehicle:
+    """Odometry and gyroscope of a vehicle."""
+
+    def __init__(self):
+        self.odometry, self.gyroscope = Odometry(), Odometry("imu")
+
+    def between(self, start, end):
+        return moved_between(self.odometry, self.gyroscope, start, end)
+
+
+class TestMovedBetween:
+    def test_odometry_counts_before_a_gyroscope(self):
+        vehicle = Vehicle()
+        assert isinstance(vehicle.between(0, FRAME), Unaided)
+        for stamp in range(0, 3 * FRAME, FRAME):
+            vehicle.gyroscope.add_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
+        turned = vehicle.between(0, FRAME)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        for stamp in range(0, 3 * FRAME, FRAME):
+            vehicle.odometry.add(
+                stamp, np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, 0.0]), np.eye(6)
+            )
+        moved = vehicle.between(0, FRAME)
+        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
+
+    @staticmethod
+    def with_odometry(*, way=1e-4, turn=1e-4, angular=0.0):
+        """Odometry at 1 m/s ahead, with a variance of velocities and one of rates of turn."""
+        vehicle, covariance = Vehicle(), np.diag([way] * 3 + [turn] * 3)
+        for stamp in range(0, 3 * FRAME, FRAME):
+            twist = np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, angular])
+            vehicle.odometry.add(stamp, twist, covariance)
+        return vehicle
+
+    @staticmethod
+    def turns(vehicle):
+        for stamp in range(0, 3 * FRAME, FRAME):
+            vehicle.gyroscope.add_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
+
+    @pytest.mark.parametrize("variance", [100.0, UNKNOWN_VARIANCE])
+    def test_a_gyroscope_turns_where_odometry_does_not_know_the_turn(self, variance):
+        vehicle = self.with_odometry(turn=variance)
+        self.turns(vehicle)
+        moved = vehicle.between(0, FRAME)
+        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert moved.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
+        assert np.diag(moved.covariance).max() < 1.0
+
+    def test_a_way_bends_as_the_gyroscope_says(self):
+        # Odometry says that it turns the other way, and that it does not know.
+        vehicle = self.with_odometry(turn=UNKNOWN_VARIANCE, angular=-3.0)
+        for stamp in range(0, 3 * FRAME, FRAME // 4):
+            vehicle.gyroscope.add_turn(stamp, np.array([0.0, 0.0, 3.0 + 1e-12 * stamp]))
+        change = vehicle.between(0, 2 * FRAME)
+        assert change.knows_way
+        angle = 3.0 * 2 * FRAME / 1e9
+        radius = (1.0 + 1e-9 * FRAME) / 3.0
+        circle = [radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0]
+        np.testing.assert_allclose(change.translation, circle, atol=1e-3)
+        np.testing.assert_allclose(change.rotation @ [1, 0, 0], [
+            math.cos(angle), math.sin(angle), 0.0,
+        ], atol=1e-3)  # fmt: skip
+        assert change.seconds == pytest.approx(2 * FRAME / 1e9)
+
+    def test_a_gyroscope_counts_where_odometry_knows_nothing(self):
+        vehicle = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
+        self.turns(vehicle)
+        turned = vehicle.between(0, FRAME)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
+        turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, FRAME)
+        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):
+        vehicle, rates = Vehicle(), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.5])
+        known = np.diag([*[1e-4] * 3, UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, 1e-4])
+        for stamp in range(0, 3 * FRAME, FRAME):
+            vehicle.odometry.add(stamp, rates + 1e-9 * stamp, known)
+        turned = vehicle.between(0, FRAME)
+        assert not isinstance(turned, Unaided)
+        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
+
+    def test_a_turn_that_no_instrument_knows_is_told_with_the_reason(self):
+        vehicle = self.with_odometry(turn=UNKNOWN_VARIANCE)
+        unknown = vehicle.between(0, FRAME)
+        assert isinstance(unknown, Unaided)
+        assert "covariance" in unknown.why
+        vehicle.gyroscope.add_turn(-9 * FRAME, np.ones(3))
+        late = vehicle.between(0, FRAME)
+        assert isinstance(late, Unaided)
+        assert late.why.startswith("the last imu is more than")
+
+    def test_an_instrument_that_has_come_says_why_nothing_is_known(self):
+        late, without_imu, without_odometry = 10 * FRAME, Vehicle(), Vehicle()
+        without_imu.odometry.add(0, np.ones(6), np.eye(6))
+        without_odometry.gyroscope.add_turn(0, np.ones(3))
+        for vehicle, instrument in ((without_imu, "odometry"), (without_odometry, "imu")):
+            unknown = vehicle.between(late, late + FRAME)
+            assert isinstance(unknown, Unaided)
+            assert unknown.why.startswith(f"the last {instrument} is more than")

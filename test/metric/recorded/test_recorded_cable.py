@@ -112,7 +112,7 @@ def run(metres, frames):
     for frame in frames:
         metres.advance(frame)
         motion = metres.motion(frame.stamp, decode_grey(frame.image))
-        metres.observe(claim(frame))
+        metres.sight.observe(claim(frame))
         known = metres.measure(claim(frame))
         results.append(
             (

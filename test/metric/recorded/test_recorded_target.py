@@ -11,8 +11,8 @@ from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import (
     LONGEST_WAIT,
-    RecordedTargetSight,
     node_values,
+    recorded_target,
     target_parameters,
 )
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
@@ -41,14 +41,16 @@ def followed(path, box, target_size=0.0):
     tracker.initialise(TargetStart.from_box(*box))
     with open_source(path) as source:
         described = recorded_vehicle(source)
-        with RecordedTargetSight(described, target_size) as sight:
+        with recorded_target(described, target_size) as instruments:
             for frame in source.frames():
-                sight.advance(frame)
+                instruments.advance(frame)
                 image = decode_bgr(frame.image)
-                motion = sight.camera_motion(frame.stamp, (image.shape[1], image.shape[0]))
-                unaided.append(sight.unaided)
+                motion = instruments.sight.camera_motion(
+                    frame.stamp, (image.shape[1], image.shape[0])
+                )
+                unaided.append(instruments.sight.unaided)
                 estimate = tracker.process(image, frame.stamp, motion)
-                told.append((estimate, sight.take(estimate)))
+                told.append((estimate, *instruments.sight.take([estimate])))
     return told, unaided
 
 
@@ -72,16 +74,16 @@ def test_bearing_and_range_of_a_target_of_known_size_are_those_of_the_world(turn
 
 def test_the_homography_carries_the_target_along(turning):
     path, truths = turning
-    with open_source(path) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
+    with open_source(path) as source, recorded_target(recorded_vehicle(source)) as instruments:
         places = []
         for frame, (box, _) in zip(source.frames(), truths, strict=True):
-            sight.advance(frame)
-            motion = sight.camera_motion(frame.stamp, (320, 240))
+            instruments.advance(frame)
+            motion = instruments.sight.camera_motion(frame.stamp, (320, 240))
             centre = np.array([(box[0] + box[2]) / 2 - 160, 120 - (box[1] + box[3]) / 2])
             places.append((motion, centre))
             # Only so does the next frame know from when to count.
             tracker = TargetTracker()
-            sight.take(tracker.process(decode_bgr(frame.image), frame.stamp))
+            instruments.sight.take([tracker.process(decode_bgr(frame.image), frame.stamp)])
     still = [np.linalg.norm(now - before) for (_, before), (_, now) in itertools.pairwise(places)]
     left = []
     for (_, before), (motion, now) in itertools.pairwise(places):
@@ -91,36 +93,42 @@ def test_the_homography_carries_the_target_along(turning):
     assert np.mean(left) < 0.5 * np.mean(still)
 
 
-def follow_some(frames, sight, tracker):
+def follow_some(frames, instruments, tracker):
     """Follow frames, and return the homographies that they were followed with."""
     homographies = []
     for frame in frames:
-        sight.advance(frame)
-        motion = sight.camera_motion(frame.stamp, (320, 240))
+        instruments.advance(frame)
+        motion = instruments.sight.camera_motion(frame.stamp, (320, 240))
         homographies.append(None if motion is None else motion.homography)
-        sight.take(tracker.process(decode_bgr(frame.image), frame.stamp, motion))
+        instruments.sight.take([tracker.process(decode_bgr(frame.image), frame.stamp, motion)])
     return homographies
 
 
 def test_a_copy_goes_on_as_the_other_does(turning):
-    with open_source(turning[0]) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
+    with (
+        open_source(turning[0]) as source,
+        recorded_target(recorded_vehicle(source)) as instruments,
+    ):
         frames, tracker = list(source.frames()), TargetTracker()
-        follow_some(frames[:5], sight, tracker)
-        with sight.copy() as other:
+        follow_some(frames[:5], instruments, tracker)
+        with instruments.copy() as other:
             there = follow_some(frames[5:9], other, tracker.copy())
-        assert np.array_equal(follow_some(frames[5:9], sight, tracker), there)
+        assert np.array_equal(follow_some(frames[5:9], instruments, tracker), there)
 
 
 def test_after_a_jump_turns_are_known_from_the_second_frame_on(turning):
-    with open_source(turning[0]) as source, RecordedTargetSight(recorded_vehicle(source)) as sight:
+    with (
+        open_source(turning[0]) as source,
+        recorded_target(recorded_vehicle(source)) as instruments,
+    ):
         frames = list(source.frames())
-        there = follow_some(frames, sight, TargetTracker())
-        sight.jump()
-        first, *others = follow_some(frames[9:12], sight, TargetTracker())
+        there = follow_some(frames, instruments, TargetTracker())
+        instruments.jump()
+        first, *others = follow_some(frames[9:12], instruments, TargetTracker())
         assert first is None
         assert np.allclose(others, there[10:12])
-        sight.jump(to_start=True)
-        first, *others = follow_some(frames[:3], sight, TargetTracker())
+        instruments.jump(to_start=True)
+        first, *others = follow_some(frames[:3], instruments, TargetTracker())
         assert first is None
         assert np.array_equal(others, there[1:3])
 

@@ -9,13 +9,11 @@ from cable_tracker.metric.odometry.motion import PoseChange, Unaided, rotations_
 from cable_tracker.metric.targets.relative_state import RelativeState
 from cable_tracker.metric.targets.target_metres import (
     TargetRange,
-    TargetSettings,
-    VehicleMotion,
     solid_angle_of_pixel,
     turn_of_picture,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -83,7 +81,7 @@ class TestTurnOfPicture:
 
 class TestKnownSize:
     def test_bearing_and_range_are_those_of_the_target(self):
-        meter = TargetRange(TargetSettings(AHEAD, 0.4))
+        meter = TargetRange(TargetVehicleParameters(target_size=0.4))
         place = [4.0, 0.6, -0.4]
         for number in range(5):
             said = meter.take(estimate_of(place, number), camera(), STILL)
@@ -98,13 +96,15 @@ class TestKnownSize:
         tilted = Mounting(pitch=0.3)
         place = np.array([5.0, 0.3, -1.2])
         in_body = place @ (tilted.rotation @ AHEAD.rotation.T)
-        meter = TargetRange(TargetSettings(tilted, 0.4))
+        meter = TargetRange(
+            TargetVehicleParameters(camera_pitch=math.degrees(0.3), target_size=0.4)
+        )
         said = meter.take(estimate_of(in_body), camera(), STILL)
         assert isinstance(said.relative, RelativeState)
         assert said.relative.position() == pytest.approx(place, rel=1e-3)
 
     def test_turns_of_the_vehicle_are_no_movement_of_the_target(self):
-        meter = TargetRange(TargetSettings(AHEAD, 0.4))
+        meter = TargetRange(TargetVehicleParameters(target_size=0.4))
         place, turn = np.array([5.0, 0.0, 0.0]), 0.02
         for number in range(30):
             moved = way(0.0, 0.0, 0.0, turn)
@@ -116,7 +116,7 @@ class TestKnownSize:
 
 class TestUnknownSize:
     def test_the_range_is_withheld_at_first(self):
-        meter = TargetRange(TargetSettings(AHEAD))
+        meter = TargetRange(TargetVehicleParameters())
         said = meter.take(estimate_of([5.0, 0.0, 0.0]), camera(), STILL)
         assert isinstance(said.relative, Withheld)
         assert said.relative.reason is Reason.RANGE_UNKNOWN
@@ -125,7 +125,7 @@ class TestUnknownSize:
     @pytest.mark.parametrize("distance", [2.0, 6.0, 12.0])
     @pytest.mark.parametrize("step", [(0.0, 0.02, 0.0), (0.015, 0.015, 0.0)])
     def test_parallax_makes_it_known(self, distance, step):
-        meter = TargetRange(TargetSettings(AHEAD))
+        meter = TargetRange(TargetVehicleParameters())
         rng = np.random.default_rng(3)
         place = np.array([distance, 0.2, 0.0])
         moved = way(*step)
@@ -140,7 +140,7 @@ class TestUnknownSize:
         assert off < max(0.15 * math.hypot(*place), 2.5 * said.relative.range_sigma)
 
     def test_without_a_way_it_stays_unknown(self):
-        meter = TargetRange(TargetSettings(AHEAD))
+        meter = TargetRange(TargetVehicleParameters())
         for number in range(100):
             said = meter.take(estimate_of([5.0, 0.0, 0.0], number), camera(), STILL)
         assert isinstance(said.relative, Withheld)
@@ -149,110 +149,12 @@ class TestUnknownSize:
 class TestWithheld:
     @pytest.mark.parametrize("change", [{"status": TrackingStatus.LOST}, {"has_outline": False}])
     def test_nothing_is_told_without_a_claim_or_a_calibration(self, change):
-        meter = TargetRange(TargetSettings(AHEAD, 0.4))
+        meter = TargetRange(TargetVehicleParameters(target_size=0.4))
         lost = meter.take(estimate_of([5.0, 0.0, 0.0], **change), camera(), STILL)
         assert isinstance(lost.ray, Withheld) and lost.ray.reason is Reason.NO_TARGET
-        none = VehicleMotion().camera(SIZE)
+        none = camera_for(None, SIZE)
         blind = meter.take(estimate_of([5.0, 0.0, 0.0], 1), none, STILL)
         assert isinstance(blind.ray, Withheld) and blind.ray.reason is Reason.NO_CALIBRATION
-
-
-class TestVehicleMotion:
-    def test_odometry_counts_before_a_gyroscope(self):
-        motion = VehicleMotion()
-        assert isinstance(motion.between(0, STEP), Unaided)
-        for stamp in range(0, 3 * STEP, STEP):
-            motion.take_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
-        turned = motion.between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
-        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-        for stamp in range(0, 3 * STEP, STEP):
-            motion.take_twist(
-                stamp, np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, 0.0]), np.eye(6)
-            )
-        moved = motion.between(0, STEP)
-        assert not isinstance(moved, Unaided) and moved.knows_way
-        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
-
-    @staticmethod
-    def with_odometry(*, way=1e-4, turn=1e-4, angular=0.0):
-        """Odometry at 1 m/s ahead, with a variance of velocities and one of rates of turn."""
-        motion, covariance = VehicleMotion(), np.diag([way] * 3 + [turn] * 3)
-        for stamp in range(0, 3 * STEP, STEP):
-            twist = np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, angular])
-            motion.take_twist(stamp, twist, covariance)
-        return motion
-
-    @staticmethod
-    def turns(motion):
-        for stamp in range(0, 3 * STEP, STEP):
-            motion.take_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
-
-    @pytest.mark.parametrize("variance", [100.0, UNKNOWN_VARIANCE])
-    def test_a_gyroscope_turns_where_odometry_does_not_know_the_turn(self, variance):
-        motion = self.with_odometry(turn=variance)
-        self.turns(motion)
-        moved = motion.between(0, STEP)
-        assert not isinstance(moved, Unaided) and moved.knows_way
-        assert moved.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-        assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
-        assert np.diag(moved.covariance).max() < 1.0
-
-    def test_a_way_bends_as_the_gyroscope_says(self):
-        # Odometry says that it turns the other way, and that it does not know.
-        motion = self.with_odometry(turn=UNKNOWN_VARIANCE, angular=-3.0)
-        for stamp in range(0, 3 * STEP, STEP // 4):
-            motion.take_turn(stamp, np.array([0.0, 0.0, 3.0 + 1e-12 * stamp]))
-        change = motion.between(0, 2 * STEP)
-        assert change.knows_way
-        angle = 3.0 * 2 * STEP / 1e9
-        radius = (1.0 + 1e-9 * STEP) / 3.0
-        circle = [radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0]
-        np.testing.assert_allclose(change.translation, circle, atol=1e-3)
-        np.testing.assert_allclose(change.rotation @ [1, 0, 0], [
-            math.cos(angle), math.sin(angle), 0.0,
-        ], atol=1e-3)  # fmt: skip
-        assert change.seconds == pytest.approx(2 * STEP / 1e9)
-
-    def test_a_gyroscope_counts_where_odometry_knows_nothing(self):
-        motion = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
-        self.turns(motion)
-        turned = motion.between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
-        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-
-    def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
-        turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, STEP)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
-        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-
-    def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):
-        motion, rates = VehicleMotion(), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.5])
-        known = np.diag([*[1e-4] * 3, UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, 1e-4])
-        for stamp in range(0, 3 * STEP, STEP):
-            motion.take_twist(stamp, rates + 1e-9 * stamp, known)
-        turned = motion.between(0, STEP)
-        assert not isinstance(turned, Unaided)
-        assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
-
-    def test_a_turn_that_no_instrument_knows_is_told_with_the_reason(self):
-        motion = self.with_odometry(turn=UNKNOWN_VARIANCE)
-        unknown = motion.between(0, STEP)
-        assert isinstance(unknown, Unaided)
-        assert "covariance" in unknown.why
-        motion.take_turn(-9 * STEP, np.ones(3))
-        late = motion.between(0, STEP)
-        assert isinstance(late, Unaided)
-        assert late.why.startswith("the last imu is more than")
-
-    def test_an_instrument_that_has_come_says_why_nothing_is_known(self):
-        late, without_imu, without_odometry = 10 * STEP, VehicleMotion(), VehicleMotion()
-        without_imu.take_twist(0, np.ones(6), np.eye(6))
-        without_odometry.take_turn(0, np.ones(3))
-        for motion, instrument in ((without_imu, "odometry"), (without_odometry, "imu")):
-            unknown = motion.between(late, late + STEP)
-            assert isinstance(unknown, Unaided)
-            assert unknown.why.startswith(f"the last {instrument} is more than")
 
 
 ZEROS = (0.0, 0.0, 0.0, 0.0)
@@ -282,7 +184,9 @@ class TestTheSolidAngleOfAPixel:
         )
         camera = camera_for(folding, (640, 480))
         assert solid_angle_of_pixel(camera, np.array([310.0, 0.0])) == 0.0
-        told = TargetRange(TargetSettings()).take(estimate_of((1.0, 1.2, 0.0)), camera, STILL)
+        told = TargetRange(TargetVehicleParameters()).take(
+            estimate_of((1.0, 1.2, 0.0)), camera, STILL
+        )
         assert str(told.ray) == str(told.relative)
         assert str(told.ray).startswith("target beyond the lens: ")
 
@@ -291,7 +195,7 @@ class TestTheSolidAngleOfAPixel:
 @pytest.mark.parametrize("seed", range(4))
 def test_a_camera_that_looks_down_ranges_by_parallax_as_well_as_one_that_looks_ahead(pitch, seed):
     mounting = Mounting(pitch=math.radians(pitch))
-    meter = TargetRange(TargetSettings(mounting))
+    meter = TargetRange(TargetVehicleParameters(camera_pitch=pitch))
     rng = np.random.default_rng(seed)
     errors = []
     for number in range(150):

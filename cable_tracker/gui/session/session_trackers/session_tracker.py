@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Self
+from typing import Any, Self
 
 from cable_tracker.arrays import Image
 from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.snapshot import AnySnapshot
 from cable_tracker.gui.subject.subject import Subject
-from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.pictures.shown_levels import shown_levels, stand_in
@@ -29,7 +28,7 @@ class SessionTracker(ABC):
         Parameters of the tracker.
     tracker : CableTracker or TargetTracker
         Tracker with these parameters.
-    instruments : RecordedCableSight or RecordedTargetSight or None
+    instruments : RecordedInstruments or None
         The recording's instruments; None: it has none.
 
     Attributes
@@ -44,13 +43,13 @@ class SessionTracker(ABC):
     trouble: str = ""
     _tracker: CableTracker | TargetTracker
     _parameters: ParameterSet
-    _instruments: RecordedCableSight | RecordedTargetSight | None
+    _instruments: RecordedInstruments[Any] | None
 
     def __init__(
         self,
         parameters: ParameterSet,
         tracker: CableTracker | TargetTracker,
-        instruments: RecordedCableSight | RecordedTargetSight | None,
+        instruments: RecordedInstruments[Any] | None,
     ) -> None:
         self._parameters, self._tracker, self._instruments = parameters, tracker, instruments
         self._forget_picture()

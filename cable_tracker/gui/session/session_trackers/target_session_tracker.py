@@ -12,7 +12,8 @@ from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
-from cable_tracker.metric.recorded.recorded_target import RecordedTargetSight
+from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.offline.target_table import TargetRow, row_of
 from cable_tracker.offline.track_target import follow_picture
 from cable_tracker.particle_filter.particles import Particles
@@ -37,7 +38,7 @@ class TargetSessionTracker(SessionTracker):
         Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
     truth : BoxTruth
         True boxes of the labelled frames [px].
-    sight : RecordedTargetSight or None
+    instruments : RecordedInstruments or None
         The recording's instruments, which tell how the camera turned; None: it has none.
 
     Raises
@@ -49,20 +50,20 @@ class TargetSessionTracker(SessionTracker):
     subject = TARGET
     _tracker: TargetTracker
     _parameters: TargetParameters
-    _instruments: RecordedTargetSight | None
+    _instruments: RecordedInstruments[TargetSight] | None
 
     def __init__(
         self,
         init: str,
         parameters: TargetParameters,
         truth: BoxTruth,
-        sight: RecordedTargetSight | None,
+        instruments: RecordedInstruments[TargetSight] | None,
     ) -> None:
         self._truth = truth
         self._start: StartText = parse_start_text(init)
         if len(self._start.boxes) > 1:
             raise ParameterError("init: the window follows one target; mark only one")
-        super().__init__(parameters, TargetTracker(self._with_detector(parameters)), sight)
+        super().__init__(parameters, TargetTracker(self._with_detector(parameters)), instruments)
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
