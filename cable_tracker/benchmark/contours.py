@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.evolution import evolve_by_means
+from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.switching import ContourSettings
 
 WIDTH, HEIGHT = 320, 240
@@ -67,9 +67,10 @@ def measure_contour() -> ContourTiming:
     picture, truth, start = _scene()
     settings = ContourSettings()
     # The first is compiled.
-    contour = evolve_by_means(picture, start, settings)
+    contour = evolve(picture, start, settings, by_means=True)
     times = [
-        _milliseconds(lambda: evolve_by_means(picture, start, settings)) for _ in range(REPETITIONS)
+        _milliseconds(lambda: evolve(picture, start, settings, by_means=True))
+        for _ in range(REPETITIONS)
     ]
     own = overlap_of(contour.mask, truth)
     ms = float(np.median(times))
@@ -82,11 +83,11 @@ def measure_contour() -> ContourTiming:
         iterations *= 2
         found: list[BoolArray] = []
 
-        def evolve(count: int = iterations, found: list[BoolArray] = found) -> None:
+        def evolve_rival(count: int = iterations, found: list[BoolArray] = found) -> None:
             given = picture.astype(np.float64)
             found.append(morphological_chan_vese(given, count, init_level_set=start) > 0)
 
-        rival_ms = _milliseconds(evolve)
+        rival_ms = _milliseconds(evolve_rival)
         # Which side it calls the inside is not said.
         rival = max(overlap_of(found[0], truth), overlap_of(~found[0], truth))
     return ContourTiming(ms, own, contour.iterations, rival_ms, rival, iterations)

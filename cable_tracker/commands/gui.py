@@ -37,7 +37,7 @@ from cable_tracker.commands.options.serving import (
 from cable_tracker.errors import GuiError
 from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
 from cable_tracker.sequences.bags.instruments import NO_TOPIC
-from cable_tracker.target.model.start_text import WAIT
+from cable_tracker.target.model.start import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_table import ParameterSet
 

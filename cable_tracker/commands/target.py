@@ -52,8 +52,7 @@ from cable_tracker.sequences.bags.instruments import NO_TOPIC
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source_base import ChosenRecording, Source
-from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.start_text import DETECT
+from cable_tracker.target.model.start import DETECT, TargetStart
 from cable_tracker.target.tracker import TargetTracker
 
 NO_METRES = (

@@ -44,42 +44,23 @@ class Contour:
         return abs(self.inside_mean - self.outside_mean)
 
 
-def evolve_by_means(
-    image: NDArray[np.float32], start: BoolArray, settings: ContourSettings
-) -> Contour:
-    """Separate two regions of different mean intensity, see `evolve`: Table 1 of the thesis.
-
-    Intensities lie in [0, 1].
-    """
-    return evolve(image, start, settings, by_means=True)
-
-
-def evolve_by_ratio(
-    log_ratio: NDArray[np.float32], start: BoolArray, settings: ContourSettings
-) -> Contour:
-    """Separate what is likelier target from what is likelier background, see `evolve`.
-
-    `log_ratio` is log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior
-    where there is one (`shape_prior.log_odds`).
-    """
-    return evolve(log_ratio, start, settings, by_means=False)
-
-
 def evolve(
     data: NDArray[np.float32], start: BoolArray, settings: ContourSettings, *, by_means: bool
 ) -> Contour:
-    """Let a contour evolve.
+    """Let a contour evolve: Table 1 of the thesis.
 
     Parameters
     ----------
     data : array
-        Intensities, or log-likelihood ratios of the inside, shape (H, W), float32.
+        Intensities in [0, 1], or log p(pixel | target) / p(pixel | background), plus the log-odds
+        of a shape prior where there is one (`shape_prior.log_odds`); shape (H, W), float32.
     start : BoolArray
         Inside at the start, of the same shape.
     settings : ContourSettings
         Settings of the contour.
     by_means : bool
-        See `switch_points`.
+        Whether regions of different mean intensity are separated, or what is likelier target from
+        what is likelier background.
 
     Raises
     ------

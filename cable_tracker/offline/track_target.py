@@ -29,8 +29,7 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.model.estimate import TargetEstimate
-from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.start_text import DETECT, parse_box
+from cable_tracker.target.model.start import DETECT, TargetStart, parse_box
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.status import REFUSED
 from cable_tracker.visualisation.target_overlay import draw_target

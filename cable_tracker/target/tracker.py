@@ -12,7 +12,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.target.detect.candidates import DETECTORS
+from cable_tracker.target.candidates import DETECTORS
 from cable_tracker.target.filter_interface import TargetBelief, TargetSummary
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.contour.evolution import evolve_by_means, evolve_by_ratio
+from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.levels import levels_of_mask
 from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.errors import FrameError
@@ -39,7 +39,7 @@ def test_the_worked_example_holds_what_it_says():
 @pytest.mark.parametrize("flooding", [True, False])
 def test_the_worked_example_ends_as_in_the_thesis(flooding):
     image, mask = worked_example()
-    contour = evolve_by_means(image, mask, ContourSettings(flooding=flooding))
+    contour = evolve(image, mask, ContourSettings(flooding=flooding), by_means=True)
     assert contour.mask.sum() == 47
     assert (contour.inside_mean, contour.outside_mean) == (0.0, 1.0)
     assert contour.iterations < PLAIN.iterations
@@ -52,11 +52,11 @@ def test_the_energy_falls_with_every_iteration(seed, flooding):
     image = rng.random((14, 17)).astype(np.float32)
     mask = np.zeros((14, 17), bool)
     mask[3:9, 4:13] = True
-    contour = evolve_by_means(image, mask, ContourSettings(flooding=flooding))
+    contour = evolve(image, mask, ContourSettings(flooding=flooding), by_means=True)
     energies = [energy(image, mask)]
     for count in range(1, contour.iterations + 1):
         settings = ContourSettings(flooding=flooding, iterations=count)
-        energies.append(energy(image, evolve_by_means(image, mask, settings).mask))
+        energies.append(energy(image, evolve(image, mask, settings, by_means=True).mask))
     # The last iteration finds nothing to switch.
     assert (np.diff(energies)[:-1] < 0.0).all()
     assert energies[-1] == energies[-2]
@@ -70,7 +70,7 @@ def test_a_converged_contour_is_not_improved_by_any_single_point_beside_it(seed)
     image = rng.random((10, 10)).astype(np.float32)
     mask = np.zeros((10, 10), bool)
     mask[2:7, 2:7] = True
-    contour = evolve_by_means(image, mask, PLAIN)
+    contour = evolve(image, mask, PLAIN, by_means=True)
     assert contour.iterations < PLAIN.iterations
     least = energy(image, contour.mask)
     for row, column in np.argwhere(np.abs(contour.levels) == 1):
@@ -85,13 +85,13 @@ def test_with_ratios_what_is_connected_and_likelier_target_is_inside(draw_disc):
     apart = draw_disc(60, 80, (70, 50), 5)
     start = draw_disc(60, 80, (44, 33), 4)
     ratio = np.where(target | apart, 1.0, -1.0).astype(np.float32)
-    np.testing.assert_array_equal(evolve_by_ratio(ratio, start, PLAIN).mask, target)
+    np.testing.assert_array_equal(evolve(ratio, start, PLAIN, by_means=False).mask, target)
 
 
 def test_without_flooding_an_iteration_moves_a_contour_by_a_pixel(draw_disc):
     target, start = draw_disc(60, 80, (40, 30), 20), draw_disc(60, 80, (40, 30), 5)
     ratio = np.where(target, 1.0, -1.0).astype(np.float32)
-    contour = evolve_by_ratio(ratio, start, ContourSettings(flooding=False, iterations=5))
+    contour = evolve(ratio, start, ContourSettings(flooding=False, iterations=5), by_means=False)
     assert contour.iterations == 5
     assert not (contour.mask & ~draw_disc(60, 80, (40, 30), 10.5)).any()
 
@@ -102,7 +102,7 @@ def test_the_regulariser_shuts_out_single_points(draw_disc):
     ratio = (np.where(target, 1.0, -1.0) + noise).astype(np.float32)
     start = draw_disc(60, 80, (40, 30), 12)
     settings = (ContourSettings(), ContourSettings(regulariser=0.6, balance=-1.0))
-    rough, smooth = (evolve_by_ratio(ratio, start, each).mask for each in settings)
+    rough, smooth = (evolve(ratio, start, each, by_means=False).mask for each in settings)
     assert (smooth ^ target).sum() < 0.6 * (rough ^ target).sum()
 
 
@@ -110,13 +110,13 @@ def test_no_region_is_emptied():
     nothing = np.full((20, 20), -1.0, np.float32)
     start = np.zeros((20, 20), bool)
     start[5:10, 5:10] = True
-    assert evolve_by_ratio(nothing, start, PLAIN).mask.sum() == 2
-    assert evolve_by_ratio(-nothing, start, PLAIN).mask.sum() == 398
+    assert evolve(nothing, start, PLAIN, by_means=False).mask.sum() == 2
+    assert evolve(-nothing, start, PLAIN, by_means=False).mask.sum() == 398
 
 
 def test_what_cannot_evolve_is_refused():
     image, mask = worked_example()
     with pytest.raises(FrameError, match="cannot evolve"):
-        evolve_by_means(image[:10], mask, PLAIN)
+        evolve(image[:10], mask, PLAIN, by_means=True)
     with pytest.raises(FrameError, match="on either side"):
-        evolve_by_means(image, np.zeros_like(mask), PLAIN)
+        evolve(image, np.zeros_like(mask), PLAIN, by_means=True)

@@ -39,8 +39,7 @@ from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.labels.sequence_file import Label, read_labels, write_labels
 from cable_tracker.sequences.pictures.image_folder import load_picture
 from cable_tracker.sequences.source import open_source
-from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.start_text import parse_start_text
+from cable_tracker.target.model.start import TargetStart, parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import (
     format_parameter_file,

@@ -36,8 +36,7 @@ from cable_tracker.sequences.messages.target import (
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
-from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.model.start import StartText, TargetStart, parse_start_text
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.target.warming import warm_up_target

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.contour.evolution import evolve_by_ratio
+from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST, ContourSettings
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
@@ -132,7 +132,7 @@ def find_outline(
     if count < FEWEST or expected.size - count < FEWEST:
         return None
     prior = log_odds(distances, softness, PRIOR_LIMIT)
-    mask = evolve_by_ratio(ratios[top:bottom, left:right] + prior, expected, settings).mask
+    mask = evolve(ratios[top:bottom, left:right] + prior, expected, settings, by_means=False).mask
     overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))
     return Outline(mask, window, overlap)
 

@@ -1,8 +1,12 @@
-"""How much more a region looks like the target than what is around it."""
+"""A frame seen with the learnt appearance of a target: what poses are scored by.
+
+A score is how much more a region looks like the target than what is around it.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +14,12 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.target.measure.appearance import Appearance
+from cable_tracker.target.measure.features import BinMap, bins_of, looked_up
+from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.state import ANGLE, LOG_SCALE, X, Y
+from cable_tracker.target.model.template import Template
+from cable_tracker.target.parameters.parameters import TargetParameters
 
 MIN_SHARE = 0.05
 """With less of its points in the picture a region has no score."""
@@ -156,3 +165,44 @@ def score_poses(
         ring = _mean_around(ratios, around, place, turn)
         scores[row] = math.sqrt(share) * (mean - ring + hues.weight * likeness)
     return scores
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredFrame:
+    """What a frame shows of a target's appearance.
+
+    Attributes
+    ----------
+    frame : WorkingFrame
+        The frame.
+    bins : BinMap
+        Bins of its pixels.
+    ratios : array
+        log p(pixel | target) / p(pixel | surroundings), float32, shape (H, W).
+    hues : HueModel
+        Hues of the target, with which the histogram of a whole region is compared.
+    """
+
+    frame: WorkingFrame
+    bins: BinMap
+    ratios: NDArray[np.float32]
+    hues: HueModel
+
+    def scores(self, states: FloatArray, template: Template) -> FloatArray:
+        """Return how much the regions of poses (N, 6) look like the target, shape (N,)."""
+        scores: FloatArray = score_poses(
+            self.ratios, states, template.inside, template.around, template.size, self.hues
+        )
+        return scores
+
+
+def measure_frame(
+    frame: WorkingFrame, appearance: Appearance, parameters: TargetParameters
+) -> MeasuredFrame:
+    """Look at a frame with what has been learnt of a target's appearance."""
+    share = parameters.first_look_share
+    bins = bins_of(frame.channels, appearance.bins.lookups)
+    weight = parameters.hue_weight if frame.is_coloured else parameters.grey_hue_weight
+    hues = HueModel(bins, appearance.hue_roots(share), weight)
+    ratios = looked_up(bins, appearance.log_ratios(parameters.ratio_limit, share))
+    return MeasuredFrame(frame, bins, ratios, hues)

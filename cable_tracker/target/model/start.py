@@ -1,4 +1,4 @@
-"""Where a target is at the start: a box or an outline that was marked."""
+"""Where targets are at the start: boxes or outlines that were marked, and what a parameter says."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.errors import FrameError
+from cable_tracker.errors import FrameError, ParameterError
+
+WAIT, DETECT = "wait", "detect"
+"""Words for a start where a mark is waited for, and where a detector proposes."""
 
 LEAST_SIDE = 3.0
 """Minimum width and height of a marked box [px]."""
@@ -120,3 +123,58 @@ class TargetStart:
         cv2.fillPoly(mask, [np.round((corners - 0.5) * 16).astype(np.int32)], 1, cv2.LINE_8, 4)
         inside: BoolArray = mask > 0
         return inside
+
+
+@dataclass(frozen=True, slots=True)
+class StartText:
+    """What a parameter says of the start.
+
+    Attributes
+    ----------
+    detects : bool
+        Whether a detector is asked for.
+    boxes : tuple of TargetStart
+        Marked targets, the first first; empty where none is marked.
+    """
+
+    detects: bool
+    boxes: tuple[TargetStart, ...]
+
+
+def parse_start_text(text: str) -> StartText:
+    """Read `wait`, `detect`, or boxes `x0,y0,x1,y1` in px from the top left, divided by `;`.
+
+    Raises
+    ------
+    ParameterError
+        It is none of these, or a box has no area.
+    """
+    word = text.strip()
+    if word in {WAIT, DETECT}:
+        return StartText(word == DETECT, ())
+    try:
+        return StartText(False, tuple(parse_box(part) for part in word.split(";")))
+    except ParameterError as error:
+        raise ParameterError(f"{error}; give {WAIT}, {DETECT}, or boxes divided by ';'") from error
+
+
+def parse_box(text: str) -> TargetStart:
+    """Read a box `x0,y0,x1,y1` in px from the top left.
+
+    Raises
+    ------
+    ParameterError
+        It is no box, or has no area.
+    """
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 4:
+        raise ParameterError(
+            f"{text.strip()!r} is no box x0,y0,x1,y1 in px from the top left corner"
+        )
+    try:
+        return TargetStart.from_box(*numbers)
+    except FrameError as error:
+        raise ParameterError(str(error)) from error

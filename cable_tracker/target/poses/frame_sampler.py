@@ -10,14 +10,13 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
-from cable_tracker.target.measure.measured_frame import MeasuredFrame
-from cable_tracker.target.model.expected_place import ExpectedPlace
+from cable_tracker.target.measure.region import MeasuredFrame
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
 from cable_tracker.target.model.state import ANGLE, POSE_SIZE, at_rest, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.poses.peak_poses import PeakPoses
+from cable_tracker.target.poses.map_peaks import PeakPoses
 from cable_tracker.target.poses.pose_belief import PoseBelief
-from cable_tracker.target.poses.rivals import RIVAL_SCORE
+from cable_tracker.target.poses.rivals import RIVAL_SCORE, ExpectedPlace
 from cable_tracker.tracking.rates import share_over_time
 
 PEAK_SPREAD = (0.25, 0.15, 0.12)
@@ -74,7 +73,7 @@ class ScoredPoses(NamedTuple):
     Attributes
     ----------
     states : FloatArray
-        At rest, shape (N, 6).
+        Shape (N, 6).
     log_prior : FloatArray
         Log-density of the forecast, sizes included, shape (N,).
     log_birth : FloatArray
@@ -92,26 +91,21 @@ class ScoredPoses(NamedTuple):
     scores: FloatArray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class DrawnParticles:
+class DrawnParticles(NamedTuple):
     """The particles of a frame before they are weighed.
 
     Attributes
     ----------
-    states : FloatArray
-        The particles, shape (N, 6).
-    log_prior, log_proposal : FloatArray
-        Log-densities of the forecast and of what they were drawn from, shape (N,).
-    scores : FloatArray
-        Scores of their regions, shape (N,).
+    poses : ScoredPoses
+        The particles, with their rates.
+    log_proposal : FloatArray
+        Log-density of what they were drawn from, shape (N,).
     own_scores : FloatArray
         Scores less the penalty where another target is seen, shape (N,).
     """
 
-    states: FloatArray
-    log_prior: FloatArray
+    poses: ScoredPoses
     log_proposal: FloatArray
-    scores: FloatArray
     own_scores: FloatArray
 
 
@@ -151,7 +145,8 @@ class FrameSampler:
         others = []
         parts = [followed.draw(counts.followed, rng)]
         if counts.peaks:
-            others.append(self._about(peaks.poses, peaks.strengths, PEAK_SPREAD, counts.peaks))
+            weights = peaks.strengths / peaks.strengths.sum()
+            others.append(self._about(peaks.poses, weights, PEAK_SPREAD, counts.peaks))
             parts.append(others[-1].draw(counts.peaks, rng))
         parts.append(self.forecast.draw_births(counts.search, rng))
         scored = self._scored(np.concatenate(parts))
@@ -164,10 +159,8 @@ class FrameSampler:
             scored = ScoredPoses(*(np.concatenate(pair) for pair in zip(scored, more, strict=True)))
         log_proposal = self._log_proposal(scored, followed, others, counts)
         self._give_rates(scored, rng)
-        return DrawnParticles(
-            scored.states, scored.log_prior, log_proposal, scored.scores,
-            own.own_scores(scored.states, scored.scores),
-        )  # fmt: skip
+        own_scores = own.own_scores(scored.states, scored.scores)
+        return DrawnParticles(scored, log_proposal, own_scores)
 
     def _share(self, count: int) -> float:
         return count / self.parameters.particle_count

@@ -17,8 +17,8 @@ from cable_tracker.target.measure.appearance import (
 from cable_tracker.target.measure.clutter import UsualScore
 from cable_tracker.target.measure.features import bins_of, choose_bins
 from cable_tracker.target.measure.first_look import FirstLook
-from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline, contour_settings, find_outline
+from cable_tracker.target.measure.region import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import LOG_SCALE

@@ -19,8 +19,8 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
 from cable_tracker.target.filter_interface import TargetSummary
 from cable_tracker.target.measure.first_look import look_first
-from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline
+from cable_tracker.target.measure.region import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import LOG_SCALE, STATE_SIZE, X, Y, distances_from
@@ -32,7 +32,7 @@ from cable_tracker.target.poses.known_target import (
     first_known,
     outline_at,
 )
-from cable_tracker.target.poses.peak_poses import propose_from_map, watch_rivals
+from cable_tracker.target.poses.map_peaks import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
 from cable_tracker.target.poses.presence import (
     MOST_PRESENCE,
@@ -151,10 +151,11 @@ class PoseFilter:
         sampler = FrameSampler(belief, forecast, measured, dt, parameters)
         drawn = sampler.draw(peaks, rng)
         presence = presence_by_scores(sampler, drawn, rng)
-        log_weights = drawn.log_prior - drawn.log_proposal
+        states = drawn.poses.states
+        log_weights = drawn.poses.log_prior - drawn.log_proposal
         log_weights += sampler.sharpness * drawn.own_scores
-        log_weights -= crowding(drawn.states, others, parameters.sharpness, CROWD * belief.size)
-        particles = Particles(drawn.states, log_weights - log_sum_exp(log_weights))
+        log_weights -= crowding(states, others, parameters.sharpness, CROWD * belief.size)
+        particles = Particles(states, log_weights - log_sum_exp(log_weights))
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)

@@ -12,7 +12,7 @@ from cable_tracker.particle_filter.weights import log_sum_exp
 from cable_tracker.target.measure.clutter import clutter_of, log_ratio_of_likeness
 from cable_tracker.target.model.state import X, Y, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.poses.frame_sampler import DrawnParticles, FrameSampler
+from cable_tracker.target.poses.frame_sampler import DrawnParticles, FrameSampler, ScoredPoses
 from cable_tracker.target.poses.known_target import ShownTarget
 from cable_tracker.target.poses.pose_belief import PoseBelief
 
@@ -34,23 +34,24 @@ def presence_by_scores(
         Draws places for clutter.
     """
     parameters, measured, known = sampler.parameters, sampler.measured, sampler.belief.known
+    poses = drawn.poses
     clutter = clutter_of(
-        measured.scores(_random_places(sampler, drawn, rng), known.template),
+        measured.scores(_random_places(sampler, poses, rng), known.template),
         parameters.clutter_share if measured.frame.is_coloured else parameters.grey_clutter_share,
     )
-    ratios = clutter.log_ratios(drawn.scores, known.usual, parameters.score_spread)
+    ratios = clutter.log_ratios(poses.scores, known.usual, parameters.score_spread)
     ratios = np.clip(ratios, -parameters.evidence_limit, parameters.evidence_limit)
-    evidence = log_sum_exp(drawn.log_prior - drawn.log_proposal + ratios)
-    evidence -= math.log(len(drawn.scores))
+    evidence = log_sum_exp(poses.log_prior - drawn.log_proposal + ratios)
+    evidence -= math.log(len(poses.scores))
     predicted = sampler.forecast.predicted
     return update_existence(predicted, evidence, LEAST_PRESENCE, MOST_PRESENCE)
 
 
 def _random_places(
-    sampler: FrameSampler, drawn: DrawnParticles, rng: np.random.Generator
+    sampler: FrameSampler, poses: ScoredPoses, rng: np.random.Generator
 ) -> FloatArray:
     """Return poses (K, 6) anywhere but at the best particle, of its scale and angle."""
-    best = drawn.states[int(np.argmax(drawn.scores))]
+    best = poses.states[int(np.argmax(poses.scores))]
     height, width = sampler.measured.frame.shape
     count = sampler.parameters.clutter_places
     states = np.tile(best, (count, 1))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.contour.evolution import evolve_by_means
+from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.shape_energy import level_set_energy
 from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.errors import FrameError
@@ -246,7 +246,7 @@ class BlobFilter:
         found, contrast = start, abs(means[0] - means[1])
         if contrast >= self._parameters.blob_contrast:
             settings = REGULARISER._replace(iterations=self._parameters.blob_iterations)
-            contour = evolve_by_means(cut, start, settings)
+            contour = evolve(cut, start, settings, by_means=True)
             found, contrast = contour.mask, contour.contrast
             means = contour.inside_mean, contour.outside_mean
         energy = (cut[found] - means[0]) @ (cut[found] - means[0])

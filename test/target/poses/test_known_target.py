@@ -8,8 +8,8 @@ import pytest
 
 from cable_tracker.target.measure.clutter import UsualScore
 from cable_tracker.target.measure.first_look import look_first
-from cable_tracker.target.measure.measured_frame import measure_frame
 from cable_tracker.target.measure.outline import contour_settings, find_outline
+from cable_tracker.target.measure.region import measure_frame
 from cable_tracker.target.measure.working_frame import make_working_frame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.parameters.parameters import TargetParameters

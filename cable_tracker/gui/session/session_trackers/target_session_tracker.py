@@ -20,8 +20,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.labels.target_labels import BoxTruth
-from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.model.start import StartText, TargetStart, parse_start_text
 from cable_tracker.target.model.state import LOG_SCALE
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.target.detect.candidates import DETECTORS
+from cable_tracker.target.candidates import DETECTORS
 from cable_tracker.target.measure.working_frame import make_working_frame
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.evolution import evolve_by_means
+from cable_tracker.contour.evolution import evolve
 from cable_tracker.contour.fast_marching import arrival_times, edge_speed
 from cable_tracker.contour.switching import ContourSettings
 from cable_tracker.target.measure.working_frame import WorkingFrame
@@ -93,7 +93,7 @@ def contour_candidates(frame: WorkingFrame) -> list[Candidate]:
             # A seed in what is usual, or in what has been found, leads nowhere new.
             if covered[row, column] or map_[seed].max() < 2.0 * LEAST_CONTRAST:
                 continue
-            contour = evolve_by_means(map_, seed, settings)
+            contour = evolve(map_, seed, settings, by_means=True)
             if contour.contrast < LEAST_CONTRAST or contour.inside_mean < contour.outside_mean:
                 continue
             for part in _parts(contour.mask):

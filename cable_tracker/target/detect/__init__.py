@@ -1,1 +1,0 @@
-"""Detectors: they propose outlines in whole pictures, and decide nothing."""
