@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE
 
-LEAST_ALTITUDE, MOST_ALTITUDE = 0.05, 200.0
-"""Altitudes outside are no altitudes of a vehicle that sees the bottom [m]."""
+LEAST_ALTITUDE = 0.05
+"""No smaller altitude is one of a vehicle that sees the bottom [m]."""
 
 
 @dataclass(frozen=True, slots=True)

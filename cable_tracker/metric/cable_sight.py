@@ -12,7 +12,6 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
-from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments
@@ -23,7 +22,7 @@ from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
 from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
-from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, Instrument
 from cable_tracker.sequences.messages.factory import Message
 
 CABLE_INSTRUMENTS = (

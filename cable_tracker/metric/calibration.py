@@ -129,19 +129,21 @@ class CameraModel:
 
     Attributes
     ----------
-    image_size : (int, int)
-        Width and height [px].
-    model : DistortionModel
-        Distortion model of the lens.
-    focal, centre, coefficients
-        See `Calibration`.
+    calibration : Calibration
+        Calibration for images of this size, which has been checked.
     """
 
-    image_size: tuple[int, int]
-    model: DistortionModel
-    focal: tuple[float, float]
-    centre: tuple[float, float]
-    coefficients: tuple[float, ...] = ()
+    calibration: Calibration
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """Width and height [px]."""
+        return self.calibration.image_size
+
+    @property
+    def model(self) -> DistortionModel:
+        """Distortion model of the lens."""
+        return _model_of(self.calibration.model)
 
     @property
     def is_bent(self) -> bool:
@@ -150,20 +152,23 @@ class CameraModel:
         A fisheye whose coefficients are all zero bends them: radii in its pictures are in
         proportion to the angle from the axis. One without coefficients is a pinhole.
         """
+        coefficients = self.calibration.coefficients
         if self.model is DistortionModel.EQUIDISTANT:
-            return bool(self.coefficients)
-        return any(self.coefficients)
+            return bool(coefficients)
+        return any(coefficients)
 
     @property
     def matrix(self) -> FloatArray:
         """The camera matrix, shape (3, 3) [px]."""
-        (fx, fy), (cx, cy) = self.focal, self.centre
+        (fx, fy), (cx, cy) = self.calibration.focal, self.calibration.centre
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
     @property
     def image_matrix(self) -> FloatArray:
         """Matrix from optical frame to image frame, without distortion, shape (3, 3) [px]."""
-        (fx, fy), (x, y) = self.focal, to_image(*self.centre, self.image_size)
+        (fx, fy), (x, y) = (
+            self.calibration.focal, to_image(*self.calibration.centre, self.image_size),
+        )  # fmt: skip
         return np.array([[fx, 0.0, x], [0.0, -fy, y], [0.0, 0.0, 1.0]])
 
     def rays(self, points: FloatArray) -> FloatArray:
@@ -186,11 +191,11 @@ class CameraModel:
             OpenCV refuses the calibration.
         """
         pixels = image_to_pixel(points, self.image_size).reshape(-1, 2)
-        plane = (pixels - self.centre) / self.focal
+        plane = (pixels - self.calibration.centre) / self.calibration.focal
         if not self.is_bent:
             directions = np.column_stack((plane, np.ones(len(plane))))
         elif self.model is DistortionModel.EQUIDISTANT:
-            directions = _fisheye_directions(plane, self.coefficients)
+            directions = _fisheye_directions(plane, self.calibration.coefficients)
         else:
             directions = self._straightened(pixels)
         rays = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
@@ -218,13 +223,13 @@ class CameraModel:
         return np.column_stack((straight.reshape(-1, 2), np.ones(len(straight))))
 
     def _lens(self) -> FloatArray:
-        return np.array(self.coefficients, dtype=np.float64)
+        return np.array(self.calibration.coefficients, dtype=np.float64)
 
     def _pixels(self, directions: FloatArray) -> FloatArray:
         """Return column and row where directions (N, 3) are seen, shape (N, 2)."""
         if self.model is DistortionModel.EQUIDISTANT and self.is_bent:
-            plane = _fisheye_plane(directions, self.coefficients)
-            return np.asarray(plane * self.focal + self.centre)
+            plane = _fisheye_plane(directions, self.calibration.coefficients)
+            return np.asarray(plane * self.calibration.focal + self.calibration.centre)
         ahead = np.where(directions[:, 2:] > 0.0, directions, [0.0, 0.0, 1.0])
         lens = self._lens() if self.is_bent else np.zeros(5)
         with refusals_as(MetricError, "no pixels can be computed with this calibration"):
@@ -301,17 +306,7 @@ def camera_for(
             f"the calibration is for {own_width}x{own_height} px, the image has {width}x{height} px"
             " and another aspect; calibrate the camera as it is used",
         )
-    fitting = calibration.scaled_to(image_size)
-    return CameraModel(
-        image_size, _model_of(fitting.model), fitting.focal, fitting.centre, fitting.coefficients
-    )
-
-
-def calibration_of(camera: CameraModel) -> Calibration:
-    """Return the calibration that a camera was made with, for its own images."""
-    return Calibration(
-        camera.image_size, camera.model.value, camera.focal, camera.centre, camera.coefficients
-    )
+    return CameraModel(calibration.scaled_to(image_size))
 
 
 def _model_of(name: str) -> DistortionModel:

@@ -14,7 +14,7 @@ from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
 from cable_tracker.metric.history import History, Reading
-from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.settings import altimeter_of, metric_settings
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters

@@ -12,7 +12,6 @@ from functools import partial
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude, roll_and_pitch
@@ -20,6 +19,7 @@ from cable_tracker.metric.odometry.motion import UNKNOWN_TURN
 from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import (

@@ -17,14 +17,15 @@ from cable_tracker.arrays import Image, IndexArray
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.metric.calibration import calibration_of, camera_for
+from cable_tracker.metric.calibration import camera_for
 from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.odometry.homography import Overflight, move_states
+from cable_tracker.metric.odometry.homography import move_states
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_metres import depth_of_ground, put_profile, to_image
+from cable_tracker.survey.frames.frame_metres import put_profile
 from cable_tracker.survey.frames.frame_table import (
     HIDDEN,
     NOT_AGAIN,
@@ -171,12 +172,12 @@ def _picture_of(
         grey = decode_grey(encoded)
     except FrameError:
         return None
-    camera = camera_for(calibration_of(flight.camera), (grey.shape[1], grey.shape[0]))
+    camera = camera_for(flight.camera.calibration, (grey.shape[1], grey.shape[0]))
     if isinstance(camera, Withheld):
         return None
     attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
     flight = replace(flight, camera=camera, attitude=attitude, height=float(row["altitude"]))
-    return (grey, flight) if depth_of_ground(flight) > 0.0 else None
+    return (grey, flight) if flight.clearance > 0.0 else None
 
 
 def _put_cable(
@@ -199,7 +200,7 @@ def place_in_image(
 ) -> CableState:
     """Return where in the picture a cable is seen that lies beside a look line [m, rad]."""
     aside, heading = place
-    # In the frame of the ground from above, see `to_image`.
+    # In the frame of the ground from above, see `Overflight.ground_to_image`.
     distance = -aside * math.cos(heading) + look * math.sin(heading)
-    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), to_image(flight))[0]
+    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), flight.ground_to_image())[0]
     return CableState.from_array(seen)

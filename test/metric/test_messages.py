@@ -10,7 +10,6 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Imu, Range
 from std_msgs.msg import Header
 
-from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.messages import (
     make_cross_track,
@@ -25,6 +24,7 @@ from cable_tracker.metric.targets.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 

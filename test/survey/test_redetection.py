@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from survey_dives import DISK, LOOK, Plan, make_dive, poses_of, true_aside
 
-from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.survey.frames.frame_metres import on_ground
 from cable_tracker.survey.frames.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
 from cable_tracker.survey.redetection import place_in_image, redetect_cable
 from cable_tracker.survey.routes.route import Course
@@ -21,7 +20,7 @@ from cable_tracker.survey.smoothing.smoother import smooth
 
 WIDTH, HEIGHT, FOCAL, ALTITUDE, DIAMETER = 320, 240, 300.0, 2.0, 0.16
 CAMERA = CameraModel(
-    (WIDTH, HEIGHT), DistortionModel.PLUMB_BOB, (FOCAL, FOCAL), ((WIDTH - 1) / 2, (HEIGHT - 1) / 2)
+    Calibration((WIDTH, HEIGHT), "plumb_bob", (FOCAL, FOCAL), ((WIDTH - 1) / 2, (HEIGHT - 1) / 2))
 )
 FLIGHT = Overflight(CAMERA, Mounting(x=LOOK), Attitude(0.0, 0.0, 0.0), ALTITUDE, 0.02)
 PLAN = Plan(hidden=((15.0, 22.0),))
@@ -107,10 +106,12 @@ def test_claims_that_count_stay_as_they_are(dive):
 def test_pictures_that_had_another_size_are_searched_at_their_own(dive):
     course = course_of(dive)
     smaller = CameraModel(
-        (WIDTH // 2, HEIGHT // 2),
-        DistortionModel.PLUMB_BOB,
-        (FOCAL / 2, FOCAL / 2),
-        ((WIDTH / 2 - 1) / 2, (HEIGHT / 2 - 1) / 2),
+        Calibration(
+            (WIDTH // 2, HEIGHT // 2),
+            "plumb_bob",
+            (FOCAL / 2, FOCAL / 2),
+            ((WIDTH / 2 - 1) / 2, (HEIGHT / 2 - 1) / 2),
+        )
     )
     dive.flight = replace(FLIGHT, camera=smaller)
     way = 0.05 * np.arange(len(dive.table.rows)) + LOOK
@@ -134,7 +135,7 @@ def test_a_place_on_the_ground_is_where_the_camera_sees_it(attitude, place):
     state = place_in_image(flight, LOOK, place, DIAMETER)
     foot = state.distance * np.array([math.cos(state.angle), math.sin(state.angle)])
     along = np.array([-math.sin(state.angle), math.cos(state.angle)])
-    points = on_ground(flight, np.array([foot - 30.0 * along, foot + 30.0 * along]))
+    points = flight.on_ground(np.array([foot - 30.0 * along, foot + 30.0 * along]))
     aside, heading = place
     off = (points[:, 1] - aside) * math.cos(heading) - (points[:, 0] - LOOK) * math.sin(heading)
     assert off == pytest.approx(0.0, abs=0.01)
@@ -143,7 +144,7 @@ def test_a_place_on_the_ground_is_where_the_camera_sees_it(attitude, place):
 def test_a_cable_far_ahead_converges_upwards_and_not_the_other_way_round():
     # The ground below the vehicle's middle lies behind this camera.
     flight = Overflight(CAMERA, Mounting(x=1.0, pitch=math.radians(25.0)), Attitude(), 1.5, 0.02)
-    look = float(on_ground(flight, np.zeros((1, 2)))[0, 0])
+    look = float(flight.on_ground(np.zeros((1, 2)))[0, 0])
     state = place_in_image(flight, look, (0.2, 0.1), DIAMETER)
     assert 0.0 < state.skew < 0.1
     assert state.width > 0.0

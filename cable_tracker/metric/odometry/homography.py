@@ -17,38 +17,12 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
-from cable_tracker.metric.calibration import CameraModel
-from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 
 LEAST_CLEARANCE = 0.1
 """Distance of the camera from the plane that is assumed at least [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Overflight:
-    """A camera over the plane of the cable.
-
-    Attributes
-    ----------
-    camera : CameraModel
-        The camera.
-    mounting : Mounting
-        On the vehicle.
-    attitude : Attitude
-        Attitude of the vehicle.
-    height : float
-        Height of base_link above the cable's axis [m].
-    height_sigma : float
-        Standard deviation of the height [m].
-    """
-
-    camera: CameraModel
-    mounting: Mounting
-    attitude: Attitude
-    height: float
-    height_sigma: float
 
 
 def homography(flight: Overflight, change: PoseChange) -> FloatArray:

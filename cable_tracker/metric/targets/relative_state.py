@@ -10,31 +10,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from enum import IntEnum
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 
+BEARING, ELEVATION, LOG_RANGE, BEARING_RATE, ELEVATION_RATE, LOG_RANGE_RATE, SIZE_BIAS = range(7)
+"""Rows of the state."""
 
-class RelativeColumn(IntEnum):
-    """Rows of the state."""
+POSE_SIZE, STATE_SIZE = 3, 7
+"""Rows of the pose, and of the pose with its rates and the bias of the size."""
 
-    BEARING = 0
-    ELEVATION = 1
-    LOG_RANGE = 2
-    BEARING_RATE = 3
-    ELEVATION_RATE = 4
-    LOG_RANGE_RATE = 5
-    SIZE_BIAS = 6
+BEARING_SIGMA = math.radians(0.6)
+"""Standard deviation of one measured bearing or elevation [rad]."""
 
+SIZE_SIGMA = 0.03
+"""Standard deviation of one measured log size."""
 
-STATE_SIZE = len(RelativeColumn)
+GATE, GATE_TIME = 4.0, 0.6
+"""Limit beyond which measurements are passed over [standard deviations], and time without an
+accepted one after which it is open [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class RelativeNoise:
-    """Noise of the motion and of the measurements.
+    """Noise of the motion, and of the bias of the measured size.
 
     Attributes
     ----------
@@ -42,28 +42,16 @@ class RelativeNoise:
         Spectral density of the bearing's and elevation's acceleration [rad/s^1.5].
     range_acceleration : float
         Spectral density of the log range's acceleration [1/s^1.5].
-    bearing_sigma : float
-        Standard deviation of one measured bearing or elevation [rad].
-    size_sigma : float
-        Standard deviation of one measured log size.
     bias_sigma, bias_time : float
         Standard deviation of the bias of log size, and the time over which it changes [s].
-    gate : float
-        Limit beyond which measurements are passed over [standard deviations].
-    gate_time : float
-        Time without an accepted measurement after which the gate is open [s].
     rate_sigma : float
         Standard deviation of the rates at the beginning [rad/s, 1/s].
     """
 
     angular_acceleration: float = 0.15
     range_acceleration: float = 0.15
-    bearing_sigma: float = math.radians(0.6)
-    size_sigma: float = 0.03
     bias_sigma: float = 0.05
     bias_time: float = 20.0
-    gate: float = 4.0
-    gate_time: float = 0.6
     rate_sigma: float = 0.5
 
 
@@ -116,7 +104,7 @@ class RelativeState:
     Attributes
     ----------
     mean : FloatArray
-        Rows of `RelativeColumn`, shape (7,) [rad, log m, per second].
+        Rows from `BEARING` to `SIZE_BIAS`, shape (7,) [rad, log m, per second].
     covariance : FloatArray
         Shape (7, 7).
     target_size : float
@@ -140,21 +128,21 @@ class RelativeState:
     @property
     def range(self) -> float:
         """Distance to the target [m]."""
-        return math.exp(float(self.mean[RelativeColumn.LOG_RANGE]))
+        return math.exp(float(self.mean[LOG_RANGE]))
 
     @property
     def range_sigma(self) -> float:
         """Standard deviation of the range [m]."""
-        return self.range * math.sqrt(float(self.covariance[2, 2]))
+        return self.range * math.sqrt(float(self.covariance[LOG_RANGE, LOG_RANGE]))
 
     def position(self) -> FloatArray:
         """Return where the target is in the axes of base_link, shape (3,) [m]."""
-        place: FloatArray = self.axes @ _cartesian(self.mean[:3])
+        place: FloatArray = self.axes @ _cartesian(self.mean[:POSE_SIZE])
         return place
 
     def position_covariance(self) -> FloatArray:
         """Return its covariance, shape (3, 3) [m²]."""
-        bearing, elevation = (float(angle) for angle in self.mean[:2])
+        bearing, elevation = (float(self.mean[row]) for row in (BEARING, ELEVATION))
         cb, sb, ce, se = (
             math.cos(bearing), math.sin(bearing), math.cos(elevation), math.sin(elevation),
         )  # fmt: skip
@@ -163,7 +151,7 @@ class RelativeState:
             * self.axes
             @ np.array([[-ce * sb, -se * cb, ce * cb], [ce * cb, -se * sb, ce * sb], [0.0, ce, se]])
         )
-        covariance: FloatArray = jacobian @ self.covariance[:3, :3] @ jacobian.T
+        covariance: FloatArray = jacobian @ self.covariance[:POSE_SIZE, :POSE_SIZE] @ jacobian.T
         return covariance
 
     def predicted(self, dt: float) -> RelativeState:
@@ -172,17 +160,18 @@ class RelativeState:
         A target that is not seen for long does not go on to where no number reaches.
         """
         transition = np.eye(STATE_SIZE)
-        transition[[0, 1, 2], [3, 4, 5]] = dt
+        transition[:POSE_SIZE, BEARING_RATE:SIZE_BIAS] += dt * np.eye(POSE_SIZE)
         keep = math.exp(-dt / self.noise.bias_time)
-        transition[6, 6] = keep
+        transition[SIZE_BIAS, SIZE_BIAS] = keep
         mean = transition @ self.mean
-        mean[2] = min(max(mean[2], math.log(LEAST_RANGE)), math.log(MOST_RANGE))
+        mean[LOG_RANGE] = min(max(mean[LOG_RANGE], math.log(LEAST_RANGE)), math.log(MOST_RANGE))
         densities = [self.noise.angular_acceleration] * 2 + [self.noise.range_acceleration]
         added = np.zeros((STATE_SIZE, STATE_SIZE))
         for row, density in enumerate(densities):
             block = density**2 * np.array([[dt**3 / 3.0, dt**2 / 2.0], [dt**2 / 2.0, dt]])
-            added[np.ix_([row, row + 3], [row, row + 3])] = block
-        added[6, 6] = (1.0 - keep**2) * self.noise.bias_sigma**2
+            both = [row, row + POSE_SIZE]
+            added[np.ix_(both, both)] = block
+        added[SIZE_BIAS, SIZE_BIAS] = (1.0 - keep**2) * self.noise.bias_sigma**2
         covariance = transition @ self.covariance @ transition.T + added
         return replace(self, mean=mean, covariance=covariance, unseen=self.unseen + dt)
 
@@ -203,17 +192,17 @@ class RelativeState:
         def carried(pose: FloatArray) -> FloatArray:
             return _polar((_cartesian(pose) - translation) @ rotation)
 
-        pose = self.mean[:3]
+        pose = self.mean[:POSE_SIZE]
         moved = carried(pose)
         jacobian = np.eye(STATE_SIZE)
-        for column in range(3):
-            step = np.zeros(3)
+        for column in range(POSE_SIZE):
+            step = np.zeros(POSE_SIZE)
             step[column] = DIFFERENCE
             change = carried(pose + step) - carried(pose - step)
-            change[0] = math.remainder(change[0], 2.0 * math.pi)
-            jacobian[:3, column] = change / (2.0 * DIFFERENCE)
+            change[BEARING] = math.remainder(change[BEARING], 2.0 * math.pi)
+            jacobian[:POSE_SIZE, column] = change / (2.0 * DIFFERENCE)
         mean = self.mean.copy()
-        mean[:3] = moved
+        mean[:POSE_SIZE] = moved
         covariance = jacobian @ self.covariance @ jacobian.T
         return replace(self, mean=mean, covariance=covariance)
 
@@ -224,20 +213,20 @@ class RelativeState:
         """
         rows = 3 if seen.is_whole and seen.angular_size > 0.0 else 2
         model = np.zeros((rows, STATE_SIZE))
-        model[0, RelativeColumn.BEARING] = model[1, RelativeColumn.ELEVATION] = 1.0
+        model[0, BEARING] = model[1, ELEVATION] = 1.0
         measured = [seen.bearing, seen.elevation]
-        sigmas = [self.noise.bearing_sigma] * 2
+        sigmas = [BEARING_SIGMA] * 2
         if rows == 3:
             # log(size / range) and a bias of the size.
-            model[2, RelativeColumn.LOG_RANGE], model[2, RelativeColumn.SIZE_BIAS] = -1.0, 1.0
+            model[2, LOG_RANGE], model[2, SIZE_BIAS] = -1.0, 1.0
             measured.append(math.log(seen.angular_size / self.target_size))
-            sigmas.append(self.noise.size_sigma)
+            sigmas.append(SIZE_SIGMA)
         innovation = np.array(measured) - model @ self.mean
         innovation[0] = math.remainder(innovation[0], 2.0 * math.pi)
         spread = model @ self.covariance @ model.T + np.diag(np.square(sigmas))
         distance = float(innovation @ np.linalg.solve(spread, innovation))
-        is_open = self.unseen > self.noise.gate_time
-        if distance > self.noise.gate**2:
+        is_open = self.unseen > GATE_TIME
+        if distance > GATE**2:
             return _begin(seen, self) if is_open and rows == 3 else self
         gain = np.linalg.solve(spread, model @ self.covariance).T
         mean = self.mean + gain @ innovation
@@ -295,14 +284,14 @@ def _begin(seen: TargetSighting, before: RelativeState) -> RelativeState:
     """Return the belief that one sighting alone gives."""
     noise = before.noise
     mean = np.zeros(STATE_SIZE)
-    mean[:3] = seen.bearing, seen.elevation, math.log(before.target_size / seen.angular_size)
-    size = noise.size_sigma**2 + noise.bias_sigma**2
-    covariance = np.diag(
-        [noise.bearing_sigma**2, noise.bearing_sigma**2, size, *[noise.rate_sigma**2] * 3,
-         noise.bias_sigma**2]
-    )  # fmt: skip
-    # What the bias adds to the size, the range takes up.
+    mean[:POSE_SIZE] = (
+        seen.bearing,
+        seen.elevation,
+        math.log(before.target_size / seen.angular_size),
+    )
     bias = noise.bias_sigma**2
-    covariance[RelativeColumn.LOG_RANGE, RelativeColumn.SIZE_BIAS] = bias
-    covariance[RelativeColumn.SIZE_BIAS, RelativeColumn.LOG_RANGE] = bias
+    variances = [BEARING_SIGMA**2] * 2 + [SIZE_SIGMA**2 + bias] + [noise.rate_sigma**2] * 3 + [bias]
+    covariance = np.diag(variances)
+    # What the bias adds to the size, the range takes up.
+    covariance[LOG_RANGE, SIZE_BIAS] = covariance[SIZE_BIAS, LOG_RANGE] = bias
     return replace(before, mean=mean, covariance=covariance, unseen=0.0)

@@ -17,13 +17,13 @@ from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
-from cable_tracker.metric.recorded.recorded_messages import as_ros2
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument, InstrumentChoice
+from cable_tracker.sequences.bags.ros2_messages import as_ros2
 from cable_tracker.sequences.bags.typestores import typestore
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import MessageFactory

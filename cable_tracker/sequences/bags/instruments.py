@@ -16,6 +16,9 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_storage import Topic, image_topics, named_topics
 from cable_tracker.sequences.node_topics import NodeTopic
 
+MOST_ALTITUDE = 200.0
+"""No larger altitude is one of a vehicle that sees the bottom [m]."""
+
 NO_TOPIC = "none"
 """A choice that leaves an instrument out."""
 

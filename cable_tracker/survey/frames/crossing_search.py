@@ -10,9 +10,8 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
-from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frames.frame_metres import on_ground
 from cable_tracker.survey.frames.frame_table import CrossingSight, FrameTable
 from cable_tracker.tracking.frame_check import SMALLEST_SIDE
 
@@ -64,7 +63,7 @@ class CrossingSearch:
             if abs(place[0]) > width / 2 or abs(place[1]) > height / 2:
                 continue
             along = np.array([-normal[1], normal[0]])
-            near, far = on_ground(flight, np.array([place - 5.0 * along, place + 5.0 * along]))
+            near, far = flight.on_ground(np.array([place - 5.0 * along, place + 5.0 * along]))
             # Above the horizon there is no ground that a line could lie on.
             if not np.isfinite((near, far)).all():
                 continue

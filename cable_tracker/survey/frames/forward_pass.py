@@ -16,8 +16,8 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.odometry.homography import Overflight
 from cable_tracker.metric.odometry.motion import LONGEST_STEP
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.recorded.recorded_cable import (
     Pauses,
     RecordedCableSight,

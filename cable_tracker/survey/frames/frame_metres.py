@@ -7,19 +7,19 @@ from itertools import product
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.survey.frames.frame_table import FrameRow
 from cable_tracker.survey.frames.visibility import border_profile
 
 
 def put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
     """Note from where the camera looks, and how far it sees to either side."""
-    row["look"] = on_ground(flight, np.zeros((1, 2)))[0, 0]
+    row["look"] = flight.on_ground(np.zeros((1, 2)))[0, 0]
     row["half_view"] = 0.5 * _seen_across(flight, float(row["look"]), estimate.image_size)
     row["altitude"] = flight.height
     row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
@@ -30,10 +30,10 @@ def _seen_across(flight: Overflight, look: float, image_size: tuple[int, int]) -
 
     However the camera is turned about its axis.
     """
-    if depth_of_ground(flight) <= 0.0:
+    if flight.clearance <= 0.0:
         return math.nan
     # The line's points in homogeneous coordinates: at y = 0, and by how much they change with y.
-    start, step = (to_image(flight) @ np.array([[0.0, look, 1.0], [-1.0, 0.0, 0.0]]).T).T
+    start, step = (flight.ground_to_image() @ np.array([[0.0, look, 1.0], [-1.0, 0.0, 0.0]]).T).T
     low, high = -math.inf, math.inf
     for side, sign in product(range(2), (-1.0, 1.0)):
         edge = 0.5 * (image_size[side] - 1)
@@ -66,41 +66,6 @@ def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableStat
         return False
     along, scores = profile
     points = points_on_lines(np.array(state.angle), np.array(state.distance), along)
-    row["profile_ahead"] = on_ground(flight, points)[:, 0]
+    row["profile_ahead"] = flight.on_ground(points)[:, 0]
     row["profile_score"] = scores
     return True
-
-
-def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
-    """Return where points of the image (N, 2) [px] lie at the cable's height, (N, 2) [m].
-
-    In the level frame; the lens counts as a pinhole. NaN at and above the horizon, and where the
-    camera is no higher than the cable.
-    """
-    if depth_of_ground(flight) <= 0.0:
-        return np.full((len(points), 2), np.nan)
-    places = np.column_stack((points, np.ones(len(points)))) @ np.linalg.inv(to_image(flight)).T
-    # What lies behind the camera, or nowhere, has a depth that is not positive.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        right, ahead = np.where(places[:, 2:] > 0.0, places[:, :2] / places[:, 2:], np.nan).T
-    return np.column_stack((ahead, -right))
-
-
-def depth_of_ground(flight: Overflight) -> float:
-    """Return how far below the camera the cable's height is [m]; not above 0: it sees no ground."""
-    return float(flight.height + (flight.attitude.rotation @ flight.mounting.position)[2])
-
-
-def to_image(flight: Overflight) -> FloatArray:
-    """Return what takes the ground, seen from above, to the image, shape (3, 3).
-
-    The ground from above, at the cable's height, is an image frame in metres: x to the right, y
-    ahead, in the level frame. The third number that a point gets is its depth before the camera.
-    """
-    level = flight.attitude.rotation
-    centre = level @ flight.mounting.position
-    ground = np.array(
-        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -depth_of_ground(flight)]]
-    )
-    mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
-    return mapping

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.odometry.homography import (
-    Overflight,
     PlaneMotion,
     homography,
     move_states,
     prediction_covariance,
 )
 from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
+from cable_tracker.metric.overflight import Overflight
 
 DEGREE = math.pi / 180
 STATES = np.array([[20.0, 0.1, 40.0, 0.03], [-60.0, 1.5, 25.0, -0.02], [0.0, -1.5, 60.0, 0.0]])

@@ -8,13 +8,13 @@ import pytest
 from survey_dives import DISK
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.odometry.homography import Overflight
+from cable_tracker.metric.overflight import Overflight
 from cable_tracker.survey.frames.crossing_search import CROSSING_STRIDE, CrossingSearch
 from cable_tracker.survey.frames.frame_table import FrameTable
 
-CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
+CAMERA = CameraModel(Calibration((320, 240), "plumb_bob", (300.0, 300.0), (159.5, 119.5)))
 FLIGHT = Overflight(CAMERA, Mounting(), Attitude(), 3.0, 0.02)
 SECOND = 1_000_000_000
 

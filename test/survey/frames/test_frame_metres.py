@@ -4,33 +4,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.odometry.homography import Overflight
-from cable_tracker.survey.frames.frame_metres import on_ground, put_metres, put_view
+from cable_tracker.metric.overflight import Overflight
+from cable_tracker.survey.frames.frame_metres import put_metres, put_view
 
-CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
-
-
-def test_a_camera_that_looks_straight_down_sees_by_similar_triangles():
-    flight = Overflight(CAMERA, Mounting(x=0.5, z=-0.25), Attitude(), 1.75, 0.02)
-    ground = on_ground(flight, np.array([[0.0, 0.0], [30.0, 0.0], [0.0, 60.0]]))
-    assert ground == pytest.approx(np.array([[0.5, 0.0], [0.5, -0.15], [0.8, 0.0]]))
-
-
-def test_at_and_above_the_horizon_there_is_no_ground():
-    flight = Overflight(CAMERA, Mounting(pitch=math.radians(10.0)), Attitude(), 2.0, 0.02)
-    horizon = 300.0 * math.tan(math.radians(10.0))
-    ground = on_ground(flight, np.array([[0.0, horizon - 1.0], [0.0, horizon + 1.0]]))
-    assert ground[0, 0] > 100.0
-    assert np.isnan(ground[1]).all()
-
-
-@pytest.mark.parametrize("height", [0.0, -0.5])
-def test_a_camera_that_is_no_higher_than_the_cable_sees_no_ground(height):
-    flight = Overflight(CAMERA, Mounting(), Attitude(), height, 0.02)
-    assert np.isnan(on_ground(flight, np.array([[0.0, 0.0], [30.0, -60.0]]))).all()
+CAMERA = CameraModel(Calibration((320, 240), "plumb_bob", (300.0, 300.0), (159.5, 119.5)))
 
 
 @pytest.mark.parametrize(("turn", "reach"), [(0.0, 159.5), (90.0, 119.5), (180.0, 159.5)])
@@ -45,7 +25,7 @@ def test_a_camera_that_looks_ahead_sees_as_far_to_the_side_as_its_middle_row():
     flight = Overflight(CAMERA, Mounting(pitch=math.radians(50.0)), Attitude(), 2.0, 0.02)
     row = {}
     put_view(row, flight, SimpleNamespace(image_size=(320, 240)))
-    ends = on_ground(flight, np.array([[-159.5, 0.0], [159.5, 0.0]]))
+    ends = flight.on_ground(np.array([[-159.5, 0.0], [159.5, 0.0]]))
     assert row["half_view"] == pytest.approx(0.5 * (ends[0, 1] - ends[1, 1]))
 
 

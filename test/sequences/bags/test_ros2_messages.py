@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cable_tracker.metric.recorded.recorded_messages import as_ros2, carried_messages
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.ros2_messages import as_ros2, carried_messages
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.bags.typestores import ros1_typestore, typestore
 from cable_tracker.sequences.messages.headers import make_header, stamp_of

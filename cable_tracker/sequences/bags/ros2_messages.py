@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from heapq import merge
 
-from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.sequences.bags.convert import CarriedMessage
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, InstrumentSource
-from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
+from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, TOPICS, Instrument
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_told, make_header, stamp_of
