@@ -36,7 +36,8 @@ from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.dive_route import DiveRoute
 from cable_tracker.survey.routes.events import Event, EventKind
 from cable_tracker.survey.routes.route import Course
-from cable_tracker.survey.smoothing.smoother import SmoothedCable, smooth
+from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
+from cable_tracker.survey.smoothing.smoother import smooth
 
 TRUTH_TOPIC = "/ground_truth/odometry"
 REGION = 1.96

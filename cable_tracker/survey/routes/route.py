@@ -21,8 +21,8 @@ from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_lo
 from cable_tracker.survey.navigation.georeference import Georeference
 from cable_tracker.survey.navigation.poses import Poses
 from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute, Profile
+from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
 from cable_tracker.survey.smoothing.keyframes import Keyframes, filled
-from cable_tracker.survey.smoothing.smoother import SmoothedCable
 
 SPACING = 0.5
 """Distance between two points of a route [m]."""

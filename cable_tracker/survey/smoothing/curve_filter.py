@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.compilation import compiled
+from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.survey.smoothing.keyframes import Keyframes
 
 BEND_LENGTH = 6.0
 """Way over which the curvature forgets itself [m]."""
@@ -24,48 +26,38 @@ LEAST_SLOPE = 0.2
 be followed to the next look line."""
 
 
-class KeyframeClaims(NamedTuple):
-    """What is known at S keyframes of the cable, and how one follows the other.
-
-    Attributes
-    ----------
-    places : FloatArray
-        Position and direction of the look lines, shape (S, 3) [m, rad].
-    seconds : FloatArray
-        Time from the keyframe before to each, shape (S,) [s].
-    claims : FloatArray
-        Place beside the look line and direction from it, shape (S, 2) [m, rad].
-    weights : FloatArray
-        Weights of the claims, shape (S,); 0: none.
-    breaks : BoolArray
-        Whether a keyframe does not go on from the one before, shape (S,).
-    """
-
-    places: FloatArray
-    seconds: FloatArray
-    claims: FloatArray
-    weights: FloatArray
-    breaks: BoolArray
-
-
-class CurveStates(NamedTuple):
-    """The cable at S keyframes, as it is written.
+class SmoothedCable(NamedTuple):
+    """Smoothed state of the cable at S keyframes; its arrays are written in place.
 
     Attributes
     ----------
     along : FloatArray
-        Way along the cable, shape (S,) [m].
-    means, spreads : FloatArray
-        State y, h, kappa, shape (S, 3), and its covariance, shape (S, 3, 3).
-    is_new : BoolArray
-        Whether nothing of the state before went into a state, shape (S,): where the keyframe does
-        not go on from the one before, or lies across the cable.
+        Way along the cable since the first keyframe, shape (S,) [m]; smaller where the vehicle went
+        back.
+    states : FloatArray
+        Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
+    covariances : FloatArray
+        Covariances of the states, shape (S, 3, 3).
+    weights : FloatArray
+        Weight of each claim, 0 to about 1, shape (S,); 0 without a claim, or for one that is of
+        something else.
+    piece : IndexArray
+        Number of the connected piece that a keyframe belongs to, shape (S,); another one where the
+        keyframe does not go on from the one before, or where the vehicle has turned away from the
+        cable, or round.
+    scales : (float, float)
+        Factors by which the tracker's standard deviations of place and direction were too small.
+    bend : float
+        Standard deviation of the cable's curvature [1/m].
     """
 
     along: FloatArray
-    means: FloatArray
-    spreads: FloatArray
-    is_new: BoolArray
+    states: FloatArray
+    covariances: FloatArray
+    weights: FloatArray
+    piece: IndexArray
+    scales: tuple[float, float]
+    bend: float
 
 
 @compiled
@@ -151,46 +143,51 @@ def _claimed(
 
 @compiled
 def filter_forwards(
-    known: KeyframeClaims, noise: FloatArray, bend: float, first: int, cable: CurveStates
+    keyframes: Keyframes, noise: FloatArray, first: int, cable: SmoothedCable
 ) -> None:
     """Filter K keyframes from `first` on, and write `cable` there.
 
     `noise` is that of their claims, shape (K, 3); of the other arrays one row before the first is
     read.
     """
-    places, seconds, claims, weights, breaks = known
-    along, means, spreads, is_new = cable
+    places, stamps, claims, bend = keyframes.places, keyframes.stamps, keyframes.claims, cable.bend
+    along, states, covariances, piece = cable.along, cable.states, cable.covariances, cable.piece
     moved = np.zeros(4)
     for k in range(first, first + len(noise)):
-        is_new[k] = breaks[k]
-        if not is_new[k]:
-            moved = _moved(places[k - 1], places[k], means[k - 1])
-            is_new[k] = not np.isfinite(moved[3])
-        if is_new[k]:
+        piece[k] = piece[k - 1] if k > 0 else -1
+        is_new = keyframes.breaks[k]
+        if not is_new:
+            moved = _moved(places[k - 1], places[k], states[k - 1])
+            is_new = not np.isfinite(moved[3])
+        if is_new:
+            # The way along the cable since then is not of the cable before: a vehicle that has
+            # turned away goes on along nothing, and one that has turned round along the same cable
+            # again.
+            piece[k] += 1
             mean, spread = np.zeros(3), np.diag(np.array((*FIRST, bend * bend)))
             along[k] = along[k - 1] if k > 0 else 0.0
         else:
             along[k] = along[k - 1] + moved[3]
-            mean, spread, _ = _predicted(means[k - 1], spreads[k - 1], moved, seconds[k], bend)
-        if weights[k] > 0.0:
-            mean, spread = _claimed(mean, spread, claims[k], noise[k - first] / weights[k])
-        means[k], spreads[k] = mean, spread
+            seconds = (stamps[k] - stamps[k - 1]) / NANOSECONDS
+            mean, spread, _ = _predicted(states[k - 1], covariances[k - 1], moved, seconds, bend)
+        if cable.weights[k] > 0.0:
+            mean, spread = _claimed(mean, spread, claims[k], noise[k - first] / cable.weights[k])
+        states[k], covariances[k] = mean, spread
 
 
 @compiled
-def smooth_backwards(
-    known: KeyframeClaims, bend: float, first: int, last: int, cable: CurveStates
-) -> None:
+def smooth_backwards(keyframes: Keyframes, first: int, last: int, cable: SmoothedCable) -> None:
     """Smooth `cable` at the keyframes from the one before `last` back to `first`."""
-    places, seconds, _, _, _ = known
-    _, means, spreads, is_new = cable
+    places, stamps = keyframes.places, keyframes.stamps
+    states, covariances, piece = cable.states, cable.covariances, cable.piece
     for k in range(min(last, len(places) - 1) - 1, first - 1, -1):
-        if is_new[k + 1]:
+        if piece[k + 1] != piece[k]:
             continue
         # What was predicted is worked out again: kept, it would be most of what this takes.
-        moved = _moved(places[k], places[k + 1], means[k])
-        mean, spread, move = _predicted(means[k], spreads[k], moved, seconds[k + 1], bend)
-        back = spreads[k] @ move.T @ np.linalg.inv(spread)
-        means[k] += back @ (means[k + 1] - mean)
-        spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
-        spreads[k] = 0.5 * (spread + spread.T)
+        moved = _moved(places[k], places[k + 1], states[k])
+        seconds = (stamps[k + 1] - stamps[k]) / NANOSECONDS
+        mean, spread, move = _predicted(states[k], covariances[k], moved, seconds, cable.bend)
+        back = covariances[k] @ move.T @ np.linalg.inv(spread)
+        states[k] += back @ (states[k + 1] - mean)
+        spread = covariances[k] + back @ (covariances[k + 1] - spread) @ back.T
+        covariances[k] = 0.5 * (spread + spread.T)

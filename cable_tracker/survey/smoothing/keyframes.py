@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ SILENCE, SHORT_RUN = 1.0, 2.0
 something else [m]: a cable that comes out of the sand is mostly seen for longer."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Keyframes:
+class Keyframes(NamedTuple):
     """S keyframes: pose of the look line and claim of the cable at each.
 
     Attributes

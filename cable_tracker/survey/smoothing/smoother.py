@@ -23,16 +23,13 @@ systems".
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.smoothing.curve_filter import (
-    CurveStates,
-    KeyframeClaims,
+    SmoothedCable,
     filter_forwards,
     smooth_backwards,
 )
@@ -78,40 +75,6 @@ FITTING, SURE_ENOUGH = 3.0, 0.25
 deviation of the place from the other claims for that [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SmoothedCable:
-    """Smoothed state of the cable at S keyframes.
-
-    Attributes
-    ----------
-    along : FloatArray
-        Way along the cable since the first keyframe, shape (S,) [m]; smaller where the vehicle went
-        back.
-    states : FloatArray
-        Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
-    covariances : FloatArray
-        Covariances of the states, shape (S, 3, 3).
-    weights : FloatArray
-        Weight of each claim, 0 to about 1, shape (S,); 0 without a claim, or for one that is of
-        something else.
-    scales : (float, float)
-        Factors by which the tracker's standard deviations of place and direction were too small.
-    bend : float
-        Standard deviation of the cable's curvature [1/m].
-    piece : IndexArray
-        Number of the connected piece that a keyframe belongs to, shape (S,); another one where the
-        vehicle has turned away from the cable, or round.
-    """
-
-    along: FloatArray
-    states: FloatArray
-    covariances: FloatArray
-    weights: FloatArray
-    scales: tuple[float, float]
-    bend: float
-    piece: IndexArray
-
-
 def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards.
 
@@ -124,31 +87,22 @@ def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> Smooth
         disk.array((count, 3, 3)),
         # What may be something else has to fit to what the others say, so these come first.
         disk.filled(count, lambda part: np.where(_usual_claims(keyframes, part), 1.0, 0.0)),
+        disk.array(count, np.int64),
         (1.0, 1.0),
         BEND,
-        _pieces(keyframes.breaks, disk),
     )
-    is_new = disk.array(count, np.bool_)
     steps = disk.filled(count, lambda part: way_to(keyframes.places, part))
-    seconds = disk.filled(count, lambda part: _seconds_to(keyframes.stamps, part))
     inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
     usual = _usual_variance(keyframes, disk)
-    known = KeyframeClaims(
-        keyframes.places, seconds, keyframes.claims, cable.weights, keyframes.breaks
-    )
-    states = CurveStates(cable.along, cable.states, cable.covariances, is_new)
     for _ in range(ROUNDS):
         for part in disk.blocks(count):
             noise = _noise(keyframes.covariances[part], cable.scales, usual)
             noise *= inflation[part, None]
-            filter_forwards(known, noise, cable.bend, part.start, states)
+            filter_forwards(keyframes, noise, part.start, cable)
         for part in disk.blocks_back(count) if way_back else ():
-            smooth_backwards(known, cable.bend, part.start, part.stop, states)
+            smooth_backwards(keyframes, part.start, part.stop, cable)
         cable = _with_new_weights(keyframes, cable, usual, disk)
-    # Where the state begins anew, the way along the cable since then is not of the cable before: a
-    # vehicle that has turned away goes on along nothing, and one that has turned round along the
-    # same cable again.
-    return replace(cable, piece=_pieces(is_new, disk))
+    return cable
 
 
 def _usual_claims(keyframes: Keyframes, part: slice) -> BoolArray:
@@ -169,23 +123,6 @@ def _usual_variance(keyframes: Keyframes, disk: Disk) -> float:
     return disk.median(variances, lambda part: _usual_claims(keyframes, part))
 
 
-def _pieces(breaks: BoolArray, disk: Disk) -> IndexArray:
-    """Return the number of the connected piece that each keyframe belongs to, shape (S,)."""
-    pieces, before = disk.array(len(breaks), np.int64), -1
-    for part in disk.blocks(len(breaks)):
-        pieces[part] = before + np.cumsum(breaks[part])
-        before = int(pieces[part.stop - 1])
-    whole: IndexArray = pieces
-    return whole
-
-
-def _seconds_to(stamps: IndexArray, part: slice) -> FloatArray:
-    """Return how long it is to each of some keyframes from the one before [s]."""
-    some = stamps[max(part.start - 1, 0) : part.stop]
-    steps: FloatArray = np.diff(some, prepend=some[:1]) / NANOSECONDS
-    return steps[len(steps) - (part.stop - part.start) :]
-
-
 def _with_new_weights(
     keyframes: Keyframes, cable: SmoothedCable, usual: float, disk: Disk
 ) -> SmoothedCable:
@@ -202,30 +139,25 @@ def _with_new_weights(
             disk.median(column, lambda part: _usual_claims(keyframes, part)) for column in squares.T
         ]
         misses = np.sqrt(np.array(medians) / MEDIAN_SQUARE)
-        scales, bend = _scaled(scales, misses), _bend(cable, disk)
+        place, direction = np.clip(np.array(scales) * misses, LEAST_SCALE, MOST_SCALE).tolist()
+        scales, bend = (place, direction), _bend(cable, disk)
         misses = np.maximum(misses, 1e-9)
     for part in disk.blocks(count):
-        residuals = _residuals(keyframes, cable, part)
+        residuals = keyframes.claims[part] - cable.states[part, :2]
         plain = _noise(keyframes.covariances[part], cable.scales, usual)
         claimed: BoolArray = np.isfinite(keyframes.claims[part].sum(axis=1))
         fits = _fits(residuals, plain, cable.covariances[part])
         counts = _usual_claims(keyframes, part) | (claimed & fits)
         far = (squares[part] / misses**2).sum(axis=1)
         cable.weights[part] = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
-    return replace(cable, scales=scales, bend=bend)
-
-
-def _residuals(keyframes: Keyframes, cable: SmoothedCable, part: slice) -> FloatArray:
-    """Return claims minus the smoothed states of some keyframes, shape (K, 2) [m, rad]."""
-    residuals: FloatArray = keyframes.claims[part] - cable.states[part, :2]
-    return residuals
+    return cable._replace(scales=scales, bend=bend)
 
 
 def _normalised_squares(
     keyframes: Keyframes, cable: SmoothedCable, usual: float, part: slice
 ) -> FloatArray:
     """Return squared residuals of some claims over the variances of the claims, shape (K, 2)."""
-    residuals = _residuals(keyframes, cable, part)
+    residuals = keyframes.claims[part] - cable.states[part, :2]
     noise = _noise(keyframes.covariances[part], cable.scales, usual)
     squares: FloatArray = residuals**2 / noise[:, ::2]
     return squares
@@ -268,12 +200,6 @@ def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> Fl
             (before + after) / 2, LEAST_SPACING, CORRELATION
         )
     return inflation
-
-
-def _scaled(scales: tuple[float, float], misses: FloatArray) -> tuple[float, float]:
-    """Return scales that are corrected by what they have missed, (2,), within limits."""
-    place, direction = np.clip(np.array(scales) * misses, LEAST_SCALE, MOST_SCALE).tolist()
-    return place, direction
 
 
 def _bend(cable: SmoothedCable, disk: Disk) -> float:

@@ -43,7 +43,7 @@ def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable(weight):
     cable = smooth(keyframes, DISK)
     other = (cable.along > 15.0) & (cable.along < 25.0)
     weights = np.where(other, weight, cable.weights)
-    (route,) = make_routes(keyframes, replace(cable, weights=weights), rows, DISK)
+    (route,) = make_routes(keyframes, cable._replace(weights=weights), rows, DISK)
     along = route.profile.along + route.start
     assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()
     assert np.isfinite(route.profile.seen[(along > 5.0) & (along < 12.0)]).all()
