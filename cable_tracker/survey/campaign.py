@@ -32,6 +32,8 @@ from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
 from cable_tracker.survey.outputs.surveyed_dive import (
+    PICTURES,
+    RECORDINGS,
     ROUTES,
     SUMMARY,
     Origin,
@@ -39,11 +41,11 @@ from cable_tracker.survey.outputs.surveyed_dive import (
     read_origin,
     read_surveyed,
 )
-from cable_tracker.survey.recording import PICTURES, SurveySettings, find_datum, survey_recording
+from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
 from cable_tracker.survey.routes.merged_route import MergedRoute
 from cable_tracker.survey.routes.merging import merge
 
-RECORDINGS, REPORT = "recordings", "report.html"
+REPORT = "report.html"
 OWN_NAMES = frozenset({FRAMES, ROUTES, SUMMARY, PICTURES, MARKER})
 """All that is ever written into the folder of a recording."""
 
@@ -266,7 +268,7 @@ def _put_together(
                 # What is damaged is not kept: the next `--resume` does it again.
                 forget(root / outcome.name)
         rows.append(row)
-    if not dives and _holds_map(output):
+    if not dives and (output / FRAMES).is_file():
         return SurveyResult((), (), tuple(outcomes), tuple(rows), (), is_earlier_map_kept=True)
     try:
         routes, names = _write_all(output, list(dives.values()), rows, datum)
@@ -274,11 +276,6 @@ def _put_together(
         raise write_failure(output, error) from error
     left_out = _results_of_others(root, paths) - {outcome.name for outcome in outcomes}
     return SurveyResult(routes, names, tuple(outcomes), tuple(rows), tuple(sorted(left_out)))
-
-
-def _holds_map(output: Path) -> bool:
-    """Tell whether a folder holds the map of a survey in which a recording could be surveyed."""
-    return (output / FRAMES).is_file()
 
 
 def _results_of_others(root: Path, paths: Sequence[Path]) -> set[str]:

@@ -28,15 +28,13 @@ from cable_tracker.survey.navigation.georeference import Georeference, georefere
 from cable_tracker.survey.navigation.poses import Poses, joined_poses, poses_of_rows
 from cable_tracker.survey.outputs.frames import FRAMES, write_frames
 from cable_tracker.survey.outputs.pictures import write_pictures
-from cable_tracker.survey.outputs.surveyed_dive import Origin, SurveyedDive, write_summary
+from cable_tracker.survey.outputs.surveyed_dive import PICTURES, Origin, SurveyedDive, write_summary
 from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.routes.events import Event, EventKind, Limits, find_events
 from cable_tracker.survey.routes.merged_route import PlacedRoute
 from cable_tracker.survey.routes.route import Course, make_routes
 from cable_tracker.survey.smoothing.keyframes import make_keyframes
 from cable_tracker.survey.smoothing.smoother import smooth
-
-PICTURES = "pictures"
 
 FARTHEST_DATUM = 100e3
 """Distance of a dive from the datum up to which a plane serves: there 1e-4 of a length is lost [m].

@@ -35,7 +35,8 @@ from cable_tracker.survey.frames.frame_table import (
     Rows,
 )
 from cable_tracker.survey.frames.visibility import border_step_of, find_beside
-from cable_tracker.survey.routes.route import LEAST_WEIGHT, Course
+from cable_tracker.survey.routes.profile import LEAST_WEIGHT
+from cable_tracker.survey.routes.route import Course
 from cable_tracker.survey.smoothing.smoother import SURE_ENOUGH
 
 REACH = 2.0

@@ -18,6 +18,7 @@ from cable_tracker.errors import one_line
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences.tables.csv_tables import write_csv
 from cable_tracker.sequences.tables.estimates import format_stamp
+from cable_tracker.survey.outputs.surveyed_dive import PICTURES, RECORDINGS
 from cable_tracker.survey.routes.events import Event
 from cable_tracker.survey.routes.merged_route import MergedRoute
 
@@ -91,7 +92,7 @@ def picture_name(survey: SurveyMap, event: Event) -> str:
     """Return where the picture of an event lies, from the folder of the map; empty without one."""
     if survey.folder is None or event.frame < 0:
         return ""
-    name = f"{survey.root}recordings/{event.recording}/pictures/{event.frame}.jpg"
+    name = f"{survey.root}{RECORDINGS}/{event.recording}/{PICTURES}/{event.frame}.jpg"
     return name if (survey.folder / name).is_file() else ""
 
 
@@ -114,11 +115,6 @@ def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
     along = np.arange(0.0, route.along[-1] + 1e-6, step)
     places = interpolated(along, route.along, route.places)
     return along, places
-
-
-def kp_label(way: float) -> str:
-    """Return what a kilometre point is called, for its way along a route [m]."""
-    return f"KP {way / 1000:.3f}"
 
 
 def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
@@ -228,7 +224,7 @@ def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> _
         points += list(shapely.points(survey.coordinates(places)))
         columns["name"] += [name] * len(along)
         columns["kp_m"] += along.tolist()
-        columns["label"] += [kp_label(way) for way in along]
+        columns["label"] += [f"KP {way / 1000:.3f}" for way in along]
     return _Layer("kp", "Point", points, columns)
 
 

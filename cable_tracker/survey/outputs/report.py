@@ -85,7 +85,9 @@ def write_report(
         recordings=recordings,
         events=event_rows(survey),
         on_earth=survey.frame is not None,
-        datum=_datum(survey),
+        datum=""
+        if survey.frame is None
+        else f"{survey.frame.latitude:.7f}, {survey.frame.longitude:.7f}",
         routes=[
             _summary(name, route) for name, route in zip(survey.names, survey.routes, strict=True)
         ],
@@ -99,12 +101,6 @@ def write_report(
         script=script,
     )
     path.write_text(page, encoding="utf-8")
-
-
-def _datum(survey: SurveyMap) -> str:
-    if survey.frame is None:
-        return ""
-    return f"{survey.frame.latitude:.7f}, {survey.frame.longitude:.7f}"
 
 
 def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:
@@ -134,18 +130,13 @@ def _route_data(name: str, route: MergedRoute) -> dict[str, Any]:
         "x": rounded(route.places[chosen, 0], 3),
         "y": rounded(route.places[chosen, 1], 3),
         "heading": rounded(route.headings[chosen], 4),
-        "sigma": rounded(_worst(route.sigmas, chosen), 3),
+        # The largest from each chosen point to the next: thinning hides no doubt.
+        "sigma": rounded(np.maximum.reduceat(route.sigmas, chosen), 3),
         "visible": rounded(route.visible[chosen], 2),
         "diameter": rounded(route.diameters[chosen], 4),
         "aside": rounded(route.asides[chosen], 3),
         "kp": [rounded(along, 1), rounded(places[:, 0], 2), rounded(places[:, 1], 2)],
     }
-
-
-def _worst(values: FloatArray, chosen: FloatArray) -> FloatArray:
-    """Return the largest value from each chosen point to the next: thinning hides no doubt."""
-    largest: FloatArray = np.maximum.reduceat(values, np.asarray(chosen, np.int64))
-    return largest
 
 
 class _Pictures:

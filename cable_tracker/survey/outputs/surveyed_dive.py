@@ -17,6 +17,9 @@ from cable_tracker.survey.routes.dive_route import DiveRoute, Profile
 from cable_tracker.survey.routes.events import Event, EventKind
 from cable_tracker.survey.routes.merged_route import PlacedRoute
 
+RECORDINGS, PICTURES = "recordings", "pictures"
+"""Folder of a survey with those of its recordings, and folder of a recording with pictures."""
+
 ROUTES, SUMMARY = "routes.npz", "dive.json"
 
 UNREADABLE = (OSError, EOFError, BadZipFile, zlib.error, KeyError, ValueError, TypeError)

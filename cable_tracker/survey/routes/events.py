@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from enum import Enum
 
@@ -13,9 +13,11 @@ from cable_tracker.arrays import BoolArray, FloatArray, interpolated, true_runs
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import TRACKING, CrossingSight, is_withheld
+from cable_tracker.survey.frames.frame_table import is_withheld
+from cable_tracker.survey.routes.crossings import find_crossings
 from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute
-from cable_tracker.survey.routes.route import LEAST_WEIGHT, SPACING, Course
+from cable_tracker.survey.routes.profile import LEAST_WEIGHT
+from cable_tracker.survey.routes.route import SPACING, Course
 
 
 class EventKind(str, Enum):
@@ -137,12 +139,6 @@ HIDDEN_WORDS = {
 
 LEAST_ASIDE_WAY = 1.0
 """Excursions over a shorter way are not reported [m]."""
-
-CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
-"""Sights of one crossing lie so near to each other [m, rad]."""
-
-FEWEST_SIGHTS = 4
-"""Smallest number of pictures of a crossing cable; a line in fewer is a rope or a shadow."""
 
 LEAST_LOST = 1.0
 """Silence over a shorter way is no event [m]."""
@@ -351,58 +347,13 @@ def _stretches(
 
 
 def _crossings(maker: _Maker) -> list[Event]:
-    """Put sights of the same place and direction on the sea bed together."""
-    dive, keyframes, cable = maker.dive, maker.course.keyframes, maker.course.cable
-    sights = []
-    for sight in _by_block(dive, dive.table.crossings):
-        row = dive.table.rows[sight.row]
-        keyframe = int(keyframes.of(np.array([sight.row]))[0])
-        if keyframe < 0 or row["status"] != TRACKING or cable.piece[keyframe] != maker.piece:
-            continue
-        heading = float(cable.states[keyframe, 1])
-        beyond = (sight.ahead - float(row["look"])) / math.cos(heading)
-        along = float(cable.along[keyframe]) + beyond - maker.route.start
-        direction = float(keyframes.places[keyframe, 2]) + sight.angle
-        across = math.remainder(sight.angle - heading, math.pi)
-        sights.append((along, direction, across, sight.row))
     events = []
-    for along, across, count in _clusters(sorted(sights)):
-        if 0.0 <= along <= maker.route.along[-1] and count >= FEWEST_SIGHTS:
-            detail = f"another line at {math.degrees(across):.0f} deg, seen in {count} pictures"
-            events.append(maker.at(EventKind.CROSSING, along, detail))
+    for each in find_crossings(maker.dive, maker.course, maker.route.start, maker.piece):
+        if 0.0 <= each.along <= maker.route.along[-1]:
+            angle = f"{math.degrees(each.across):.0f} deg"
+            detail = f"another line at {angle}, seen in {each.pictures} pictures"
+            events.append(maker.at(EventKind.CROSSING, each.along, detail))
     return events
-
-
-def _by_block(dive: ForwardDive, sights: Sequence[CrossingSight]) -> Iterator[CrossingSight]:
-    for part in dive.disk.blocks(len(sights)):
-        yield from sights[part]
-
-
-Sight = tuple[float, float, float, int]
-"""Way along the route [m], direction on the sea bed, angle against the cable [rad], row."""
-
-
-def _clusters(sights: Sequence[Sight]) -> list[tuple[float, float, int]]:
-    """Return place, angle across, and number of pictures of each group of sights."""
-    groups: list[list[Sight]] = []
-    for sight in sights:
-        for group in reversed(groups):
-            near = abs(sight[0] - np.median([each[0] for each in group])) < CROSSING_REACH
-            turn = abs(math.remainder(sight[1] - group[-1][1], math.pi))
-            if near and turn < CROSSING_ANGLE:
-                group.append(sight)
-                break
-        else:
-            groups.append([sight])
-    return [
-        (
-            float(np.median([each[0] for each in group])),
-            # Right angles are written as 90 deg or as -90.
-            float(np.median([abs(each[2]) for each in group])),
-            len({each[3] for each in group}),
-        )
-        for group in groups
-    ]
 
 
 def _navigation(maker: _Maker) -> list[Event]:

@@ -106,7 +106,8 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     left = list(routes)
     merged = []
     while left:
-        left.sort(key=lambda each: -_length(each.route))
+        # The longest first.
+        left.sort(key=lambda each: float(each.route.along[0] - each.route.along[-1]))
         axis, begin = _Axis(left[0].route.places, left[0].route.total_sigmas), 0
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
@@ -125,10 +126,6 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
             left += departed
         merged.append(_merged(axis, begin, group))
     return merged
-
-
-def _length(route: DiveRoute) -> float:
-    return float(route.along[-1] - route.along[0])
 
 
 def _departed(axis: _Axis, placed: PlacedRoute) -> list[PlacedRoute]:

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.survey.frames.frame_table import (
-    HIDDEN,
-    Rows,
-    is_claimed,
-    is_measured,
-    is_withheld,
-)
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.survey.frames.frame_table import Rows, is_claimed
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
 from cable_tracker.survey.navigation.georeference import Georeference
 from cable_tracker.survey.navigation.poses import Poses
-from cable_tracker.survey.routes.dive_route import PROFILE_SPACING, DiveRoute, Profile
+from cable_tracker.survey.routes.dive_route import DiveRoute
+from cable_tracker.survey.routes.profile import LEAST_WEIGHT, SmoothedDive, make_profile
 from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
 from cable_tracker.survey.smoothing.keyframes import Keyframes, filled
 
@@ -29,12 +24,6 @@ SPACING = 0.5
 
 BEYOND = 1.0
 """Length of a route beyond its first and its last claim [m]."""
-
-ON_ROUTE = 4.0
-"""Claims farther from the smoothed cable than this say nothing about it [standard deviations]."""
-
-LEAST_WEIGHT = 0.05
-"""Claims that count less in the smoothing are of something else."""
 
 FEWEST_KEYFRAMES = 4
 
@@ -46,9 +35,6 @@ PLACED = np.dtype([("place", "i8"), ("value", "f8")])
 
 COLUMNS = 8
 """Number of columns of a route at each of its keyframes."""
-
-TOGETHER = 4096
-"""Number of rows of the table that are added up before they are added to the others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,27 +76,15 @@ def make_routes(
     earth : Georeference or None
         Takes the dive's frame to that of the routes; None: they stay in it.
     """
-    dive = _Smoothed(keyframes, cable, rows, filled(rows["look"], disk), earth, disk)
+    dive = SmoothedDive(keyframes, cable, rows, filled(rows["look"], disk), earth, disk)
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
         claimed = _claimed_part(dive, start, end)
         if claimed.count >= FEWEST_KEYFRAMES and claimed.most - claimed.least > SPACING:
-            own = _with_margin(dive, (start, end), claimed)
-            routes.append(_Piece(dive, *own, (claimed.least, claimed.most)).route())
+            own = _with_margin(dive, slice(start, end), claimed)
+            routes.append(_Piece(dive, own, (claimed.least, claimed.most)).route())
     return routes
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Smoothed:
-    """Arguments of `make_routes`, and where the camera looks in each row, (N,) [m]."""
-
-    keyframes: Keyframes
-    cable: SmoothedCable
-    rows: Rows
-    look: FloatArray
-    earth: Georeference | None
-    disk: Disk
 
 
 @dataclass(slots=True)
@@ -124,7 +98,7 @@ class _Claimed:
     most: float = -math.inf
 
 
-def _claimed_part(dive: _Smoothed, start: int, end: int) -> _Claimed:
+def _claimed_part(dive: SmoothedDive, start: int, end: int) -> _Claimed:
     """Return where among the keyframes from `start` up to `end` the claims are."""
     found = _Claimed()
     for part in dive.disk.blocks(end, start):
@@ -138,13 +112,13 @@ def _claimed_part(dive: _Smoothed, start: int, end: int) -> _Claimed:
     return found
 
 
-def _with_margin(dive: _Smoothed, piece: tuple[int, int], claimed: _Claimed) -> tuple[int, int]:
+def _with_margin(dive: SmoothedDive, piece: slice, claimed: _Claimed) -> slice:
     """Return the keyframes of a piece from the first to the last claim, and `BEYOND` these.
 
     Others are of no cable, however far along it they seem to be: the vehicle comes to it, or has
     left it.
     """
-    start, end = piece
+    start, end = piece.start, piece.stop
 
     def away(part: slice, claim: int) -> IndexArray:
         apart = _cable_points(dive, part) - _cable_points(dive, slice(claim, claim + 1))
@@ -159,10 +133,10 @@ def _with_margin(dive: _Smoothed, piece: tuple[int, int], claimed: _Claimed) -> 
         if len(far := away(part, claimed.last)):
             end = int(far[0])
             break
-    return start, end
+    return slice(start, end)
 
 
-def _cable_points(dive: _Smoothed, part: slice) -> FloatArray:
+def _cable_points(dive: SmoothedDive, part: slice) -> FloatArray:
     """Return where the cable crosses the look lines of some keyframes, shape (K, 2) [m]."""
     aside, yaw = dive.cable.states[part, 0], dive.keyframes.places[part, 2]
     points: FloatArray = dive.keyframes.places[part, :2].copy()
@@ -172,16 +146,15 @@ def _cable_points(dive: _Smoothed, part: slice) -> FloatArray:
 
 
 class _Piece:
-    """Keyframes from `start` up to `end`, which are connected; see `make_routes`.
+    """Keyframes `own`, which are connected; see `make_routes`.
 
     `claimed` is the least and the most way of those with claims [m].
     """
 
-    def __init__(self, dive: _Smoothed, start: int, end: int, claimed: tuple[float, float]) -> None:
+    def __init__(self, dive: SmoothedDive, own: slice, claimed: tuple[float, float]) -> None:
         self._dive, self._disk = dive, dive.disk
-        self._start, self._end = start, end
-        self._along = dive.cable.along[start:end]
-        self._rows = slice(int(dive.keyframes.first[start]), int(dive.keyframes.last[end - 1]))
+        self._own = own
+        self._along = dive.cable.along[own]
         self._least = min(float(self._along[part].min()) for part in self._blocks())
         most = max(float(self._along[part].max()) for part in self._blocks())
         first, last = max(claimed[0] - BEYOND, self._least), min(claimed[1] + BEYOND, most)
@@ -190,7 +163,7 @@ class _Piece:
         self._wanted: FloatArray = np.arange(count, dtype=np.float64) * SPACING + first
 
     def _blocks(self) -> Iterator[slice]:
-        return self._disk.blocks(self._end - self._start)
+        return self._disk.blocks(len(self._along))
 
     def route(self) -> DiveRoute:
         """Return the route along these keyframes."""
@@ -209,7 +182,7 @@ class _Piece:
             rows=keyframes.first[following],
             diameters=self._diameters(),
             asides=found[:, 7],
-            profile=self._profile(),
+            profile=make_profile(self._dive, self._own, wanted),
         )
         disk.let_go()
         return route
@@ -249,7 +222,7 @@ class _Piece:
 
         way = means(totals[0])
         found = [_at_even_places(wanted, way, means(total), disk) for total in totals[1:]]
-        return np.column_stack(found), following + self._start
+        return np.column_stack(found), following + self._own.start
 
     def _headings(self, order: IndexArray) -> FloatArray:
         """Return the cable's directions (M,); `order` (M,) is that of the keyframes along it.
@@ -261,7 +234,7 @@ class _Piece:
         unwrapping = Unwrapping()
         turn = 0.0 if self._dive.earth is None else self._dive.earth.turn
         for part in self._disk.blocks(len(order)):
-            own = order[part] + self._start
+            own = order[part] + self._own.start
             raw = keyframes.places[own, 2] + cable.states[own, 1]
             headings[order[part]] = unwrapping.apply(raw) + turn
         return headings
@@ -273,7 +246,7 @@ class _Piece:
         its standard deviation, distance from the vehicle.
         """
         keyframes, cable, earth = self._dive.keyframes, self._dive.cable, self._dive.earth
-        own = slice(part.start + self._start, part.stop + self._start)
+        own = slice(part.start + self._own.start, part.stop + self._own.start)
         points = _cable_points(self._dive, own)
         frame_variances = np.zeros(len(points))
         if earth is not None:
@@ -297,19 +270,11 @@ class _Piece:
         asides: FloatArray = aside * np.cos(heading) - look * np.sin(heading)
         return asides
 
-    def _row_blocks(self) -> Iterator[tuple[slice, IndexArray]]:
-        """Yield the rows of these keyframes in blocks, and the keyframe of each row; -1: none.
-
-        Rows before the piece's first keyframe, or after its last, belong to none.
-        """
-        for part in self._disk.blocks(self._rows.stop, self._rows.start):
-            yield part, self._dive.keyframes.of_rows(part)
-
     def _diameters(self) -> FloatArray:
         """Return the median diameter around each wanted place, shape (N,) [m]."""
         cable, wanted = self._dive.cable, self._wanted
         seen = self._disk.growing(PLACED)
-        for part, owner in self._row_blocks():
+        for part, owner in self._dive.row_blocks(self._own):
             rows = self._dive.rows[part]
             known = (owner >= 0) & is_claimed(rows) & np.isfinite(rows["diameter"])
             known &= cable.weights[owner] > LEAST_WEIGHT
@@ -333,92 +298,6 @@ class _Piece:
         for part in self._disk.blocks(len(values)):
             np.add.at(counts, values["place"][part], 1)
         return counts
-
-    def _profile(self) -> Profile:
-        """Gather what each picture showed of each place along the way."""
-        cable, rows, disk = self._dive.cable, self._dive.rows, self._disk
-        first = float(self._wanted[0])
-        count = max(1, int(np.ceil((float(self._wanted[-1]) - first) / PROFILE_SPACING)))
-        telling = disk.growing(np.int64)
-        for part, owner in self._row_blocks():
-            telling.extend(part.start + self._telling(rows[part], owner))
-        used = telling.rows()
-        total, number = disk.array(count), disk.array(count, np.int64)
-        for start in range(0, len(used), TOGETHER):
-            some = used[start : start + TOGETHER]
-            own = self._dive.keyframes.of(some)
-            ahead = rows["profile_ahead"][some].astype(np.float64) - rows["look"][some][:, None]
-            along = cable.along[own][:, None] + ahead / np.cos(cable.states[own, 1])[:, None]
-            scores = rows["profile_score"][some]
-            place = np.floor((along - first) / PROFILE_SPACING)
-            fine = np.isfinite(place) & np.isfinite(scores) & (place >= 0) & (place < count)
-            index = place[fine].astype(np.int64)
-            if len(index):
-                low = int(index.min())
-                counts = np.bincount(index - low)
-                total[low : low + len(counts)] += np.bincount(index - low, scores[fine])
-                number[low : low + len(counts)] += counts
-            disk.let_go()
-        with np.errstate(invalid="ignore", divide="ignore"):
-            seen = np.where(number > 0, total / number, np.nan)
-        return Profile(0.0, seen, self._in_view(count), self._withheld(count))
-
-    def _telling(self, rows: Rows, owner: IndexArray) -> IndexArray:
-        """Return the rows (of keyframes `owner`, (K,)) that say how the cable is seen."""
-        cable = self._dive.cable
-        used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
-        keyframe = owner[used]
-        off = np.abs(rows["aside"][used] - cable.states[keyframe, 0])
-        allowed = ON_ROUTE * np.sqrt(cable.covariances[keyframe, 0, 0]) + 0.05
-        # What is claimed of something else tells nothing about the cable.
-        tells = (off <= allowed) & (cable.weights[keyframe] > LEAST_WEIGHT)
-        tells |= rows["again"][used] == HIDDEN
-        telling: IndexArray = used[tells]
-        return telling
-
-    def _in_view(self, count: int) -> BoolArray:
-        """Tell for each place whether the cable passed through a picture with the camera there."""
-        keyframes, cable, disk = self._dive.keyframes, self._dive.cable, self._disk
-        half_views = filled(self._dive.rows["half_view"], disk)
-
-        def inside() -> Iterator[tuple[FloatArray, BoolArray]]:
-            for part in disk.blocks(self._end, self._start):
-                yield (
-                    cable.along[part],
-                    np.abs(cable.states[part, 0]) < half_views[keyframes.first[part]],
-                )
-
-        return self._mostly(count, inside())
-
-    def _withheld(self, count: int) -> BoolArray:
-        """Tell for each place whether claims with the camera there were without metres."""
-        rows, cable = self._dive.rows, self._dive.cable
-
-        def without_metres() -> Iterator[tuple[FloatArray, BoolArray]]:
-            for part, owner in self._row_blocks():
-                withheld = is_withheld(rows[part])
-                used = (owner >= 0) & (is_measured(rows[part]) | withheld)
-                yield cable.along[owner[used]], withheld[used]
-
-        return self._mostly(count, without_metres())
-
-    def _mostly(self, count: int, blocks: Iterable[tuple[FloatArray, BoolArray]]) -> BoolArray:
-        """Tell for each place whether something is so mostly.
-
-        Each block says for some ways along the cable (K,) [m] whether it is so there, (K,). Between
-        places of which none says anything, it is interpolated.
-        """
-        so, passed = self._disk.array(count), self._disk.array(count)
-        for along, is_so in blocks:
-            place = np.floor((along - float(self._wanted[0])) / PROFILE_SPACING).astype(np.int64)
-            fine = (place >= 0) & (place < count)
-            np.add.at(so, place[fine], is_so[fine].astype(float))
-            np.add.at(passed, place[fine], 1.0)
-        known = np.flatnonzero(passed)
-        if not len(known):
-            return np.zeros(count, bool)
-        shares = so[known] / passed[known]
-        return np.asarray(np.interp(np.arange(count), known, shares) >= 0.5)
 
 
 def _at_even_places(

@@ -182,7 +182,7 @@ class BlobFilter:
         states = self._moved(belief, frame, dt, motion)
         parameters = self._parameters
         if parameters.blob_model == "near_horizon":
-            corners = _corners(states, mask, frame)
+            corners = [_corner(state, mask, frame.shape) for state in states]
             weights = horizon_weights(image, belief.before, mask, corners)
             best = int(np.argmax(weights))
             blob = self._blob_at(image, mask, states[best])
@@ -336,7 +336,3 @@ def _corner(state: FloatArray, mask: BoolArray, shape: tuple[int, ...]) -> tuple
     column, row = to_pixel(float(state[X]), float(state[Y]), (shape[1], shape[0]))
     middle_column, middle_row = image_centre((mask.shape[1], mask.shape[0]))
     return round(column - middle_column), round(row - middle_row)
-
-
-def _corners(states: FloatArray, mask: BoolArray, frame: WorkingFrame) -> list[tuple[int, int]]:
-    return [_corner(state, mask, frame.shape) for state in states]

@@ -10,7 +10,7 @@ from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import EMPTY, REFUSED, TRACKING, CrossingSight
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
-from cable_tracker.survey.routes.events import EventKind, Limits, _clusters, hidden_stretches
+from cable_tracker.survey.routes.events import EventKind, Limits, hidden_stretches
 from cable_tracker.survey.routes.merging import merge
 from cable_tracker.survey.routes.route import make_routes
 from cable_tracker.survey.smoothing.keyframes import make_keyframes
@@ -168,13 +168,6 @@ def dive_in_two_pieces():
         again.poses.add(int(stamp), list(value))
     again.table = dive.table
     return again
-
-
-def test_a_line_straight_across_is_so_on_whichever_side_of_a_right_angle_it_is_seen():
-    sights = [(10.0, 1.5, math.radians(angle), row) for row, angle in enumerate((89, -89, 88, -88))]
-    ((_, across, count),) = _clusters(sights)
-    assert math.degrees(across) == pytest.approx(88.5)
-    assert count == 4
 
 
 def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():
