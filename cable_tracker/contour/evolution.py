@@ -8,8 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
-from cable_tracker.contour.levels import Levels, levels_of_mask
-from cable_tracker.contour.switching import FEWEST, ContourSettings, switch_points
+from cable_tracker.contour.switching import (
+    FEWEST,
+    ContourSettings,
+    Levels,
+    levels_of_mask,
+    switch_points,
+)
 from cable_tracker.errors import FrameError
 
 

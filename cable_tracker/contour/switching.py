@@ -1,8 +1,9 @@
 """The loop of the fast contour: points beside the contour change sides where that costs less.
 
-Table 1 of J. Ha (2008). Where the thesis is silent, it is our choice that: what lies beyond the
-picture has no side; neither region is emptied; points that join a list during a scan wait for the
-next one, or are looked at in the same (`flooding`).
+Its level set has four values: exterior, interior, and the two lists between. Table 1 of J. Ha,
+"Visual tracking and control" (2008), chapter 3. Where the thesis is silent, it is our choice that:
+what lies beyond the picture has no side; neither region is emptied; points that join a list during
+a scan wait for the next one, or are looked at in the same (`flooding`).
 """
 
 from __future__ import annotations
@@ -12,9 +13,14 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
-from cable_tracker.contour.levels import EXTERIOR, INNER, INTERIOR, OUTER, Levels
+
+Levels: TypeAlias = NDArray[np.int8]
+"""Shape (H, W): EXTERIOR, OUTER, INNER or INTERIOR at every pixel."""
+
+EXTERIOR, OUTER, INNER, INTERIOR = 3, 1, -1, -3
+"""Outside; outside with a 4-neighbour inside; inside with a 4-neighbour outside; inside."""
 
 FlatLevels: TypeAlias = NDArray[np.int8]
 """Levels with a margin of zeros about the picture, row after row."""
@@ -30,6 +36,30 @@ EDGES, DEPTHS = (INNER, OUTER), (INTERIOR, EXTERIOR)
 
 FEWEST = 2
 """Points that either region keeps at least: with one, its mean would be divided by nothing."""
+
+
+@compiled
+def levels_of_mask(mask: BoolArray) -> Levels:
+    """Return the level set whose inside is a mask, shape (H, W).
+
+    What lies beyond the picture is neither inside nor outside: it makes no contour.
+    """
+    height, width = mask.shape
+    levels = np.empty((height, width), np.int8)
+    for row in range(height):
+        for column in range(width):
+            here = mask[row, column]
+            differs = (
+                (row > 0 and mask[row - 1, column] != here)
+                or (row + 1 < height and mask[row + 1, column] != here)
+                or (column > 0 and mask[row, column - 1] != here)
+                or (column + 1 < width and mask[row, column + 1] != here)
+            )
+            if here:
+                levels[row, column] = INNER if differs else INTERIOR
+            else:
+                levels[row, column] = OUTER if differs else EXTERIOR
+    return levels
 
 
 @compiled_inside

@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.contour.evolution import evolve
-from cable_tracker.contour.levels import levels_of_mask
-from cable_tracker.contour.switching import ContourSettings
+from cable_tracker.contour.switching import ContourSettings, levels_of_mask
 from cable_tracker.errors import FrameError
 
 PLAIN = ContourSettings()

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.contour.levels import EXTERIOR, INNER, INTERIOR, OUTER, levels_of_mask
+from cable_tracker.contour.switching import EXTERIOR, INNER, INTERIOR, OUTER, levels_of_mask
 
 
 def reference(mask):
