@@ -67,46 +67,40 @@ class Campaign:
         counts = (sequence.frame_count() for sequence in self.sequences)
         return frames_in_all(counts, len(self.seeds))
 
-
-@dataclass(frozen=True, slots=True)
-class _Task:
-    """One sequence with one seed: what one process does at a time."""
-
-    campaign: Campaign
-    sequence: EvaluationSequence
-    seed: int
-
-    @property
-    def with_sheet(self) -> bool:
-        """Whether contact sheets are drawn."""
-        return self.campaign.with_sheets and self.seed == self.campaign.seeds[0]
+    def parts(self) -> list[Campaign]:
+        """Return the runs on each sequence with each seed: what one process does at a time."""
+        return [
+            replace(
+                self,
+                sequences=(sequence,),
+                seeds=(seed,),
+                with_sheets=self.with_sheets and seed == self.seeds[0],
+            )
+            for sequence in self.sequences
+            for seed in self.seeds
+        ]
 
     def fingerprint(self) -> str:
-        """Return a text that changes with what is run, and with the recording."""
-        own = replace(
-            self.campaign,
-            sequences=(self.sequence,),
-            seeds=(self.seed,),
-            with_sheets=self.with_sheet,
-        )
-        tables = [file for each in own.filters for file in each.parameters.files]
-        return f"{own!r} {fingerprint_of_files(*self.sequence.files(), *tables)}"
+        """Return a text that changes with what is run, and with the recordings."""
+        recorded = [file for each in self.sequences for file in each.files()]
+        tables = [file for each in self.filters for file in each.parameters.files]
+        return f"{self!r} {fingerprint_of_files(*recorded, *tables)}"
 
     def run(self, advance: Callable[[int], None]) -> list[RunResult]:
-        campaign = self.campaign
+        """Run one of `parts`."""
+        (sequence,), (seed,) = self.sequences, self.seeds
         runs = [
             MethodRun(
                 name,
                 make,
-                self.seed,
-                campaign.start,
-                restart_every=campaign.restart_every,
-                with_sheet=self.with_sheet,
+                seed,
+                self.start,
+                restart_every=self.restart_every,
+                with_sheet=self.with_sheets,
             )
-            for name, make in campaign.makers()
+            for name, make in self.makers()
         ]
-        frames = self.sequence.frames(self.seed)
-        return run_together(runs, frames, self.sequence.name, advance)
+        return run_together(runs, sequence.frames(seed), sequence.name, advance)
 
 
 def evaluate_methods(
@@ -140,6 +134,5 @@ def evaluate_methods(
     CableTrackerError
         What stopped the first run that failed.
     """
-    tasks = [_Task(campaign, s, seed) for s in campaign.sequences for seed in campaign.seeds]
-    runs = run_all(tasks, settings, advance=advance)
+    runs = run_all(campaign.parts(), settings, advance=advance)
     return [result for results in runs for result in results]

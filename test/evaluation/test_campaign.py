@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.evaluation.campaign import Campaign, _Task, evaluate_methods
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import (
     RecordingSequence,
     ScenarioSequence,
@@ -85,7 +85,7 @@ def test_filters_of_ones_own_are_run_after_the_methods(stripe):
 def test_what_else_lies_in_the_folder_does_not_make_another_run(stripe, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     own = ConfiguredFilter("mine", preset("thesis"))
-    task = _Task(Campaign((), (stripe,), (0,), filters=(own,)), stripe, 0)
+    task = Campaign((), (stripe,), (0,), filters=(own,))
     before = task.fingerprint()
     (tmp_path / "notes.txt").write_text("another file")
     assert task.fingerprint() == before
@@ -96,7 +96,7 @@ def test_a_sequence_file_is_another_one_when_a_picture_of_it_has_changed(tmp_pat
     picture.write_bytes(b"one")
     labels.write_text("1 0 30 0 # a.png\n")
     sequence = RecordingSequence(labels)
-    task = _Task(Campaign(("thesis",), (sequence,), (0,)), sequence, 0)
+    task = Campaign(("thesis",), (sequence,), (0,))
     before = task.fingerprint()
     picture.write_bytes(b"another")
     assert task.fingerprint() != before
@@ -104,7 +104,7 @@ def test_a_sequence_file_is_another_one_when_a_picture_of_it_has_changed(tmp_pat
 
 def test_a_world_is_another_one_on_other_photographs(monkeypatch, tmp_path):
     sequence = WorldSequence("report_inspection")
-    task = _Task(Campaign(("thesis",), (sequence,), (0,)), sequence, 0)
+    task = Campaign(("thesis",), (sequence,), (0,))
     found = set()
     for name in ("one", "other"):
         (tmp_path / name).mkdir()

@@ -116,8 +116,8 @@ def evaluate_targets(
         is_own_name=OWN_NAMES.__contains__,
     ) as (folder, settings):
         with progress_bar("following", total) as progress:
-            parts = run_all(campaign.tasks(), settings, advance=partial(advance, progress))
-        results = [each for part in parts for each in part]
+            runs = run_all(campaign.parts(), settings, advance=partial(advance, progress))
+        results = [each for figures in runs for each in figures]
         note = f"{origin_note()} {missing}".rstrip()
         # Names of recordings need not be UTF-8; the table is, in its file and where it is printed.
         table = markdown_table(results, campaign.methods, note).encode(errors="replace").decode()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -124,6 +124,7 @@ class TargetMethodRun:
     """
 
     def __init__(self, method: str, tracker: BoxTracker) -> None:
+        self._name = method
         self._is_grey = method.startswith(f"{GREY} ")
         self._tracker = tracker
         self._has_begun = False
@@ -131,7 +132,7 @@ class TargetMethodRun:
         self.claims: list[EvaluatedClaim] = []
         self.refusal = ""
 
-    def see(self, frame: TargetEvaluationFrame) -> None:
+    def process(self, frame: TargetEvaluationFrame) -> None:
         """Take one frame; those before the first that shows the target are passed over."""
         self._number += 1
         if not self._has_begun and frame.truth is None:
@@ -150,59 +151,16 @@ class TargetMethodRun:
         if frame.is_judged:
             self.claims.append(EvaluatedClaim(frame.truth, claim, frame.twin, ms, self._number))
 
+    def result(self, sequence: str, seed: int) -> RunFigures:
+        """Return what came of it, once there is a frame that counts."""
+        return RunFigures(sequence, seed, self._name, figures_of(self.claims), self.refusal)
+
     def _claim(self, image: Image, frame: TargetEvaluationFrame) -> Box | None:
         if self._has_begun:
             return self._tracker.update(image, frame.stamp)
         assert frame.truth is not None
         self._has_begun = True
         return self._tracker.start(image, frame.truth, frame.stamp)
-
-
-@dataclass(frozen=True, slots=True)
-class TargetTask:
-    """One run of a sequence, followed by several methods.
-
-    Attributes
-    ----------
-    sequence : TargetSequence
-        Sequence to run on.
-    seed : int
-        Seed of the simulation and of our filters.
-    methods : tuple of str
-        Names, see `method_names`, or of `tuned`.
-    tuned : tuple of (str, TargetParameters)
-        Parameters of the user's, by name.
-    """
-
-    sequence: TargetSequence
-    seed: int
-    methods: tuple[str, ...]
-    tuned: tuple[tuple[str, TargetParameters], ...] = ()
-
-    def fingerprint(self) -> str:
-        """Return a text that changes with what is run, and with the recording."""
-        return f"{self!r} {fingerprint_of_files(*self.sequence.files())}"
-
-    def run(self, advance: Callable[[int], None]) -> list[RunFigures]:
-        """Follow the target with every method."""
-        tuned = dict(self.tuned)
-        followers = {
-            name: TargetMethodRun(
-                name, make_method(name.removeprefix(f"{GREY} "), self.seed, tuned)
-            )
-            for name in self.methods
-        }
-        for frame in self.sequence.pictures(self.seed):
-            for follower in followers.values():
-                follower.see(frame)
-            advance(1)
-        return [
-            RunFigures(
-                self.sequence.name, self.seed, name, figures_of(follower.claims), follower.refusal
-            )
-            for name, follower in followers.items()
-            if follower.claims
-        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,13 +189,32 @@ class TargetCampaign:
         counts = (sequence.frame_count() for sequence in self.sequences)
         return frames_in_all(counts, len(self.seeds))
 
-    def tasks(self) -> list[TargetTask]:
-        """Return the runs, those of one seed after those of another."""
+    def parts(self) -> list[TargetCampaign]:
+        """Return the runs on each sequence with each seed, those of one seed after another."""
         return [
-            TargetTask(sequence, seed, self.methods, self.tuned)
+            replace(self, sequences=(sequence,), seeds=(seed,))
             for seed in self.seeds
             for sequence in self.sequences
         ]
+
+    def fingerprint(self) -> str:
+        """Return a text that changes with what is run, and with the recordings."""
+        recorded = [file for each in self.sequences for file in each.files()]
+        return f"{self!r} {fingerprint_of_files(*recorded)}"
+
+    def run(self, advance: Callable[[int], None]) -> list[RunFigures]:
+        """Follow the target of one of `parts` with every method."""
+        (sequence,), (seed,) = self.sequences, self.seeds
+        tuned = dict(self.tuned)
+        runs = [
+            TargetMethodRun(name, make_method(name.removeprefix(f"{GREY} "), seed, tuned))
+            for name in self.methods
+        ]
+        for frame in sequence.pictures(seed):
+            for run in runs:
+                run.process(frame)
+            advance(1)
+        return [run.result(sequence.name, seed) for run in runs if run.claims]
 
 
 def figures_of(claims: Sequence[EvaluatedClaim]) -> tuple[float, ...]:

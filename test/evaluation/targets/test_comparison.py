@@ -9,8 +9,8 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.targets.comparison import (
     FIGURES,
     RunFigures,
+    TargetCampaign,
     TargetMethodRun,
-    TargetTask,
     make_method,
     markdown_table,
     mean_figures,
@@ -27,14 +27,16 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 
 
 def run(name, methods, length, **words):
-    return TargetTask(SimulatedTarget(name, length), 1, methods, **words).run(lambda count: None)
+    return TargetCampaign((SimulatedTarget(name, length),), (1,), methods, **words).run(
+        lambda count: None
+    )
 
 
 def test_a_run_has_figures_for_every_method():
     counted = []
     methods = ("default", "CamShift", "grey default")
-    task = TargetTask(SimulatedTarget("buoy", 12), 1, methods)
-    results = task.run(counted.append)
+    campaign = TargetCampaign((SimulatedTarget("buoy", 12),), (1,), methods)
+    results = campaign.run(counted.append)
     assert [each.method for each in results] == list(methods)
     assert all(each.values[FIGURES.index("claimed_in_view")] > 0.5 for each in results)
     assert results[0].values[FIGURES.index("success")] > 0.8
@@ -63,15 +65,15 @@ def test_frames_that_are_not_judged_do_not_count():
     frames = list(SimulatedTarget("near_surface", 6).pictures(1))
     follower = TargetMethodRun("CamShift", make_method("CamShift", 1))
     for index, frame in enumerate(frames):
-        follower.see(replace(frame, is_judged=index % 2 == 0))
+        follower.process(replace(frame, is_judged=index % 2 == 0))
     assert len(follower.claims) == 3
 
 
 def test_a_frame_that_the_tracker_refuses_is_one_without_a_claim():
     first, second = list(SimulatedTarget("near_surface", 2).pictures(1))
     follower = TargetMethodRun("default", make_method("default", 1))
-    follower.see(first)
-    follower.see(replace(second, stamp=first.stamp))
+    follower.process(first)
+    follower.process(replace(second, stamp=first.stamp))
     assert [claim.claim is not None for claim in follower.claims] == [True, False]
 
 
@@ -80,7 +82,7 @@ def test_a_recording_with_boxes_is_judged_as_the_scenario_that_it_was_made_of(tm
     write_target_bag(tmp_path / "dive", labelled_frames(simulated))
     recorded = RecordedTarget(tmp_path / "dive")
     assert recorded.frame_count() == 6
-    (result,) = TargetTask(recorded, 1, ("default",)).run(lambda count: None)
+    (result,) = TargetCampaign((recorded,), (1,), ("default",)).run(lambda count: None)
     (expected,) = run("near_surface", ("default",), 6)
     assert result.values[:3] == expected.values[:3]
 
@@ -89,7 +91,7 @@ def test_a_recording_whose_target_is_never_seen_cannot_be_judged(tmp_path):
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
     (tmp_path / "boxes.txt").write_text("0.png none\n")
     with pytest.raises(RecordingError, match="no frame has a box"):
-        TargetTask(RecordedTarget(tmp_path), 1, ("default",)).run(lambda count: None)
+        TargetCampaign((RecordedTarget(tmp_path),), (1,), ("default",)).run(lambda count: None)
 
 
 def test_means_pass_over_what_has_no_figure():
@@ -109,11 +111,11 @@ def test_means_pass_over_what_has_no_figure():
 def test_a_run_is_another_one_when_the_boxes_were_edited(tmp_path):
     boxes = tmp_path / "boxes.txt"
     boxes.write_text("1 1 5 5 # a.png\n")
-    task = TargetTask(RecordedTarget(tmp_path, truth=boxes), 1, ("default",))
-    before = task.fingerprint()
-    assert task.fingerprint() == before
+    campaign = TargetCampaign((RecordedTarget(tmp_path, truth=boxes),), (1,), ("default",))
+    before = campaign.fingerprint()
+    assert campaign.fingerprint() == before
     boxes.write_text("1 1 5 50 # a.png\n")
-    assert task.fingerprint() != before
+    assert campaign.fingerprint() != before
 
 
 @pytest.mark.parametrize("name", ["MIL", "CamShift", "default"])
@@ -124,7 +126,7 @@ def test_a_box_that_a_method_cannot_take_ends_no_evaluation(name, box):
     picture = np.random.default_rng(0).integers(0, 255, (240, 320, 3), np.uint8)
     run = TargetMethodRun(name, make_method(name, 0))
     for number in range(2):
-        run.see(TargetEvaluationFrame(picture, 1_000_000_000 + number * 40_000_000, box))
+        run.process(TargetEvaluationFrame(picture, 1_000_000_000 + number * 40_000_000, box))
     assert len(run.claims) == 2
     if box[0] != 310.0:
         assert run.refusal.startswith("frame 0: ")
