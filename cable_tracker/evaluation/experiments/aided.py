@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from functools import lru_cache
+from operator import itemgetter
 
 import numpy as np
 
@@ -13,13 +13,15 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
-    EXPERIMENT_ERRORS,
     SimulatedVehicle,
+    Spoken,
+    odometry_message,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.methods import Method
-from cable_tracker.metric.odometry.aiding import MotionAiding
-from cable_tracker.metric.odometry.motion import Odometry
+from cable_tracker.metric.cable_sight import CableSight
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.trackers import make_tracker
 
@@ -85,49 +87,67 @@ def faulty(
 
 
 class AidedMethod:
-    """The tracker of this project, told the vehicle's motion.
+    """The tracker of this project, with the instruments of a vehicle as a node hears them.
 
     Parameters
     ----------
     parameters : TrackerParameters
         All of them, also the seed.
     vehicle : SimulatedVehicle
-        Whose odometry it hears.
+        Whose instruments it hears.
+    fault : OdometryFault or None
+        Fault of the odometry; None: there is no odometry.
     """
 
     def __init__(
-        self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault
+        self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault | None
     ) -> None:
         self._tracker = make_tracker(parameters)
-        self._odometry = Odometry()
-        self._aiding = MotionAiding(vehicle.instruments, self._odometry)
-        self._covariance = vehicle.covariance
-        rng = np.random.default_rng([parameters.seed, 21])
-        arrivals, stamps, twists = faulty(vehicle.twist_stamps, vehicle.twists, fault, rng)
-        self._coming = list(zip(arrivals, stamps, twists, strict=True))[::-1]
+        self._sight = CableSight(vehicle.parameters)
+        coming = [(stamp, (stamp, *said)) for stamp, *said in vehicle.messages]
+        if fault is not None:
+            rng = np.random.default_rng([parameters.seed, 21])
+            coming += _odometry_messages(vehicle, fault, rng)
+        # Taken from the end.
+        self._coming = sorted(coming, key=itemgetter(0))[::-1]
 
     def initialise(self, given: GivenState) -> None:
         """Start from this cable at the next frame."""
         self._tracker.initialise(given)
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
-        """Take a frame into account, with the odometry that has come until then."""
+        """Take a frame into account, with what instruments have said until then."""
         while self._coming and self._coming[-1][0] <= stamp:
-            _, stated, twist = self._coming.pop()
-            self._odometry.add(stated, twist, self._covariance)
-        motion = self._aiding.motion(stamp, image)
+            stated, instrument, message = self._coming.pop()[1]
+            self._sight.take_message(instrument, stated, message)
+        motion = self._sight.motion(stamp, image)
         estimate = self._tracker.process(image, stamp, motion)
-        self._aiding.observe(estimate)
+        self._sight.observe(estimate)
         return estimate
 
+    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
+        return self._sight.measure(estimate)
 
-_same_vehicle = lru_cache(maxsize=2)(simulated_vehicle)
-"""Filters that are compared on one dive share its vehicle, which takes seconds to work out."""
+
+def _odometry_messages(
+    vehicle: SimulatedVehicle, fault: OdometryFault, rng: np.random.Generator
+) -> list[tuple[int, Spoken]]:
+    """Return what odometry with a fault says, each with the time at which it comes [ns]."""
+    twists = np.array([reading.twist for reading in vehicle.odometry])
+    said = zip(*faulty(vehicle.odometry_stamps, twists, fault, rng), strict=True)
+    return [
+        (
+            arrival,
+            (stamp, Instrument.ODOMETRY, odometry_message(stamp, replace(sound, twist=twist))),
+        )
+        for sound, (arrival, stamp, twist) in zip(vehicle.odometry, said, strict=False)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
 class AidedFilter:
-    """A filter with the odometry of a scenario, or without. It is sent to other processes.
+    """A filter with the instruments of a scenario's vehicle. It is sent to other processes.
 
     Attributes
     ----------
@@ -146,10 +166,7 @@ class AidedFilter:
     scenario: str
     fault: OdometryFault | None
 
-    def make(self, seed: int) -> Method:
+    def make(self, seed: int) -> AidedMethod:
         """Make a fresh tracker for the dive of a seed."""
         parameters = self.parameters.replaced({"seed": seed})
-        if self.fault is None:
-            return make_tracker(parameters)
-        vehicle = _same_vehicle(self.scenario, seed, EXPERIMENT_ERRORS)
-        return AidedMethod(parameters, vehicle, self.fault)
+        return AidedMethod(parameters, simulated_vehicle(self.scenario, seed), self.fault)

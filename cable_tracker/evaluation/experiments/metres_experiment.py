@@ -22,7 +22,6 @@ from cable_tracker.evaluation.evaluation_sequences import (
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
-    EXPERIMENT_ERRORS,
     LOOK_AHEAD,
     SimulatedVehicle,
     simulated_vehicle,
@@ -78,14 +77,14 @@ class _Dive:
         and heading in standard deviations, and whether the estimate is on the cable, shape (N, 6).
         """
         name = self.sequence.name
-        vehicle = simulated_vehicle(name, self.seed, EXPERIMENT_ERRORS)
+        vehicle = simulated_vehicle(name, self.seed)
         method = AidedFilter("default", preset("default"), name, self.odometry).make(self.seed)
         rows = []
         for frame in self.sequence.frames(self.seed):
             if frame.index == 0 and frame.truth is not None:
                 method.initialise(GivenState.around(frame.truth))
             estimate = method.process(frame.image, frame.stamp)
-            result = vehicle.instruments.cross_track(estimate)
+            result = method.measure(estimate)
             advance(1)
             if frame.visibility == 0.0 or frame.truth is None:
                 continue

@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import repeat
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.frames import Attitude
-from cable_tracker.metric.instruments import Instruments
-from cable_tracker.metric.odometry.motion import TWIST
 from cable_tracker.node_parameter_tables import CableVehicleParameters
+from cable_tracker.sequences.bags.instruments import Instrument
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.instruments.instruments import (
-    LEAST_RANGE,
-    MOST_RANGE,
-    InstrumentErrors,
-    scale_error,
+from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.instrument_messages import (
+    ALTIMETER,
+    BASE,
+    CAMERA,
+    ODOM,
+    make_camera_info,
+    make_imu,
+    make_odometry,
+    make_range,
 )
-from cable_tracker.simulation.motion.flight import Flight, flight_at, twists_at
+from cable_tracker.simulation.instruments.instrument_writer import Tick
+from cable_tracker.simulation.instruments.instruments import InstrumentErrors, OdometryReading
+from cable_tracker.simulation.motion.flight import Flight, flight_at
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
 from cable_tracker.simulation.scenarios.scenario_dive import SCENARIO_SIZE, scenario_dive
-from cable_tracker.stamps import stamp_at
-from cable_tracker.tracking.image_frame import image_centre
-
-ODOMETRY_RATE = 50.0
-"""Twists per second."""
+from cable_tracker.stamps import FIRST_STAMP, stamp_at
 
 LOOK_AHEAD = 0.5
 """Distance for the offset ahead of the vehicle [m]."""
@@ -38,6 +44,10 @@ TRUTH_REACH, TRUTH_STEP = 3.0, 0.02
 """Length to both sides of the vehicle over which the cable is followed, and step between the points
 [m]."""
 
+FACTORY = RosbagsMessages()
+
+Spoken = tuple[int, Instrument, Message]
+"""Time of a message [ns], the instrument that says it, and the message."""
 
 EXPERIMENT_ERRORS = InstrumentErrors(turn_bias=math.radians(0.1), velocity_scale=0.01)
 """How wrong the instruments are in experiments: worse than in the simulator's dives."""
@@ -64,20 +74,9 @@ def cables_below(dive: Dive, flight: Flight) -> FloatArray:
     return np.array(truths)
 
 
-def calibration_of(camera: Camera) -> Calibration:
-    """Return the calibration of a simulated camera."""
-    return Calibration(
-        camera.image_size,
-        "plumb_bob",
-        (camera.focal, camera.focal),
-        image_centre(camera.image_size),
-        camera.distortion if camera.is_distorted else (),
-    )
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedVehicle:
-    """The instruments of a scenario's vehicle, with everything that they say during the dive.
+    """What the instruments of a scenario's vehicle say during the dive, and the truth.
 
     Attributes
     ----------
@@ -85,72 +84,65 @@ class SimulatedVehicle:
         Offset at x = 0, offset ahead, heading in each frame, shape (N, 3) [m, rad].
     altitudes : FloatArray
         True ones in each frame, shape (N,) [m].
-    instruments : Instruments
-        Calibration, altitude, attitude.
-    twists : FloatArray
-        Measured twists, shape (M, 6), at `twist_stamps` [ns].
-    twist_stamps : list of int
+    parameters : CableVehicleParameters
+        How camera and instruments are mounted and read.
+    messages : list of (int, Instrument, Message)
+        What all instruments but odometry say, each with its time [ns].
+    odometry : list of OdometryReading
         Length M.
-    covariance : FloatArray
-        Covariance that odometry states of its twists, shape (6, 6).
+    odometry_stamps : list of int
+        Their times, length M [ns].
     """
 
     truths: FloatArray
     altitudes: FloatArray
-    instruments: Instruments
-    twists: FloatArray
-    twist_stamps: list[int]
-    covariance: FloatArray
+    parameters: CableVehicleParameters
+    messages: list[Spoken]
+    odometry: list[OdometryReading]
+    odometry_stamps: list[int]
 
 
-def simulated_vehicle(scenario: str, seed: int, errors: InstrumentErrors) -> SimulatedVehicle:
-    """Return the vehicle of a scenario; the same seed gives the same errors of its instruments."""
-    rng = np.random.default_rng([seed, 20])
+@lru_cache(maxsize=2)
+def simulated_vehicle(
+    scenario: str, seed: int, errors: InstrumentErrors = EXPERIMENT_ERRORS
+) -> SimulatedVehicle:
+    """Return the vehicle of a scenario; the same seed gives the same errors of its instruments.
+
+    Filters that are compared on one dive share it: it takes seconds to work out.
+    """
     dive = scenario_dive(scenario, seed, SCENARIO_SIZE)
     count = find_scenario(scenario).frame_count
-    frame_times = np.arange(count) / SCENARIO_RATE
-    flight = flight_at(dive, frame_times)
-    twist_times = np.arange(0.0, frame_times[-1] + 1e-9, 1.0 / ODOMETRY_RATE)
-    twists, covariance = _disturbed(twists_at(dive, twist_times), errors, rng)
+    ticks = list(dive_ticks(repeat(None, count), dive, SCENARIO_RATE, seed, errors))
+    flight = flight_at(dive, np.arange(count) / SCENARIO_RATE)
     return SimulatedVehicle(
         truths=cables_below(dive, flight),
         altitudes=flight.positions[:, 2],
-        instruments=_instruments(dive, flight, errors, rng),
-        twists=twists,
-        twist_stamps=[stamp_at(time) for time in twist_times],
-        covariance=covariance,
-    )
-
-
-def _disturbed(
-    twists: FloatArray, errors: InstrumentErrors, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    steps = np.repeat([errors.velocity, errors.turn], 3)
-    biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
-    scale = scale_error(errors, rng)
-    wrong = twists + biases * rng.standard_normal(TWIST)
-    wrong += steps * rng.standard_normal(twists.shape)
-    wrong[:, :3] *= scale
-    return wrong, np.diag(steps**2 + biases**2)
-
-
-def _instruments(
-    dive: Dive, flight: Flight, errors: InstrumentErrors, rng: np.random.Generator
-) -> Instruments:
-    instruments = Instruments(
-        CableVehicleParameters(
+        parameters=CableVehicleParameters(
             camera_pitch=90.0 - math.degrees(dive.camera.mounting),
             look_ahead=LOOK_AHEAD,
             cable_height=dive.tube.height,
             altitude_is_vertical=True,
             altitude_sigma=errors.altitude,
-        )
+        ),
+        messages=list(_messages(ticks, dive.camera, errors)),
+        odometry=[tick.odometry for tick in ticks],
+        odometry_stamps=[stamp_at(tick.seconds) for tick in ticks],
     )
-    instruments.take_calibration(calibration_of(dive.camera))
-    for time, position, angles in zip(flight.times, flight.positions, flight.angles, strict=True):
-        altitude = float(position[2]) * (1.0 + errors.altitude * float(rng.standard_normal()))
-        roll, pitch = angles[:2] + errors.attitude * rng.standard_normal(2)
-        stamp = stamp_at(float(time))
-        instruments.take_altitude(stamp, altitude, (LEAST_RANGE, MOST_RANGE))
-        instruments.take_attitude(stamp, Attitude(float(roll), float(pitch), errors.attitude))
-    return instruments
+
+
+def _messages(ticks: Iterable[Tick], camera: Camera, errors: InstrumentErrors) -> Iterator[Spoken]:
+    at_camera = make_header(FACTORY, FIRST_STAMP, CAMERA)
+    calibration = make_camera_info(FACTORY, at_camera, camera)
+    yield FIRST_STAMP, Instrument.CAMERA_INFO, calibration
+    for tick in ticks:
+        stamp = stamp_at(tick.seconds)
+        at_base = make_header(FACTORY, stamp, BASE)
+        yield stamp, Instrument.IMU, make_imu(FACTORY, at_base, tick.imu, errors)
+        if tick.altitude is not None:
+            at_altimeter = make_header(FACTORY, stamp, ALTIMETER)
+            yield stamp, Instrument.ALTITUDE, make_range(FACTORY, at_altimeter, tick.altitude)
+
+
+def odometry_message(stamp: int, reading: OdometryReading) -> Message:
+    """Pack what odometry says of a time [ns]."""
+    return make_odometry(FACTORY, make_header(FACTORY, stamp, ODOM), reading)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -9,8 +10,13 @@ import numpy as np
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
-from cable_tracker.simulation.instruments.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.instruments.instruments import (
+    USUAL_ERRORS,
+    InstrumentErrors,
+    InstrumentSet,
+)
 from cable_tracker.simulation.motion.flight import vehicle_states_at
+from cable_tracker.simulation.motion.vehicle import VehicleState
 
 READING_RATE = 50.0
 """Odometry and imu speak about so often [1/s]."""
@@ -18,28 +24,38 @@ READING_RATE = 50.0
 MOST_READINGS = 200
 """Largest number of readings of each instrument between two frames."""
 
+READINGS_AT_ONCE = 64
+"""Readings of each instrument for which the geometry is computed at once."""
 
-def dive_ticks(frames: Iterable[Frame], dive: Dive, rate: float, seed: int) -> Iterator[Tick]:
+
+def dive_ticks(
+    frames: Iterable[Frame | None],
+    dive: Dive,
+    rate: float,
+    seed: int,
+    errors: InstrumentErrors = USUAL_ERRORS,
+) -> Iterator[Tick]:
     """Yield what the instruments say with each frame of a dive, and until the next one.
 
     The altimeter is read with each frame; a fix comes with the first frame in each second.
 
     Parameters
     ----------
-    frames : iterable of Frame
-        Frames of the dive, from its beginning.
+    frames : iterable of Frame or None
+        Frames of the dive, from its beginning; None for one that is not drawn.
     rate : float
         Frames per second.
     seed : int
         Not negative; draws the errors of the instruments.
+    errors : InstrumentErrors
+        How wrong they are.
     """
     readings = int(np.clip(round(READING_RATE / rate), 1, MOST_READINGS))
     rng = np.random.default_rng([seed, 30])
     start = vehicle_states_at(dive, np.zeros(1))[0]
-    instruments = InstrumentSet(InstrumentErrors(), start, rng)
-    for count, frame in enumerate(frames):
-        times = (count + np.arange(readings) / readings) / rate
-        for number, state in enumerate(vehicle_states_at(dive, times)):
+    instruments = InstrumentSet(errors, start, rng)
+    for count, (frame, told) in enumerate(zip(frames, _states(dive, rate, readings), strict=False)):
+        for number, (time, state) in enumerate(told):
             fix = altitude = None
             if number == 0:
                 if count == 0 or int(count / rate) > int((count - 1) / rate):
@@ -49,4 +65,16 @@ def dive_ticks(frames: Iterable[Frame], dive: Dive, rate: float, seed: int) -> I
             elapsed = 1.0 / (rate * readings) if count or number else 0.0
             odometry, imu = instruments.odometry(state, elapsed), instruments.imu(state)
             picture = None if number else frame
-            yield Tick(float(times[number]), state, odometry, imu, altitude, fix, picture)
+            yield Tick(time, state, odometry, imu, altitude, fix, picture)
+
+
+def _states(dive: Dive, rate: float, readings: int) -> Iterator[list[tuple[float, VehicleState]]]:
+    """Yield the times of the readings from each frame to the next [s], and the vehicle then."""
+    parts = np.arange(readings) / readings
+    # Worked out for several frames at once, which takes a fraction of the time.
+    batch = max(1, READINGS_AT_ONCE // readings)
+    for start in itertools.count(0, batch):
+        times = (np.arange(start, start + batch)[:, None] + parts).ravel() / rate
+        told = list(zip(times.tolist(), vehicle_states_at(dive, times), strict=True))
+        for first in range(0, len(told), readings):
+            yield told[first : first + readings]

@@ -36,8 +36,8 @@ from cable_tracker.simulation.instruments.instrument_messages import (
     make_true_odometry,
 )
 from cable_tracker.simulation.instruments.instruments import (
+    USUAL_ERRORS,
     ImuReading,
-    InstrumentErrors,
     OdometryReading,
 )
 from cable_tracker.simulation.motion.vehicle import VehicleState
@@ -189,9 +189,7 @@ class InstrumentWriter:
         at_base = make_header(factory, stamp, BASE)
         odometry = make_odometry(factory, in_odom, tick.odometry)
         self._write(node_topics.ODOMETRY, odometry, stamp)
-        self._write(
-            node_topics.IMU, make_imu(factory, at_base, tick.imu, InstrumentErrors()), stamp
-        )
+        self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, USUAL_ERRORS), stamp)
         if tick.fix is not None:
             height = float(tick.state.position[2]) - DEPTH
             fix = make_fix(factory, at_base, fix_at(self._frame, tick.fix, height))

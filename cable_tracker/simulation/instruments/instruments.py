@@ -46,11 +46,8 @@ class InstrumentErrors:
     altitude: float = 0.01
 
 
-def scale_error(errors: InstrumentErrors, rng: np.random.Generator) -> float:
-    """Draw the factor on all linear velocities."""
-    if not errors.velocity_scale:
-        return 1.0
-    return 1.0 + errors.velocity_scale * float(rng.standard_normal())
+USUAL_ERRORS = InstrumentErrors()
+"""Those of the simulator's dives."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +116,9 @@ class InstrumentSet:
         biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
         self._steps = steps
         self._biases = biases * rng.standard_normal(6)
-        self._scale = scale_error(errors, rng)
+        # Without a scale error none is drawn: what is drawn next stays the same.
+        scale = errors.velocity_scale
+        self._scale = 1.0 + scale * float(rng.standard_normal()) if scale else 1.0
         self._twist_covariance = np.diag(steps**2 + biases**2)
         self._position = start.position.copy()
         self._seconds = 0.0

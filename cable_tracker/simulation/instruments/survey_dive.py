@@ -22,7 +22,7 @@ from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments.instrument_messages import CAMERA
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
 from cable_tracker.simulation.instruments.instruments import (
-    InstrumentErrors,
+    USUAL_ERRORS,
     InstrumentSet,
 )
 from cable_tracker.simulation.motion.live_world import BURIAL_RAMP, LOOK
@@ -192,7 +192,7 @@ class SurveyDive:
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(current, self._start(), motion_rng)
         start = self._vehicle.state()
-        self._instruments = InstrumentSet(InstrumentErrors(), start, reading_rng)
+        self._instruments = InstrumentSet(USUAL_ERRORS, start, reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
 

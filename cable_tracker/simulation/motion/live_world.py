@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.dive import Seeds, Surroundings
-from cable_tracker.simulation.instruments.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
 from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
@@ -145,7 +145,7 @@ class LiveWorld:
         self.cable_height = self._tube.height
         current = Current.random(settings.current, course_rng)
         self._vehicle = Vehicle(current, self._start(motion_rng), motion_rng)
-        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
+        self.instruments = InstrumentSet(USUAL_ERRORS, self._vehicle.state(), own_rng)
         self.time = 0.0
 
     def _stretches(self) -> tuple[BuriedStretch, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.instruments.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
 from cable_tracker.simulation.motion.vehicle import (
     Current,
     Vehicle,
@@ -112,7 +112,7 @@ class ChaseWorld:
         start = np.array([0.0, 0.0, settings.altitude, 0.0])
         current = Current.random(settings.current, motion_rng)
         self._vehicle = Vehicle(current, start, motion_rng)
-        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.state(), own_rng)
+        self.instruments = InstrumentSet(USUAL_ERRORS, self._vehicle.state(), own_rng)
         self.time = 0.0
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:

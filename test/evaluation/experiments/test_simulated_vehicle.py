@@ -12,15 +12,14 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     EXPERIMENT_ERRORS,
     LOOK_AHEAD,
-    flight_at,
     simulated_vehicle,
-    twists_at,
 )
+from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
+from cable_tracker.simulation.motion.flight import flight_at, twists_at
 from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus
@@ -40,13 +39,21 @@ def estimate_of(states, index) -> CableEstimate:
     )
 
 
+def sight_of(vehicle) -> CableSight:
+    sight = CableSight(vehicle.parameters)
+    for stamp, instrument, message in vehicle.messages:
+        sight.take_message(instrument, stamp, message)
+    return sight
+
+
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario):
     vehicle = simulated_vehicle(scenario, 0, EXACT)
+    sight = sight_of(vehicle)
     states = scenario_states(scenario, 0)
     errors = []
     for index in range(0, 100, 5):
-        result = vehicle.instruments.cross_track(estimate_of(states, index))
+        result = sight.measure(estimate_of(states, index))
         assert isinstance(result, CrossTrack)
         found = np.array([result.offset, result.offset_ahead, result.heading])
         errors.append((found - vehicle.truths[index]) / [*[vehicle.altitudes[index]] * 2, 1.0])
@@ -59,16 +66,17 @@ def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario)
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
     vehicle = simulated_vehicle(scenario, 0, EXACT)
+    instruments = sight_of(vehicle).instruments
     states = scenario_states(scenario, 0)
     odometry = Odometry()
     residuals, steps = [], []
-    for stamp, twist in zip(vehicle.twist_stamps[:150], vehicle.twists, strict=False):
-        odometry.add(stamp, twist, vehicle.covariance)
+    for stamp, said in list(zip(vehicle.odometry_stamps, vehicle.odometry, strict=True))[:150]:
+        odometry.add(stamp, said.twist, said.twist_covariance)
     for index in range(60):
         before = estimate_of(states, index)
         change = odometry.motion(before.stamp, before.stamp + FRAME)
         assert isinstance(change, PoseChange)
-        flight = vehicle.instruments.overflight(before)
+        flight = instruments.overflight(before)
         moved = move_states(states[index : index + 1], homography(flight, change))[0]
         residuals.append(states[index + 1, :2] - moved[:2])
         steps.append(states[index + 1, :2] - states[index, :2])
@@ -88,17 +96,20 @@ def test_twists_are_the_derivatives_of_poses():
     assert middle[5] == pytest.approx((flight.angles[1, 2] - flight.angles[0, 2]) / 0.04, abs=0.05)
 
 
+def twists_of(seed, errors=EXPERIMENT_ERRORS):
+    return np.array([said.twist for said in simulated_vehicle("S6", seed, errors).odometry])
+
+
 def test_the_instruments_of_a_seed_err_alike_each_time_and_otherwise_for_another():
-    one, again, other = (simulated_vehicle("S6", seed, EXPERIMENT_ERRORS) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(one.twists, again.twists)
-    assert not np.array_equal(one.twists, other.twists)
-    assert isinstance(one.instruments, Instruments)
+    one = twists_of(1)
+    simulated_vehicle.cache_clear()
+    np.testing.assert_array_equal(one, twists_of(1))
+    assert not np.array_equal(one, twists_of(2))
 
 
 def test_the_stated_covariance_is_that_of_the_errors():
     unscaled = replace(EXPERIMENT_ERRORS, velocity_scale=0.0)
-    exact = simulated_vehicle("S6", 3, EXACT).twists
-    errors = np.concatenate([simulated_vehicle("S6", 3, unscaled).twists - exact])
-    stated = np.sqrt(np.diag(simulated_vehicle("S6", 3, unscaled).covariance))
+    errors = twists_of(3, unscaled) - twists_of(3, EXACT)
+    stated = np.sqrt(np.diag(simulated_vehicle("S6", 3, unscaled).odometry[0].twist_covariance))
     spread = np.sqrt((errors**2).mean(axis=0))
     assert (spread < 2.0 * stated).all() and (spread > 0.5 * stated).all()
