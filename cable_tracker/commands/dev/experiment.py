@@ -31,7 +31,6 @@ from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
 from cable_tracker.evaluation.experiments.catalogue import (
     EXPERIMENTS,
     FILES,
-    WITH_LIMIT,
     Experiment,
 )
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -57,10 +56,7 @@ def experiment(  # noqa: PLR0917
         ),
     ] = None,
     frames: Annotated[
-        int | None,
-        typer.Option(
-            help="Of ablation_cold, roc and coverage: only so many frames of each dive.", min=1
-        ),
+        int | None, typer.Option(help="Use only so many frames of each dive.", min=1)
     ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,
@@ -80,7 +76,7 @@ def experiment(  # noqa: PLR0917
     lies inside the stated covariance.
     """
     check_name("experiment", name, EXPERIMENTS)
-    chosen = _with_rows(_make_experiment(name, seeds_from(seeds, first_seed), frames), row)
+    chosen = _with_rows(EXPERIMENTS[name](seeds_from(seeds, first_seed), frames), row)
     path = output if output is not None else Path(f"experiment_{name}")
     note = origin_note()
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
@@ -97,17 +93,6 @@ def experiment(  # noqa: PLR0917
 def _is_of_experiment(name: str) -> bool:
     """Tell by its name whether an experiment writes a file, also another one than this."""
     return name == STORE or name in FILES
-
-
-def _make_experiment(name: str, seeds: tuple[int, ...], frames: int | None) -> Experiment:
-    if frames is None:
-        return EXPERIMENTS[name](seeds)
-    if name not in WITH_LIMIT:
-        raise ParameterError(
-            "--frames cuts the dives of the experiments ablation_cold, roc and coverage; leave it"
-            " out"
-        )
-    return WITH_LIMIT[name](seeds, frames)
 
 
 def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:

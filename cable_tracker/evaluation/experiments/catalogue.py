@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.campaigns.settings import CampaignSettings
-from cable_tracker.evaluation.evaluation_sequences import THESIS_SEQUENCES
+from cable_tracker.evaluation.evaluation_sequences import (
+    THESIS_SEQUENCES,
+    StripSequence,
+    simulated_sequences,
+)
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment, cold_ablation
 from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
 from cable_tracker.evaluation.experiments.coverage_experiment import reported_coverage
@@ -19,13 +23,17 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 )
 from cable_tracker.evaluation.experiments.metres_experiment import TABLES as METRES_TABLES
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
-from cable_tracker.evaluation.experiments.motion_experiment import MotionExperiment
+from cable_tracker.evaluation.experiments.motion_experiment import (
+    MOTION_SEQUENCES,
+    MotionExperiment,
+)
 from cable_tracker.evaluation.experiments.roc_experiment import reported_roc
 from cable_tracker.evaluation.experiments.strips_experiment import StripsExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     ReinitialisationExperiment,
     SequenceExperiment,
     SpeedExperiment,
+    speed_sequence,
 )
 
 
@@ -41,26 +49,30 @@ class Experiment(Protocol):
         ...
 
 
-EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProxyType(
+ExperimentMaker: TypeAlias = Callable[[tuple[int, ...], int | None], Experiment]
+"""Makes an experiment from its seeds and the number of frames used of each dive; None: all."""
+
+
+def _of_scenarios(make: Callable[..., Experiment], names: Sequence[str]) -> ExperimentMaker:
+    """Return what makes an experiment on scenarios."""
+    return lambda seeds, limit: make(seeds, sequences=simulated_sequences(names, limit))
+
+
+EXPERIMENTS: Mapping[str, ExperimentMaker] = MappingProxyType(
     {
-        "sequences": SequenceExperiment,
-        "reinitialisation": ReinitialisationExperiment,
-        "speed": SpeedExperiment,
-        "ablation": AblationExperiment,
+        "sequences": _of_scenarios(SequenceExperiment, THESIS_SEQUENCES),
+        "reinitialisation": _of_scenarios(ReinitialisationExperiment, THESIS_SEQUENCES),
+        "speed": lambda seeds, limit: SpeedExperiment(seeds, speed_sequence(limit)),
+        "ablation": _of_scenarios(AblationExperiment, THESIS_SEQUENCES),
         "ablation_cold": cold_ablation,
-        "metres": MetresExperiment,
-        "motion": MotionExperiment,
+        "metres": _of_scenarios(MetresExperiment, THESIS_SEQUENCES),
+        "motion": _of_scenarios(MotionExperiment, MOTION_SEQUENCES),
         "roc": reported_roc,
-        "strips": StripsExperiment,
+        "strips": lambda seeds, limit: StripsExperiment(seeds, StripSequence(limit=limit)),
         "coverage": reported_coverage,
     }
 )
-"""Functions that make an experiment from its seeds, by the name on the command line."""
-
-WITH_LIMIT: Mapping[str, Callable[[tuple[int, ...], int], Experiment]] = MappingProxyType(
-    {"ablation_cold": cold_ablation, "roc": reported_roc, "coverage": reported_coverage}
-)
-"""Those of which so many frames of each dive may be used, given after the seeds."""
+"""Functions that make an experiment, by the name on the command line."""
 
 FILES = frozenset(
     {

@@ -15,8 +15,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import (
-    THESIS_SEQUENCES,
-    ScenarioSequence,
+    EvaluationSequence,
     frames_in_all,
 )
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
@@ -66,7 +65,7 @@ OFFSET, AHEAD, HEADING, OFFSET_IN_SIGMAS, HEADING_IN_SIGMAS, ON_CABLE = range(6)
 class _Dive:
     """One scenario with one seed."""
 
-    sequence: ScenarioSequence
+    sequence: EvaluationSequence
     seed: int
     odometry: OdometryFault | None
 
@@ -120,12 +119,12 @@ class MetresExperiment:
     ----------
     seeds : tuple of int
         Each makes another dive of the same kind.
-    sequences : tuple of ScenarioSequence
+    sequences : tuple of EvaluationSequence
         Sequences to run on.
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, THESIS_SEQUENCES))
+    sequences: tuple[EvaluationSequence, ...]
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings
-from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence, frames_in_all
+from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, frames_in_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
@@ -91,7 +91,7 @@ SETTINGS = (
 class _Dive:
     """One scenario with one seed: all its settings in one process, which share the frames."""
 
-    sequence: ScenarioSequence
+    sequence: EvaluationSequence
     seed: int
     settings: tuple[MotionSetting, ...]
 
@@ -113,14 +113,14 @@ class MotionExperiment:
     ----------
     seeds : tuple of int
         Each makes another dive of the same kind.
-    sequences : tuple of ScenarioSequence
+    sequences : tuple of EvaluationSequence
         Sequences to run on.
     settings : tuple of MotionSetting
         The rows.
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, MOTION_SEQUENCES))
+    sequences: tuple[EvaluationSequence, ...]
     settings: tuple[MotionSetting, ...] = SETTINGS
 
     def frame_count(self) -> int | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 from cable_tracker.cable.model.state import WIDTH
@@ -40,15 +40,15 @@ class StripsExperiment(CampaignExperiment):
     ----------
     seeds : tuple of int
         Each draws `STRIPS_PER_SEED` strips.
-    methods : tuple of str
-        Keys of `METHODS`.
     sequence : StripSequence
         Sequence of strips to run on.
+    methods : tuple of str
+        Keys of `METHODS`.
     """
 
     seeds: tuple[int, ...]
+    sequence: StripSequence
     methods: tuple[str, ...] = ("default",)
-    sequence: StripSequence = field(default_factory=StripSequence)
 
     def campaign(self) -> Campaign:
         """Return what is run."""

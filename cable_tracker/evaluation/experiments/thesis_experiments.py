@@ -11,12 +11,10 @@ import numpy as np
 from cable_tracker.cable.measure.gradients.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import CampaignSettings
-from cable_tracker.evaluation.campaign import Campaign
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.evaluation_sequences import (
-    THESIS_SEQUENCES,
     EvaluationSequence,
     ScenarioSequence,
-    simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -34,7 +32,7 @@ from cable_tracker.evaluation.metrics.initialisation import (
     start_statistics,
 )
 from cable_tracker.evaluation.report import format_number
-from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
+from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean, median, percentage, percentages
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
@@ -43,7 +41,7 @@ THESIS_METHODS = ("default", "thesis")
 RESTART_FRAMES = 100
 """Frames from one random start to the next (section 5.2.4)."""
 
-SPEED_SEQUENCE = ScenarioSequence("S3", 100)
+SPEED_FRAMES = 100
 SPEED_PARTICLES = (100, 200, 300, 500, 1000, 2000)
 SPEED_TAPS = (5, 7, 11, 15)
 SPEED_HEADINGS = (
@@ -65,15 +63,15 @@ class SequenceExperiment(CampaignExperiment):
     ----------
     seeds : tuple of int
         Each makes another dive of the same kind.
-    methods : tuple of str
-        Keys of `METHODS`.
     sequences : tuple of EvaluationSequence
         Sequences to run on.
+    methods : tuple of str
+        Keys of `METHODS`.
     """
 
     seeds: tuple[int, ...]
+    sequences: tuple[EvaluationSequence, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
 
     def campaign(self) -> Campaign:
         """Return what is run."""
@@ -111,13 +109,13 @@ class ReinitialisationExperiment(CampaignExperiment):
 
     Attributes
     ----------
-    seeds, methods, sequences
+    seeds, sequences, methods
         See `SequenceExperiment`.
     """
 
     seeds: tuple[int, ...]
+    sequences: tuple[EvaluationSequence, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
 
     def campaign(self) -> Campaign:
         """Return what is run."""
@@ -230,8 +228,13 @@ class _SpeedSetting:
         return ConfiguredFilter(self.name, preset("thesis").replaced(values))
 
 
+def speed_sequence(limit: int | None = None) -> ScenarioSequence:
+    """Return what the speed is measured on; `limit`: number of frames used, None: all."""
+    return ScenarioSequence("S3", min(SPEED_FRAMES, limit or SPEED_FRAMES))
+
+
 @dataclass(frozen=True, slots=True)
-class SpeedExperiment:
+class SpeedExperiment(CampaignExperiment):
     """Section 5.2.5, Table 5.3: time against particles and filter size, with the thesis' preset.
 
     Attributes
@@ -245,21 +248,26 @@ class SpeedExperiment:
     """
 
     seeds: tuple[int, ...]
-    sequence: EvaluationSequence = SPEED_SEQUENCE
+    sequence: EvaluationSequence
     particles: tuple[int, ...] = SPEED_PARTICLES
     taps: tuple[int, ...] = SPEED_TAPS
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        count = self.sequence.frame_count()
-        return None if count is None else count * len(self.seeds)
+    def campaign(self) -> Campaign:
+        """Return what is run."""
+        filters = tuple(setting.filter() for setting in self._settings())
+        return Campaign((), (self.sequence,), self.seeds, Start.TRUTH, filters=filters)
 
     def run(self, settings: CampaignSettings, advance: Advance) -> ExperimentResult:
         """Run it, in one process whatever is set: neighbours would disturb the times."""
         del settings
-        speeds = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
-        results = [result for seed in self.seeds for result in self._run(speeds, seed, advance)]
-        by_setting = {setting: chosen(results, method=setting.name) for setting in speeds}
+        return self.result_of(evaluate_methods(self.campaign(), advance=advance))
+
+    def _settings(self) -> list[_SpeedSetting]:
+        return [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
+
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
+        by_setting = {each: chosen(results, method=each.name) for each in self._settings()}
         rows = tuple(_speed_row(setting, runs) for setting, runs in by_setting.items())
         times = {each: metric_spread("ms", runs).mean for each, runs in by_setting.items()}
         curves = {
@@ -277,12 +285,6 @@ class SpeedExperiment:
             (ResultTable(SPEED_HEADINGS, rows),),
             (FigureFile("speed.png", as_png(figure)),),
         )
-
-    def _run(self, speeds: Sequence[_SpeedSetting], seed: int, advance: Advance) -> list[RunResult]:
-        filters = [setting.filter() for setting in speeds]
-        runs = [MethodRun(each.name, each.make, seed, Start.TRUTH) for each in filters]
-        frames = self.sequence.frames(seed)
-        return run_together(runs, frames, self.sequence.name, advance)
 
 
 def _mean_cell(metric: str, results: Sequence[RunResult]) -> str:

@@ -18,12 +18,12 @@ def begun_anew(stripe):
     """Tables of two long sequences, the second with a cable that is half hidden."""
     clear = dataclasses.replace(stripe, length=130)
     faint = dataclasses.replace(clear, name="faint", visibility=0.5)
-    experiment = ReinitialisationExperiment((0,), ("default",), (clear, faint))
+    experiment = ReinitialisationExperiment((0,), (clear, faint), ("default",))
     return experiment.run(HERE, lambda count: None).tables
 
 
 def test_sequences_are_followed_by_every_method(stripe):
-    experiment = SequenceExperiment((0, 1), sequences=(stripe,))
+    experiment = SequenceExperiment((0, 1), (stripe,))
     told = []
     result = experiment.run(HERE, told.append)
     assert [row[:3] for row in result.tables[0].rows] == [
