@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
+from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.metric.frames import rotation_in_plane
+from cable_tracker.simulation.rendering.laid_cable import Stretch
 from cable_tracker.visualisation.figure_files import write_figure
 from cable_tracker.visualisation.palette import (
     AMBER,
@@ -49,7 +50,7 @@ MAP_REACH = 4.0
 
 
 def plot_way(
-    path: Path, rows: Sequence[LoopRow], course: FloatArray, burial: Burial | None
+    path: Path, rows: Sequence[LoopRow], course: FloatArray, burial: Stretch | None
 ) -> None:
     """Plot the vehicle's way and the cable's course from above.
 
@@ -84,7 +85,7 @@ def plot_way(
     write_figure(path, figure)
 
 
-def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> None:
+def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Stretch | None) -> None:
     """Plot the lateral error, as it was and as `cross_track` said, heading error, and speed.
 
     Raises
@@ -116,7 +117,7 @@ def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> N
     write_figure(path, figure)
 
 
-def _shade(axis: Axes, rows: Sequence[LoopRow], burial: Burial | None) -> None:
+def _shade(axis: Axes, rows: Sequence[LoopRow], burial: Stretch | None) -> None:
     times = _column(rows, "time")
     if burial is not None:
         inside = np.flatnonzero(burial.holds(_column(rows, "x")))
@@ -144,11 +145,11 @@ class MapPanel:
     ----------
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    burial : Burial or None
+    burial : Stretch or None
         Where sand lies on it.
     """
 
-    def __init__(self, course: FloatArray, burial: Burial | None) -> None:
+    def __init__(self, course: FloatArray, burial: Stretch | None) -> None:
         self._course = course
         self._burial = burial
         self._way: list[tuple[float, float]] = []

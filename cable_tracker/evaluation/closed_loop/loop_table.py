@@ -11,9 +11,9 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.sample_statistics import percentile_of_size, root_mean_square
+from cable_tracker.simulation.rendering.laid_cable import Stretch
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 
@@ -89,18 +89,6 @@ class LoopRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Burial:
-    """Buried stretch along the course: start and end [m]."""
-
-    start: float
-    end: float
-
-    def holds(self, x: FloatArray) -> BoolArray:
-        """Tell which places are within it."""
-        return np.asarray((x >= self.start) & (x <= self.end))
-
-
-@dataclass(frozen=True, slots=True)
 class LoopSummary:
     """Summary of one run; lengths in metres, times in seconds.
 
@@ -158,7 +146,7 @@ class LoopSummary:
 
 
 def summarise_loop(
-    rows: Sequence[LoopRow], seed: int, length: float, burial: Burial | None
+    rows: Sequence[LoopRow], seed: int, length: float, burial: Stretch | None
 ) -> LoopSummary:
     """Judge a run.
 

@@ -32,7 +32,7 @@ from cable_tracker.simulation.motion.vehicle import (
     Vehicle,
     VelocityCommand,
 )
-from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
+from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch
 from cable_tracker.simulation.rendering.look import Skin
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.seen_cable import (
@@ -64,14 +64,6 @@ CROSSING_RADIUS = 0.06
 
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stretch:
-    """From where to where along the cable's course [m]."""
-
-    start: float
-    end: float
 
 
 @dataclass(frozen=True, slots=True)

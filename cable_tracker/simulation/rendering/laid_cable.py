@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.simulation.rendering.look import Skin
 from cable_tracker.simulation.rendering.seabed import CABLE_REACH, CHANNELS, burial_cover
 from cable_tracker.simulation.rendering.texture import TiledTexture, smooth_step
@@ -20,19 +20,27 @@ GAP_SPACING = 160.0
 
 
 @dataclass(frozen=True, slots=True)
-class BuriedStretch:
-    """A stretch of a cable that the sand hides, or where it is missing.
+class Stretch:
+    """From where to where along the course of a cable [m]."""
+
+    start: float
+    end: float
+
+    def holds(self, along: FloatArray) -> BoolArray:
+        """Tell which places are within it."""
+        return np.asarray((along >= self.start) & (along <= self.end))
+
+
+@dataclass(frozen=True, slots=True)
+class BuriedStretch(Stretch):
+    """A stretch of a cable that the sand hides altogether, or where it is missing.
 
     Attributes
     ----------
-    start, end : float
-        Hidden altogether from here to here along the course [m].
     ramp : float
         Way over which the sand rises before and falls after that [m].
     """
 
-    start: float
-    end: float
     ramp: float
 
     def level(self, along: Image) -> Image:

@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
-from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
+from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
+from cable_tracker.simulation.rendering.laid_cable import Stretch
 from cable_tracker.visualisation.palette import STRAW, WHITE, to_bgr
 
 COURSE = np.stack((np.linspace(-5, 25, 200), np.zeros(200), np.zeros(200)), axis=1)
-BURIAL = Burial(9.0, 11.0)
+BURIAL = Stretch(9.0, 11.0)
 
 
 @pytest.fixture

@@ -11,16 +11,16 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.closed_loop.loop_table import (
     RIGHT_TURNED,
     RIGHT_WITHIN,
-    Burial,
     LoopRow,
     LoopSummary,
     read_summary,
     summarise_loop,
 )
 from cable_tracker.sequences.tables.csv_tables import write_records
+from cable_tracker.simulation.rendering.laid_cable import Stretch
 
 LENGTH = 20.0
-BURIAL = Burial(9.0, 11.0)
+BURIAL = Stretch(9.0, 11.0)
 
 
 def row(x: float, error: float = 0.1, mode: str = "FOLLOWING", **changes: float) -> LoopRow:
@@ -53,7 +53,7 @@ def way(mode_in_the_sand: str = "SEARCHING", error_in_the_sand: float = 0.4) -> 
     return rows
 
 
-def judged(rows: list[LoopRow], burial: Burial | None = BURIAL) -> LoopSummary:
+def judged(rows: list[LoopRow], burial: Stretch | None = BURIAL) -> LoopSummary:
     return summarise_loop(rows, 7, LENGTH, burial)
 
 

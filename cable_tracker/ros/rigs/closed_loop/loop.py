@@ -18,7 +18,6 @@ from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_err
 from cable_tracker.evaluation.closed_loop.loop_table import (
     SUMMARY,
     TABLE,
-    Burial,
     LoopRow,
     LoopSummary,
     summarise_loop,
@@ -43,6 +42,7 @@ from cable_tracker.ros.rigs.closed_loop.run_recorder import (
 from cable_tracker.sequences.tables.csv_tables import write_records
 from cable_tracker.simulation.dive import CABLE_RADIUS, MOUNTING
 from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.rendering.laid_cable import Stretch
 from cable_tracker.simulation.rendering.tube import SETTLED
 from cable_tracker.simulation.seen_cable import cable_course
 from cable_tracker.stamps import NANOSECONDS
@@ -101,12 +101,12 @@ class LoopRequest:
         return "baseline" if self.method in BASELINES else "tracker"
 
     @property
-    def burial(self) -> Burial | None:
+    def burial(self) -> Stretch | None:
         """Buried stretch along the cable's course; None without one."""
         world = self.world
         if not world.buried:
             return None
-        return Burial(world.buried_from, world.buried_from + world.buried)
+        return Stretch(world.buried_from, world.buried_from + world.buried)
 
 
 def file_names(request: LoopRequest) -> tuple[str, ...]:
