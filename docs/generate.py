@@ -34,7 +34,7 @@ from cable_tracker.node_parameter_tables import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.simulation.targets.chase import ChaseSettings
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart

@@ -95,6 +95,10 @@ ORDER_WITHIN = {
         "target", "track", "warm_up",
     ],
     "gui": ["subject", "session", "web", "labelling", "tracking"],
+    "simulation": [
+        "setting_checks", "rendering", "borders", "motion", "dive", "seen_cable", "world_settings",
+        "scenarios", "worlds", "fading", "instruments", "live_world", "targets",
+    ],
     "survey": [
         "memory_mapped", "frames", "navigation", "smoothing", "routes", "redetection", "outputs",
         "dive_faults", "recording", "campaign",

@@ -54,7 +54,7 @@ from cable_tracker.evaluation.closed_loop.loop_campaign import (
 )
 from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS
-from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.tracking.parameter_files import read_parameter_file
 from cable_tracker.tracking.parameter_table import check_name
 

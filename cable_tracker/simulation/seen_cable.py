@@ -14,6 +14,7 @@ from cable_tracker.simulation.borders import fit_states, project_tube, visible_s
 from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
 from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.camera import CameraPoses
+from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.rendering.world_frame import from_renderer, to_renderer
@@ -23,6 +24,18 @@ CURVATURE = 0.04
 
 BEND_LENGTHS = (24.0, 45.0)
 """Shortest and longest bend of the cable [m]."""
+
+LOOK = Look(
+    bottom=Bottom(stones=0.8, algae=0.8),
+    skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
+    water=Water(absorption=0.1, scatter=0.1, veil=0.25, flakes=0.3),
+    daylight=0.6,
+    clutter=0.3,
+)
+"""An overgrown cable in fairly clear water, with a rope or furrow here and there."""
+
+BURIAL_RAMP = 0.3
+"""Way over which the sand rises and falls at the ends of a buried stretch [m]."""
 
 NEAREST_STEPS = 6
 """Steps to the nearest point of the cable."""

@@ -20,7 +20,7 @@ from cable_tracker.node_parameter_tables import (
     ReplayStartParameters,
     SimulatorNodeParameters,
 )
-from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
 

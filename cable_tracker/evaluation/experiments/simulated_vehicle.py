@@ -18,6 +18,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.flight import Flight, flight_at
 from cable_tracker.simulation.instruments.instrument_messages import (
     ALTIMETER,
     BASE,
@@ -30,7 +31,6 @@ from cable_tracker.simulation.instruments.instrument_messages import (
 )
 from cable_tracker.simulation.instruments.instrument_writer import Tick
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors, OdometryReading
-from cable_tracker.simulation.motion.flight import Flight, flight_at
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE

@@ -20,7 +20,7 @@ from cable_tracker.sequences.messages.cable import make_state
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.instruments.instrument_messages import BASE, CAMERA, make_range
-from cable_tracker.simulation.motion.live_world import LiveSettings, LiveWorld
+from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 
 

@@ -25,7 +25,6 @@ from cable_tracker.simulation.instruments.instruments import (
     USUAL_ERRORS,
     InstrumentSet,
 )
-from cable_tracker.simulation.motion.live_world import BURIAL_RAMP, LOOK
 from cable_tracker.simulation.motion.trajectory import Bands, Harmonics
 from cable_tracker.simulation.motion.vehicle import (
     Current,
@@ -36,6 +35,8 @@ from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch
 from cable_tracker.simulation.rendering.look import Skin
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.seen_cable import (
+    BURIAL_RAMP,
+    LOOK,
     CableScene,
     cable_of_seed,
     cable_points,

@@ -20,11 +20,11 @@ from cable_tracker.simulation.dive import (
     random_course,
     render_dive,
 )
-from cable_tracker.simulation.motion.routes import random_trajectory, scenario_trajectory
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
 from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
+from cable_tracker.simulation.scenarios.routes import random_trajectory, scenario_trajectory
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.setting_checks import (
     check_frames,

@@ -8,7 +8,7 @@ import pytest
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.campaigns.loops import NODES_OF_RUN, RUN_GRACE, LoopTask, run_loops
 from cable_tracker.ros.process.child_process import GRACE
-from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.live_world import LiveSettings
 
 loop = pytest.importorskip("cable_tracker.ros.rigs.closed_loop.loop")
 

@@ -18,8 +18,8 @@ from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
+from cable_tracker.simulation.instruments.flight import flight_at, twists_at
 from cable_tracker.simulation.instruments.instruments import InstrumentErrors
-from cable_tracker.simulation.motion.flight import flight_at, twists_at
 from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive
 from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.tracking.status import TrackingStatus

@@ -9,8 +9,8 @@ from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.bags.open_bag import open_storage
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
+from cable_tracker.simulation.instruments.flight import flight_at
 from cable_tracker.simulation.instruments.instrument_writer import write_ticks
-from cable_tracker.simulation.motion.flight import flight_at
 from cable_tracker.simulation.scenarios.scenario_dive import (
     SimulationSettings,
     simulate,

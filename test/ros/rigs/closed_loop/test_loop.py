@@ -23,7 +23,7 @@ from cable_tracker.ros.rigs.closed_loop.loop import (
     file_names,
     run_loop,
 )
-from cable_tracker.simulation.motion.live_world import LiveSettings
+from cable_tracker.simulation.live_world import LiveSettings
 
 FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)
 START = {"particle_count": 300}

@@ -23,8 +23,9 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
-from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.seen_cable import (
+    BURIAL_RAMP,
+    LOOK,
     CableScene,
     bent_cable,
     cable_points,
@@ -33,23 +34,11 @@ from cable_tracker.simulation.seen_cable import (
 from cable_tracker.simulation.world_settings import WorldSettings
 from cable_tracker.tracking.parameter_table import number
 
-BURIAL_RAMP = 0.3
-"""Way over which the sand rises and falls at the ends of the buried stretch [m]."""
-
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
 """Largest distance from the cable and largest angle to it at the start [m, rad]."""
 
 LEAST_COSINE = 0.1
 """A cable that runs more across the vehicle is as far beside it as at that cosine of the angle."""
-
-LOOK = Look(
-    bottom=Bottom(stones=0.8, algae=0.8),
-    skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
-    water=Water(absorption=0.1, scatter=0.1, veil=0.25, flakes=0.3),
-    daylight=0.6,
-    clutter=0.3,
-)
-"""An overgrown cable in fairly clear water, with a rope or furrow here and there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

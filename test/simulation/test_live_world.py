@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.motion.live_world import LiveSettings, LiveWorld
+from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.motion.vehicle import VehicleState, VelocityCommand
 from cable_tracker.simulation.seen_cable import cable_course
 
