@@ -67,7 +67,7 @@ MAY_IMPORT = {
     "ros": {
         "benchmark", "gui", "offline", "evaluation", "trackers", "simulation", "detection",
         "example_controller",
-        "visualisation", "sequences",
+        "visualisation", "sequences", "followed_kinds",
         "node_parameter_tables", "metric", "cable", "target", "tracking", "particle_filter",
         "resources",
     },

@@ -130,12 +130,20 @@ def target(  # noqa: PLR0917
             print_notes(source, [NO_METRES])
         if ros:
             client = need_ros("clients.track_target")
-            replayed = need_ros("clients.lockstep").replay_parameters(
+            lockstep = need_ros("clients.lockstep")
+            replayed = lockstep.replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            own = node_values(described, target_size)
-            nodes = client.target_nodes(recording.compressed, replayed, parameters, init, own)
-            damage = client.track_target_over_ros(frames, nodes, results, with_metres=bool(own))
+            measuring = node_values(described, target_size)
+            own = {
+                **lockstep.tracker_parameters(compressed=recording.compressed),
+                **parameters.as_mapping(),
+                **measuring,
+                "initial_target": init,
+            }
+            damage = client.track_target_over_ros(
+                frames, own, replayed, results, with_metres=bool(measuring)
+            )
         else:
             tracker = TargetTracker(parameters)
             if start is not None:

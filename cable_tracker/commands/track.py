@@ -128,17 +128,16 @@ def track(  # noqa: PLR0917
         metres = None if ros else described.metres()
         if ros:
             client = need_ros("clients.track_cable")
-            replayed = need_ros("clients.lockstep").replay_parameters(
+            lockstep = need_ros("clients.lockstep")
+            replayed = lockstep.replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            nodes = client.cable_nodes(
-                recording.compressed,
-                replayed,
-                parameters,
-                _words_for_node(start, given),
-                described,
-            )
-            damage = client.track_cable_over_ros(frames, nodes, results, described)
+            own = {
+                **lockstep.tracker_parameters(compressed=recording.compressed),
+                **parameters.as_mapping(),
+                "initial_state": _words_for_node(start, given),
+            }
+            damage = client.track_cable_over_ros(frames, own, replayed, results, described)
         else:
             tracker = make_tracker(parameters)
             if given is not None:

@@ -85,3 +85,59 @@ TRUE_CROSS_TRACK = NodeTopic(
 TRUE_TARGET = NodeTopic("ground_truth/target", "geometry_msgs/msg/PoseWithCovarianceStamped")
 TRUE_BOX = NodeTopic("ground_truth/box", "geometry_msgs/msg/PolygonStamped")
 """Around what can be seen of a simulated target; without corners where it is out of view."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerTopics:
+    """Topics of the tracker of cables or of that of targets, beside those that both have.
+
+    Attributes
+    ----------
+    start : NodeTopic
+        Takes where the cable or the target is.
+    report : NodeTopic
+        Comes for every frame, and tells its status.
+    results, metres : tuple of NodeTopic
+        Hold what is claimed, in pixels and in metres, in the order of publishing.
+    place : NodeTopic
+        The one of those in metres that a controller follows.
+    overlay : NodeTopic
+        Holds the JPEG for people.
+    """
+
+    start: NodeTopic
+    report: NodeTopic
+    results: tuple[NodeTopic, ...]
+    metres: tuple[NodeTopic, ...]
+    place: NodeTopic
+    overlay: NodeTopic
+
+    @property
+    def node(self) -> str:
+        """Name of the node."""
+        return self.report.name.partition("/")[0]
+
+    @property
+    def of_frame(self) -> tuple[NodeTopic, ...]:
+        """All topics that may speak of a frame, but the raw overlay."""
+        always = (STATE, self.report)
+        return (*always, *self.results, *self.metres, PARTICLES, MARKERS, self.overlay)
+
+
+CABLE_TOPICS = TrackerTopics(
+    start=INITIAL_STATE,
+    report=FRAME_REPORT,
+    results=(CENTRELINE,),
+    metres=(CROSS_TRACK, CROSS_TRACK_AHEAD),
+    place=CROSS_TRACK,
+    overlay=OVERLAY,
+)
+TARGET_TOPICS = TrackerTopics(
+    start=INITIAL_TARGET,
+    report=TARGET_REPORT,
+    results=(TARGET, BOX, CONTOUR),
+    metres=(BEARING, RELATIVE_POSE),
+    place=RELATIVE_POSE,
+    overlay=TARGET_OVERLAY,
+)
+"""Of several targets the topics of the first."""

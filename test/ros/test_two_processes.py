@@ -27,7 +27,8 @@ from cable_tracker.offline.track_cable import (
     given_state_for,
     track_frame,
 )
-from cable_tracker.ros.clients.track_cable import cable_nodes, track_cable_over_ros
+from cable_tracker.ros.clients.lockstep import tracker_parameters
+from cable_tracker.ros.clients.track_cable import track_cable_over_ros
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
@@ -78,8 +79,12 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
 
             if over_ros:
                 vehicle, replay = recorded_vehicle(source), {"source": str(path)}
-                nodes = cable_nodes(source.compressed, replay, PARAMETERS, words, vehicle)
-                damage = track_cable_over_ros(source.frames(), nodes, results, vehicle)
+                own = {
+                    **tracker_parameters(compressed=source.compressed),
+                    **PARAMETERS.as_mapping(),
+                    "initial_state": words,
+                }
+                damage = track_cable_over_ros(source.frames(), own, replay, results, vehicle)
             else:
                 tracker = make_tracker(PARAMETERS)
                 if given is not None:

@@ -106,8 +106,8 @@ def _print(record: SoakRecord) -> None:
     print_table("faults", ("class", "injected", "recovered"), faults, left=(0,))
     windows = []
     for each in record.latency_windows():
-        times = (f"{ms:.1f}" for ms in (each.median, each.percentile_99, each.longest))
-        windows.append((f"{each.minutes:g}", str(each.frames), *times))
+        times = (f"{each[name]:.1f}" for name in ("median", "percentile_99", "longest"))
+        windows.append((f"{each['minutes']:g}", str(each["frames"]), *times))
     headings = ("minute", "frames", "median", "99 %", "longest")
     print_table("time to the answer in lockstep [ms]", headings, windows)
     console.print(

@@ -23,7 +23,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.target import read_target_particles
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import NodeTopic, TrackerTopics
 from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -46,6 +46,7 @@ class _Parts:
 
     since: float = field(default_factory=time.monotonic)
     image: RawImage | CompressedImage | None = None
+    report: Message | None = None
     messages: dict[NodeTopic, Message] = field(default_factory=dict)
 
     @property
@@ -55,13 +56,11 @@ class _Parts:
 
     def facts(self) -> dict[str, str]:
         """Return what the report says by name; nothing without one."""
-        report = self.messages.get(node_topics.FRAME_REPORT)
-        return {} if report is None else report_facts(report)
+        return {} if self.report is None else report_facts(self.report)
 
     def status(self) -> str:
         """Return what the report says; without one, what follows from a claim in the state."""
-        report = self.messages.get(node_topics.FRAME_REPORT)
-        told = "" if report is None else report_status(report)
+        told = "" if self.report is None else report_status(self.report)
         is_claimed = len(self.messages[node_topics.STATE].position) > 0
         return told or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
 
@@ -75,8 +74,8 @@ class LiveFrames:
         Gets the snapshots.
     """
 
-    REPORT: ClassVar[NodeTopic] = node_topics.FRAME_REPORT
-    """Topic of the tracker's report of each frame."""
+    TOPICS: ClassVar[TrackerTopics] = node_topics.CABLE_TOPICS
+    """Topics of the tracker."""
 
     def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
@@ -99,9 +98,10 @@ class LiveFrames:
 
     def take(self, topic: NodeTopic, message: Message) -> None:
         """Take a message of the tracker, or the ground truth of a simulator or a replay."""
-        if topic is node_topics.FRAME_REPORT and not message.status:
-            return
-        self._of(message.header).messages[topic] = message
+        if topic is not self.TOPICS.report:
+            self._of(message.header).messages[topic] = message
+        elif message.status:
+            self._of(message.header).report = message
         if topic is not node_topics.GROUND_TRUTH:  # No frame waits for that.
             self.hand_on_what_is_due()
 
@@ -154,11 +154,12 @@ class LiveFrames:
 
         Ground truth comes with the image, if at all.
         """
-        report = parts.messages.get(node_topics.FRAME_REPORT)
-        if report is None:
+        if parts.report is None:
             return False
         shown = {node_topics.PARTICLES, node_topics.CONTOUR}
-        return shown.intersection(announced_topics(self.REPORT, report)) <= parts.messages.keys()
+        return (
+            shown.intersection(announced_topics(self.TOPICS, parts.report)) <= parts.messages.keys()
+        )
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None
@@ -179,7 +180,7 @@ class LiveFrames:
 class LiveTargetFrames(LiveFrames):
     """Frames of a target tracker put together; of several targets the first."""
 
-    REPORT = node_topics.TARGET_REPORT
+    TOPICS = node_topics.TARGET_TOPICS
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None

@@ -40,7 +40,6 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.sequences.messages.target import make_polygon
-from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 from cable_tracker.tracking.status import DISABLED
@@ -86,7 +85,6 @@ class LiveSession(Session):
 
     subject: Subject = CABLE
     frames: type[LiveFrames] = LiveFrames
-    start_topic: NodeTopic = node_topics.INITIAL_STATE
 
     def __init__(self, namespace: str) -> None:
         super().__init__()
@@ -106,7 +104,7 @@ class LiveSession(Session):
         except RosError:
             rclpy.try_shutdown(context=self._context)
             raise
-        self._connection = LiveConnection(self._node, self._frames, self.start_topic)
+        self._connection = LiveConnection(self._node, self._frames)
         self._parameters = AsyncParameterClient(self._node, self.name)
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
@@ -267,7 +265,7 @@ class LiveSession(Session):
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""
         self._frames.hand_on_what_is_due()
-        topics = find_topics(self._node, self.name, self.start_topic)
+        topics = find_topics(self._node, self.name, self._frames.TOPICS)
         self._others = self._other_trackers()
         self._connection.change(topics)
         if not topics:
@@ -290,7 +288,6 @@ class LiveTargetSession(LiveSession):
 
     subject = TARGET
     frames = LiveTargetFrames
-    start_topic = node_topics.INITIAL_TARGET
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"

@@ -19,7 +19,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import NodeTopic, TrackerTopics
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
@@ -34,7 +34,7 @@ LiveTopics = dict[NodeTopic, str]
 which they are listened to."""
 
 
-def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
+def find_topics(watcher: Node, name: str, topics: TrackerTopics) -> LiveTopics:
     """Return the topics of a node by what it publishes and subscribes to; none if it is not there.
 
     A node is there while its reports have a publisher. Its endpoints are asked for by topic: the
@@ -47,10 +47,10 @@ def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
         Looks at the graph.
     name : str
         Full name of the node.
-    start : NodeTopic
-        Takes a start.
+    topics : TrackerTopics
+        Its topics as they are called without remappings.
     """
-    report = node_topics.FRAME_REPORT.of_node(name)
+    report = topics.report.of_node(name)
     if not _is_among(name, watcher.get_publishers_info_by_topic(report)):
         return {}
     listed = watcher.get_topic_names_and_types()
@@ -62,7 +62,7 @@ def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
 
     read = {
         topic: names(topic, watcher.get_subscriptions_info_by_topic)
-        for topic in (*IMAGE_READERS, start)
+        for topic in (*IMAGE_READERS, topics.start)
     }
     published = {
         topic: names(topic, watcher.get_publishers_info_by_topic)
@@ -81,7 +81,7 @@ def find_topics(watcher: Node, name: str, start: NodeTopic) -> LiveTopics:
         node_topics.GROUND_TRUTH: truth,
         **read,
         **published,
-        node_topics.FRAME_REPORT: [report],
+        topics.report: [report],
     }
     return {topic: those[0] for topic, those in found.items() if those}
 
@@ -108,8 +108,6 @@ class LiveConnection:
         Listens.
     frames : LiveFrames
         Takes the messages.
-    start_topic : NodeTopic
-        Takes a start.
 
     Attributes
     ----------
@@ -119,10 +117,9 @@ class LiveConnection:
         None while the node takes no start.
     """
 
-    def __init__(self, node: Node, frames: LiveFrames, start_topic: NodeTopic) -> None:
+    def __init__(self, node: Node, frames: LiveFrames) -> None:
         self._node = node
         self._frames = frames
-        self._start_topic = start_topic
         self._subscriptions: list[Subscription] = []
         self.topics: LiveTopics = {}
         self.start: Publisher | None = None
@@ -137,7 +134,7 @@ class LiveConnection:
             self._node.destroy_publisher(self.start)
         self._subscriptions, self.start, self.topics = [], None, topics
         for topic, name in topics.items():
-            if topic is self._start_topic:
+            if topic is self._frames.TOPICS.start:
                 self.start = publisher(self._node, topic, qos.RESULTS, name=name)
             else:
                 take = partial(self._take, topic)

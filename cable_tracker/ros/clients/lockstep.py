@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -22,6 +20,7 @@ from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.instruments import InstrumentChoice
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.node_topics import TrackerTopics
 from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.stamps import USUAL_RATE
 from cable_tracker.tracking.parameter_table import ParameterValue
@@ -109,34 +108,22 @@ def _need_utf8(path: Path) -> None:
         ) from error
 
 
-@dataclass(frozen=True, slots=True)
-class LockstepNodes:
-    """Which nodes track a recording.
-
-    Attributes
-    ----------
-    tracker : str
-        Name of the tracker node.
-    compressed : bool
-        Whether the pictures of the recording are compressed.
-    parameters : mapping
-        Parameters of its method, and where it starts.
-    replay : mapping
-        Parameters of the replay node that name the recording.
-    recorder : type of Recorder
-        Listens to that tracker.
-    """
-
-    tracker: str
-    compressed: bool
-    parameters: Mapping[str, ParameterValue]
-    replay: Mapping[str, ParameterValue]
-    recorder: type[Recorder] = Recorder
+def tracker_parameters(*, compressed: bool) -> dict[str, ParameterValue]:
+    """Return the parameters of any tracker in lockstep, by whether its pictures are compressed."""
+    return {
+        **EVERY_FRAME,
+        **READY_SOON,
+        "image_transport": "compressed" if compressed else "raw",
+        # The same estimates as without ROS, whatever the recording shows.
+        "frozen_timeout": 0.0,
+    }
 
 
 def track_in_lockstep(
     frames: Iterable[Frame],
-    nodes: LockstepNodes,
+    topics: TrackerTopics,
+    parameters: Mapping[str, ParameterValue],
+    replay: Mapping[str, ParameterValue],
     take: Callable[[Frame, RecordedFrame], Message],
 ) -> RecordingError | None:
     """Let a tracker's process answer all frames of a recording, which a replay's process sends.
@@ -148,8 +135,12 @@ def track_in_lockstep(
     ----------
     frames : iterable of Frame
         Those of the same recording, which is open in this process, too.
-    nodes : LockstepNodes
-        Node group with tracker and replay, to be started.
+    topics : TrackerTopics
+        Topics of the tracker, which tell its name.
+    parameters : mapping
+        Parameters of the tracker: `tracker_parameters`, those of its method, and where it starts.
+    replay : mapping
+        Parameters of the replay node that name the recording, see `replay_parameters`.
     take : callable
         Called with each frame and what the tracker published about it; returns its state.
 
@@ -165,12 +156,11 @@ def track_in_lockstep(
     """
     use_local_environment()
     namespace = f"/cable_tracker_{os.getpid()}"
-    with ExitStack() as stack:
-        recorder, executor = stack.enter_context(
-            client_node(lambda context: nodes.recorder(context, namespace))
-        )
-        group = stack.enter_context(NodeGroup(namespace))
-        group.start(nodes.tracker, {**nodes.parameters, **_tracker_parameters(nodes.compressed)})
+    with (
+        client_node(lambda context: Recorder(context, namespace, topics)) as (recorder, executor),
+        NodeGroup(namespace) as group,
+    ):
+        group.start(topics.node, parameters)
         spin_until(
             executor,
             recorder.is_subscribed,
@@ -178,9 +168,9 @@ def track_in_lockstep(
             group.what_has_died,
             recorder.is_warming,
         )
-        replay = group.start(
+        player = group.start(
             "replay",
-            {**nodes.replay, **PATIENT, "lockstep": True},
+            {**replay, **PATIENT, "lockstep": True},
             {node_topics.STATE.name: ACKNOWLEDGED},
             may_end=True,
         )
@@ -191,18 +181,8 @@ def track_in_lockstep(
             recorder.acknowledge(take(frame, recorded))
 
         damage = follow_all(frames, record)
-        _finish(replay, damage)
+        _finish(player, damage)
     return damage
-
-
-def _tracker_parameters(compressed: bool) -> dict[str, ParameterValue]:
-    return {
-        **EVERY_FRAME,
-        **READY_SOON,
-        "image_transport": "compressed" if compressed else "raw",
-        # The same estimates as without ROS, whatever the recording shows.
-        "frozen_timeout": 0.0,
-    }
 
 
 def write_messages(bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> None:

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -23,19 +23,8 @@ from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_status
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import NodeTopic, TrackerTopics
 
-RECORDED = (
-    node_topics.STATE,
-    node_topics.FRAME_REPORT,
-    node_topics.CENTRELINE,
-    node_topics.CROSS_TRACK,
-    node_topics.CROSS_TRACK_AHEAD,
-    node_topics.PARTICLES,
-    node_topics.MARKERS,
-    node_topics.OVERLAY,
-    node_topics.DIAGNOSTICS,
-)
 ACKNOWLEDGED = "recorded_state"
 """Topic on which a lockstep replay awaits the tracker's `state`, once it is recorded."""
 
@@ -73,18 +62,24 @@ class Recorder(Node):  # type: ignore[misc]
 
     Every topic keeps its order, but topics overtake each other. Which of them speak of a frame
     follows from its report.
+
+    Parameters
+    ----------
+    context : Context
+        rclpy context of this process.
+    namespace : str
+        Namespace of the tracker.
+    topics : TrackerTopics
+        Topics of the tracker.
     """
 
-    RECORDED: ClassVar[tuple[NodeTopic, ...]] = RECORDED
-    """Topics that are subscribed to."""
-
-    REPORT: ClassVar[NodeTopic] = node_topics.FRAME_REPORT
-    """Comes for every frame, and tells its status."""
-
-    def __init__(self, context: Context, namespace: str) -> None:
+    def __init__(self, context: Context, namespace: str, topics: TrackerTopics) -> None:
         super().__init__("recorder", context=context, namespace=namespace)
-        self._queues: dict[NodeTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
-        for topic in self.RECORDED:
+        self._topics = topics
+        self._queues: dict[NodeTopic, deque[bytes]] = {
+            topic: deque() for topic in (*topics.of_frame, node_topics.DIAGNOSTICS)
+        }
+        for topic in self._queues:
             subscription(self, topic, partial(self._keep, topic), qos.EVERYTHING, raw=True)
         self._acknowledged = publisher(
             self, node_topics.STATE, qos.LATEST_RESULT, name=ACKNOWLEDGED
@@ -119,18 +114,17 @@ class Recorder(Node):  # type: ignore[misc]
         Both stand in its diagnostics.
         """
         told = self._told()
-        own = [self.resolve_topic_name(each.name) for each in self.RECORDED]
+        own = [self.resolve_topic_name(each.name) for each in self._queues]
         counts = [told.readers[name] for name in own if name in told.readers]
         return told.is_warm and bool(counts) and all(counts)
 
     def take(self) -> RecordedFrame | None:
         """Return the next frame if all messages about it have come."""
-        reports = self._queues[self.REPORT]
+        reports = self._queues[self._topics.report]
         if not reports:
             return None
-        report = deserialize_message(reports[0], message_class(self.REPORT.type_name))
-        announced = announced_topics(self.REPORT, report)
-        topics = [topic for topic in announced if topic in self._queues]
+        report = deserialize_message(reports[0], message_class(self._topics.report.type_name))
+        topics = announced_topics(self._topics, report)
         if not all(self._queues[topic] for topic in topics):
             return None
         messages = {topic: self._queues[topic].popleft() for topic in topics}

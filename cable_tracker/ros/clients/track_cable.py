@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.ros.clients.lockstep import (
     EVERY_MEASUREMENT,
-    LockstepNodes,
     track_in_lockstep,
     write_messages,
 )
@@ -27,47 +25,25 @@ from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 
-def cable_nodes(
-    compressed: bool,
-    replay: Mapping[str, ParameterValue],
-    parameters: TrackerParameters,
-    initial_state: str,
-    vehicle: RecordedVehicle,
-) -> LockstepNodes:
-    """Return the nodes that track a cable.
-
-    Parameters
-    ----------
-    compressed : bool
-        Whether the pictures of the recording are compressed.
-    replay : mapping
-        Parameters of the replay node that name the recording, see `replay_parameters`.
-    parameters : TrackerParameters
-        Parameters of the filter.
-    initial_state : str
-        Where to start: `random`, a detector's name, or `d,alpha,w,beta`.
-    vehicle : RecordedVehicle
-        Vehicle of the recording, with its instruments.
-    """
-    start: dict[str, ParameterValue] = {"initial_state": initial_state}
-    own = {**parameters.as_mapping(), **start, **_vehicle_parameters(vehicle)}
-    return LockstepNodes("tracker", compressed, own, replay)
-
-
 def track_cable_over_ros(
     frames: Iterable[Frame],
-    nodes: LockstepNodes,
+    parameters: Mapping[str, ParameterValue],
+    replay: Mapping[str, ParameterValue],
     results: CableFolder,
     vehicle: RecordedVehicle,
 ) -> RecordingError | None:
-    """Track all frames of a recording with `cable_nodes`; see `track_in_lockstep`.
+    """Track a cable through all frames of a recording; see `track_in_lockstep`.
 
     Parameters
     ----------
-    frames, nodes, results
+    frames, replay
         See `track_in_lockstep`.
+    parameters : mapping
+        Parameters of the tracker, but those of the vehicle.
+    results : CableFolder
+        Takes what is published.
     vehicle : RecordedVehicle
-        The one that the nodes were made with.
+        Vehicle of the recording, with its instruments.
     """
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
@@ -80,7 +56,8 @@ def track_cable_over_ros(
         results.add(frame, _row(frame, recorded, state, in_metres=vehicle.wants_metres), cloud)
         return state
 
-    return track_in_lockstep(frames, nodes, take)
+    own = {**parameters, **_vehicle_parameters(vehicle)}
+    return track_in_lockstep(frames, node_topics.CABLE_TOPICS, own, replay, take)
 
 
 def _vehicle_parameters(vehicle: RecordedVehicle) -> dict[str, ParameterValue]:

@@ -11,19 +11,19 @@ from cable_tracker.metric.targets.target_facts import has_bearing, has_place
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_facts, report_status
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import CABLE_TOPICS, NodeTopic, TrackerTopics
 from cable_tracker.tracking.status import TrackingStatus
 
 USED = frozenset(status.value for status in TrackingStatus)
 """Statuses of frames that the tracker has used: neither refused, nor let pass while it rests."""
 
 
-def announced_topics(topic: NodeTopic, report: Message) -> list[NodeTopic]:
-    """Return the topics that speak of a frame, by the report of it that came on a topic.
+def announced_topics(topics: TrackerTopics, report: Message) -> list[NodeTopic]:
+    """Return those of a tracker's topics that speak of a frame, by its report.
 
     Of several targets those of the first.
     """
-    return _cable_topics(report) if topic is node_topics.FRAME_REPORT else _target_topics(report)
+    return _cable_topics(report) if topics is CABLE_TOPICS else _target_topics(report)
 
 
 def _cable_topics(report: Message) -> list[NodeTopic]:

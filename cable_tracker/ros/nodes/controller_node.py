@@ -37,8 +37,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
     """
 
     NOMINAL_MODE = Mode.FOLLOWING
-    REPORT = node_topics.FRAME_REPORT
-    PLACE = node_topics.CROSS_TRACK
+    TOPICS = node_topics.CABLE_TOPICS
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("controller", ControllerSettings(), **node_arguments)
@@ -49,7 +48,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         subscription(
             self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
-        subscription(self, self.PLACE, self.on_cross_track, qos.RESULTS)
+        subscription(self, self.TOPICS.place, self.on_cross_track, qos.RESULTS)
 
     @property
     def mode(self) -> Mode:

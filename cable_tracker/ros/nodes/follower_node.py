@@ -36,14 +36,13 @@ class FollowerNode(GuidanceNode[FollowSettings]):
     """
 
     NOMINAL_MODE = FollowMode.FOLLOWING
-    REPORT = node_topics.TARGET_REPORT
-    PLACE = node_topics.RELATIVE_POSE
+    TOPICS = node_topics.TARGET_TOPICS
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FollowSettings(), **node_arguments)
         self._follower = TargetController(self._settings)
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
-        subscription(self, self.PLACE, self.on_relative_pose, qos.RESULTS)
+        subscription(self, self.TOPICS.place, self.on_relative_pose, qos.RESULTS)
 
     @property
     def mode(self) -> FollowMode:

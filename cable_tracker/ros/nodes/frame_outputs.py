@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.ros import qos
@@ -14,35 +13,15 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import NodeTopic, TrackerTopics
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
 PICTURES = (node_topics.PARTICLES, node_topics.MARKERS)
 """Topics of what people look at, beside the overlay."""
 
 
-@dataclass(frozen=True, slots=True)
-class OutputKind:
-    """What is published by the kind of what is tracked.
-
-    Attributes
-    ----------
-    results : tuple of NodeTopic
-        Topics of what is claimed, in the order of publishing.
-    overlay, report : NodeTopic
-        Topics of the JPEG and of the report.
-    without_estimate : callable
-        Makes, from header, status and reason, what is published without an estimate.
-    """
-
-    results: tuple[NodeTopic, ...]
-    overlay: NodeTopic
-    report: NodeTopic
-    without_estimate: Callable[[MessageFactory, Message, str, str], MessageMakers]
-
-
 class FrameOutputs:
-    """The node's publishers, but for metres and diagnostics.
+    """The node's publishers, but for diagnostics, and for a cable in metres.
 
     What is published of a frame is handed over as one `MessageMakers` for each prefix.
 
@@ -50,17 +29,28 @@ class FrameOutputs:
     ----------
     endpoints : WatchedEndpoints
         Creates them.
-    kind : OutputKind
-        Of what is tracked.
+    topics : TrackerTopics
+        Topics of the tracker.
+    without_estimate : callable
+        Makes, from header, status and reason, what is published without an estimate.
+    claims : sequence of NodeTopic
+        Topics of what is claimed, in the order of publishing.
     prefixes : sequence of str
         What stands before the names of the topics of each cable or target, such as `target_0/`.
     """
 
     def __init__(
-        self, endpoints: WatchedEndpoints, kind: OutputKind, prefixes: Sequence[str] = ("",)
+        self,
+        endpoints: WatchedEndpoints,
+        topics: TrackerTopics,
+        without_estimate: Callable[[MessageFactory, Message, str, str], MessageMakers],
+        claims: Sequence[NodeTopic],
+        prefixes: Sequence[str] = ("",),
     ) -> None:
-        self._kind = kind
-        profiles = dict.fromkeys(kind.results, qos.RESULTS) | dict.fromkeys(PICTURES, qos.PICTURES)
+        self._topics = topics
+        self._without_estimate = without_estimate
+        self._claims = claims
+        profiles = dict.fromkeys(claims, qos.RESULTS) | dict.fromkeys(PICTURES, qos.PICTURES)
         self._wanted = [
             {
                 topic: endpoints.publisher(topic, profile, f"{prefix}{topic.name}")
@@ -75,18 +65,18 @@ class FrameOutputs:
         ]
         self._overlay, self._overlay_jpeg = (
             endpoints.publisher(topic, qos.PICTURES, topic.of_node("~"))
-            for topic in (node_topics.RAW_OVERLAY, kind.overlay)
+            for topic in (node_topics.RAW_OVERLAY, topics.overlay)
         )
-        self._report = endpoints.publisher(kind.report, qos.RESULTS, kind.report.of_node("~"))
+        self._report = endpoints.publisher(topics.report, qos.RESULTS, topics.report.of_node("~"))
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
-        makers = self._kind.without_estimate(MESSAGES, header, status, reason)
+        makers = self._without_estimate(MESSAGES, header, status, reason)
         self._publish_states([makers] * len(self._states))
 
     def publish_results(self, makers: Sequence[MessageMakers]) -> None:
         """Publish what is claimed, if anything is."""
-        self._publish_wanted(makers, self._kind.results)
+        self._publish_wanted(makers, self._claims)
 
     def publish_rest(
         self, makers: Sequence[MessageMakers], header: Message, draw: Callable[[], Picture]
@@ -106,9 +96,7 @@ class FrameOutputs:
         self._publish_overlay(header, draw)
         self._publish_states(makers)
 
-    def _publish_wanted(
-        self, makers: Sequence[MessageMakers], topics: tuple[NodeTopic, ...]
-    ) -> None:
+    def _publish_wanted(self, makers: Sequence[MessageMakers], topics: Sequence[NodeTopic]) -> None:
         for publishers, own in zip(self._wanted, makers, strict=True):
             publish_wanted(publishers, own, *topics)
 
@@ -133,7 +121,7 @@ class FrameOutputs:
         that joins later may ask for it.
         """
         if self._report.get_subscription_count():
-            first, *others = [own[self._kind.report]() for own in makers]
+            first, *others = [own[self._topics.report]() for own in makers]
             first.status = [*first.status, *(entry for each in others for entry in each.status)]
             self._report.publish(first)
         for publisher, own in zip(self._states, makers, strict=True):

@@ -24,7 +24,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
 from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
-from cable_tracker.sequences.node_topics import NodeTopic
+from cable_tracker.sequences.node_topics import TrackerTopics
 from cable_tracker.tracking.parameter_table import ParameterSet
 from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
 from cable_tracker.tracking.succession import is_out_of_order
@@ -99,11 +99,8 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
     NOMINAL_MODE: ClassVar[Enum]
     """Mode of normal operation, which diagnostics report as OK; any other mode is a warning."""
 
-    REPORT: ClassVar[NodeTopic]
-    """Topic of the tracker's report of each frame."""
-
-    PLACE: ClassVar[NodeTopic]
-    """Topic of the place in metres that the report may announce."""
+    TOPICS: ClassVar[TrackerTopics]
+    """Topics of the tracker."""
 
     def __init__(
         self,
@@ -130,7 +127,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         self._awaits_report_since: float | None = None
         self._is_report_missed = False
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
-        subscription(self, self.REPORT, self.on_report, qos.RESULTS)
+        subscription(self, self.TOPICS.report, self.on_report, qos.RESULTS)
         subscription(self, node_topics.STATE, self.on_state, qos.RESULTS)
 
     @property
@@ -184,17 +181,20 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         if self._reports or self._is_report_missed or waited <= REPORT_PATIENCE:
             return
         self._is_report_missed = True
+        topic = self.TOPICS.report.name
         self.get_logger().warning(
             f"`state` comes from the tracker, but nothing comes on"
-            f" {self.resolve_topic_name(self.REPORT.name)}: the vehicle would not stop for a camera"
-            f" that hangs, nor while the tracker is switched off; remap {self.REPORT.name} to the"
+            f" {self.resolve_topic_name(topic)}: the vehicle would not stop for a camera"
+            f" that hangs, nor while the tracker is switched off; remap {topic} to the"
             " tracker's ~/frame_report"
         )
 
     def on_report(self, message: Message) -> None:
         """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
         stamp = stamp_of(message.header)
-        has_place = bool(message.status) and self.PLACE in announced_topics(self.REPORT, message)
+        has_place = bool(message.status) and self.TOPICS.place in announced_topics(
+            self.TOPICS, message
+        )
         self._status = report_status(message) if message.status else ""
         is_refused = self._status == REFUSED
         # A frame that comes twice is refused the second time; what came with the first still does.

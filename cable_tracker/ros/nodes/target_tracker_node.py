@@ -23,9 +23,8 @@ from cable_tracker.ros.health.diagnostics import target_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
-from cable_tracker.ros.nodes.frame_outputs import FrameOutputs, OutputKind
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
-from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr_levels
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import (
@@ -33,6 +32,7 @@ from cable_tracker.sequences.messages.target import (
     read_start,
     target_messages,
 )
+from cable_tracker.sequences.node_topics import TARGET_TOPICS
 from cable_tracker.sequences.pictures.shown_levels import shown_levels
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -43,14 +43,6 @@ from cable_tracker.target.warming import warm_up_target
 from cable_tracker.tracking.parameter_table import parameter_table
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.target_overlay import draw_target
-
-TARGETS = OutputKind(
-    (
-        node_topics.TARGET, node_topics.BOX, node_topics.CONTOUR, node_topics.BEARING,
-        node_topics.RELATIVE_POSE,
-    ),
-    node_topics.TARGET_OVERLAY, node_topics.TARGET_REPORT, messages_without_target,
-)  # fmt: skip
 
 
 class TargetTrackerNode(CameraNode):
@@ -78,7 +70,13 @@ class TargetTrackerNode(CameraNode):
         self._marks: dict[int, TargetStart] = {}
         self._declare_parameters()
         self._restart()
-        self._outputs = FrameOutputs(self._endpoints, TARGETS, self._prefixes)
+        self._outputs = FrameOutputs(
+            self._endpoints,
+            TARGET_TOPICS,
+            messages_without_target,
+            (*TARGET_TOPICS.results, *TARGET_TOPICS.metres),
+            self._prefixes,
+        )
         self.begin()
 
     @property
@@ -139,7 +137,7 @@ class TargetTrackerNode(CameraNode):
 
     def _subscribe_more(self) -> None:
         for number, prefix in enumerate(self._prefixes):
-            topic = node_topics.INITIAL_TARGET
+            topic = TARGET_TOPICS.start
             take = partial(self.on_initial_target, number=number)
             self._endpoints.subscription(topic, take, qos.RESULTS, name=f"{prefix}{topic.name}")
 

@@ -31,11 +31,10 @@ from cable_tracker.ros.health.diagnostics import cable_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
-from cable_tracker.ros.nodes.frame_outputs import FrameOutputs, OutputKind
+from cable_tracker.ros.nodes.frame_outputs import FrameOutputs
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
-from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import (
     cable_messages,
     cloud_of,
@@ -43,12 +42,9 @@ from cable_tracker.sequences.messages.cable import (
     read_prior,
 )
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.node_topics import CABLE_TOPICS
 from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.visualisation.overlay import draw_estimate
-
-CABLE = OutputKind(
-    (node_topics.CENTRELINE,), node_topics.OVERLAY, node_topics.FRAME_REPORT, messages_without_cable
-)
 
 
 class TrackerNode(CameraNode):
@@ -71,7 +67,9 @@ class TrackerNode(CameraNode):
         self._prior_while_disabled: GivenState | None = None
         self._declare_parameters()
         self._restart()
-        self._outputs = FrameOutputs(self._endpoints, CABLE)
+        self._outputs = FrameOutputs(
+            self._endpoints, CABLE_TOPICS, messages_without_cable, CABLE_TOPICS.results
+        )
         self.begin()
 
     @property
@@ -129,7 +127,7 @@ class TrackerNode(CameraNode):
         return WarmUp(parameters.words(), partial(warm_up, parameters))
 
     def _subscribe_more(self) -> None:
-        self._endpoints.subscription(node_topics.INITIAL_STATE, self.on_initial_state, qos.RESULTS)
+        self._endpoints.subscription(CABLE_TOPICS.start, self.on_initial_state, qos.RESULTS)
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()

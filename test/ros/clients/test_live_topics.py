@@ -8,14 +8,15 @@ from cable_tracker.ros.clients.live_topics import find_topics
 from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.sequences.node_topics import (
+    CABLE_TOPICS,
     CONTOUR,
     FRAME_REPORT,
     GROUND_TRUTH,
     IMAGE,
     INITIAL_STATE,
-    INITIAL_TARGET,
     PARTICLES,
     STATE,
+    TARGET_TOPICS,
 )
 
 
@@ -33,7 +34,7 @@ def test_remapped_topics_are_found_by_what_they_carry(world, near):
     tracker.wait_until_warm()
 
     def found():
-        return find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_STATE)
+        return find_topics(world.me, tracker.get_fully_qualified_name(), CABLE_TOPICS)
 
     place = world.namespace
     expected = {
@@ -60,7 +61,7 @@ def test_the_contour_is_told_from_the_box_also_where_one_is_remapped(world, rema
     )
 
     def found():
-        return find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_TARGET)
+        return find_topics(world.me, tracker.get_fully_qualified_name(), TARGET_TOPICS)
 
     world.spin(lambda: CONTOUR in found())
     assert found()[CONTOUR] == f"{world.namespace}/{contour}"
@@ -72,14 +73,14 @@ def test_ground_truth_is_listened_to_first(world):
     world.me.create_publisher(JointState, f"{world.namespace}/ground_truth", 1)
 
     def found():
-        return list(find_topics(world.me, tracker.get_fully_qualified_name(), INITIAL_STATE))
+        return list(find_topics(world.me, tracker.get_fully_qualified_name(), CABLE_TOPICS))
 
     world.spin(lambda: GROUND_TRUTH in found())
     assert found()[0] is GROUND_TRUTH
 
 
 def test_a_node_that_is_gone_has_no_topics(world):
-    assert find_topics(world.me, f"{world.namespace}/tracker", INITIAL_STATE) == {}
+    assert find_topics(world.me, f"{world.namespace}/tracker", CABLE_TOPICS) == {}
 
 
 @pytest.fixture
@@ -109,6 +110,6 @@ def test_a_node_is_found_beside_what_is_left_of_one_that_is_gone(elder_name, bar
     name = f"{world.namespace}/tracker"
     graph = world.me.get_node_names_and_namespaces
     world.spin(lambda: graph().count(("tracker", world.namespace)) == 2)
-    assert find_topics(world.me, name, INITIAL_STATE) == {}
+    assert find_topics(world.me, name, CABLE_TOPICS) == {}
     world.tracker().wait_until_warm()
-    world.spin(lambda: IMAGE in find_topics(world.me, name, INITIAL_STATE))
+    world.spin(lambda: IMAGE in find_topics(world.me, name, CABLE_TOPICS))

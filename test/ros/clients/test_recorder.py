@@ -21,7 +21,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 
 @pytest.fixture
 def recorder(world: Any, context: Any, namespace: str) -> Recorder:
-    return world.add(Recorder(context, namespace))
+    return world.add(Recorder(context, namespace, node_topics.CABLE_TOPICS))
 
 
 @pytest.fixture

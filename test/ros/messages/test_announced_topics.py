@@ -33,34 +33,34 @@ def report(status: str, **facts: str) -> Any:
 )
 def test_the_status_tells_what_is_published_about_a_cable(status, more):
     always = [node_topics.STATE, node_topics.FRAME_REPORT]
-    assert announced_topics(node_topics.FRAME_REPORT, report(status, event="")) == always + more
+    assert announced_topics(node_topics.CABLE_TOPICS, report(status, event="")) == always + more
 
 
 def test_a_cable_in_metres_is_announced():
     metres = dict.fromkeys(METRES_KEYS, "0.5")
-    topics = announced_topics(node_topics.FRAME_REPORT, report("TRACKING", **metres))
+    topics = announced_topics(node_topics.CABLE_TOPICS, report("TRACKING", **metres))
     assert topics[-2:] == [node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD]
 
 
 def test_a_frame_without_a_target_has_pictures_only():
     always = [node_topics.STATE, node_topics.TARGET_REPORT]
     assert (
-        announced_topics(node_topics.TARGET_REPORT, report("REFUSED", event="too small")) == always
+        announced_topics(node_topics.TARGET_TOPICS, report("REFUSED", event="too small")) == always
     )
     nothing = {"particles": "", "box": "", "corners": ""}
     assert (
-        announced_topics(node_topics.TARGET_REPORT, report("INITIALISING", **nothing))
+        announced_topics(node_topics.TARGET_TOPICS, report("INITIALISING", **nothing))
         == always + TARGET_PICTURES
     )
     searched = nothing | {"particles": "500"}
-    topics = announced_topics(node_topics.TARGET_REPORT, report("LOST", **searched))
+    topics = announced_topics(node_topics.TARGET_TOPICS, report("LOST", **searched))
     assert topics == [*always, *TARGET_PICTURES, node_topics.PARTICLES]
 
 
 def test_all_that_is_known_of_a_target_is_announced():
     facts = {"particles": "500", "box": "1.0 2.0 30.0 40.0", "corners": "12"}
     facts |= dict.fromkeys((*BEARING_KEYS, *PLACE_KEYS), "0.5")
-    assert set(announced_topics(node_topics.TARGET_REPORT, report("TRACKING", **facts))) == {
+    assert set(announced_topics(node_topics.TARGET_TOPICS, report("TRACKING", **facts))) == {
         node_topics.STATE,
         node_topics.TARGET_REPORT,
         *TARGET_PICTURES,

@@ -70,10 +70,10 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
         )
 
     def _is_complete(self, frame: Heard) -> bool:
-        report = node_topics.TARGET_REPORT
-        if node_topics.TRUE_TARGET not in frame or report not in frame:
+        report = frame.get(node_topics.TARGET_REPORT)
+        if node_topics.TRUE_TARGET not in frame or report is None:
             return False
-        announced = announced_topics(report, frame[report])
+        announced = announced_topics(node_topics.TARGET_TOPICS, report)
         return all(topic in frame for topic in announced if topic in self.RECORDED)
 
     def _seen(self, stamp: int, frame: Heard) -> SeenOverlay:

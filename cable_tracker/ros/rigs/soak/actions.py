@@ -57,18 +57,18 @@ def inject(rig: SoakRig, fault: Fault) -> None:
 
 
 def _bad_frame(rig: SoakRig, fault: Fault) -> None:
-    if not rig.exchange(rig.bad_message(fault)):
-        rig.revive(f"not answered: {fault.value}")
+    if not rig.send_and_wait(rig.bad_message(fault)):
+        rig.restart_tracker(f"not answered: {fault.value}")
     elif fault in REFUSED and rig.camera.last_claims:
-        what = f"a {rig.soaked.what} was claimed in a frame that is no picture"
+        what = f"a {rig.soaked.claimed} was claimed in a frame that is no picture"
         rig.record.broken(f"{what}: {fault.value}")
 
 
 def _frame_at(rig: SoakRig, stamp: int, *, refused: bool = False) -> None:
-    if not rig.exchange(rig.frames.message(stamp)):
-        rig.revive(f"not answered: a frame with the stamp {stamp}")
+    if not rig.send_and_wait(rig.frames.message(stamp)):
+        rig.restart_tracker(f"not answered: a frame with the stamp {stamp}")
     elif refused and rig.camera.last_claims:
-        rig.record.broken(f"a {rig.soaked.what} was claimed for the stamp {stamp}")
+        rig.record.broken(f"a {rig.soaked.claimed} was claimed for the stamp {stamp}")
 
 
 def _no_stamp(rig: SoakRig) -> None:
@@ -108,14 +108,14 @@ def _overload(rig: SoakRig) -> None:
 
 
 def _parameter_storm(rig: SoakRig) -> None:
-    table = rig.soaked.table
+    table = rig.soaked.kind.table
     for _ in range(STORM):
         specs = [table[int(index)] for index in rig.rng.choice(len(table), 3, replace=False)]
         values = {spec.name: random_value(spec, rig.rng) for spec in specs}
         _set_parameters(rig, values)
         if not rig.good_frame():
-            rig.revive(f"not answered: a frame after {values}")
-    usual = rig.soaked.preset(rig.settings.preset).replaced(
+            rig.restart_tracker(f"not answered: a frame after {values}")
+    usual = rig.soaked.kind.preset(rig.settings.preset).replaced(
         {"particle_count": rig.settings.particles}
     )
     # One by one some would contradict each other on the way; in one request none does.
@@ -156,7 +156,7 @@ def _set_parameters(rig: SoakRig, values: dict[str, Any], *, atomically: bool = 
 
 def _bad_prior(rig: SoakRig) -> None:
     header = rig.frames.header(rig.frames.stamp)
-    rig.camera.mark.publish(rig.soaked.bad_mark(header, rig.rng))
+    rig.camera.start.publish(rig.soaked.bad_start(header, rig.rng))
 
 
 def _reset(rig: SoakRig) -> None:

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterable
+from array import array
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 
+import numpy as np
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image, PointCloud2
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.rigs.soak.checks import (
-    Check,
-    markers_are_finite,
-    picture_is_whole,
-    report_is_finite,
-    state_is_finite,
-)
 from cable_tracker.ros.rigs.soak.record import SoakRecord
 from cable_tracker.ros.rigs.soak.soaked_node import SoakedNode
 from cable_tracker.sequences import node_topics
@@ -33,6 +30,9 @@ BEST_EFFORT = QoSProfile(
 )
 TURN = 0.02
 """Longest time that the executor sleeps [s]."""
+
+NOT_FINITE = {"nan", "inf", "-inf"}
+"""Words of texts that stand for such numbers."""
 
 
 class SoakCamera(Node):  # type: ignore[misc]
@@ -79,45 +79,42 @@ class SoakCamera(Node):  # type: ignore[misc]
         self.status = ""
         self._raw = publisher(self, node_topics.IMAGE, qos.PICTURES)
         self._compressed = publisher(self, node_topics.COMPRESSED_IMAGE, qos.PICTURES)
-        self.mark = publisher(self, soaked.mark, qos.RESULTS)
+        self.start = publisher(self, soaked.topics.start, qos.RESULTS)
         self._viewers: list[Subscription] = []
         subscription(self, node_topics.STATE, self._on_state, qos.RESULTS)
-        for topic, check in soaked.heard:
-            self._listen(topic, topic.name, check)
-        report = node_topics.FRAME_REPORT
-        self._listen(report, report.of_node(soaked.name), report_is_finite)
+        for topic in (*soaked.topics.results, *soaked.topics.metres, node_topics.PARTICLES):
+            self._listen(topic, topic.name)
+        self._listen(soaked.topics.report, soaked.topics.report.name)
         subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.RESULTS)
 
-    def _listen(self, topic: NodeTopic, name: str, check: Check) -> Subscription:
-        def hear(message: Message) -> None:
-            self._check(name, check(message))
+    def _listen(self, topic: NodeTopic, name: str) -> Subscription:
+        return subscription(self, topic, partial(self._check, name), qos.PICTURES, name=name)
 
-        return subscription(self, topic, hear, qos.PICTURES, name=name)
-
-    def _check(self, topic: str, holds: bool) -> None:
+    def _check(self, topic: str, message: Message) -> None:
         self._record.messages[topic] += 1
-        if not holds:
+        is_empty_picture = isinstance(message, Image | CompressedImage) and not message.data
+        if is_empty_picture or not is_finite(message):
             self._record.broken(f"a number on {topic} is not finite, or a picture is empty")
 
     def _on_state(self, message: Message) -> None:
-        self._check(node_topics.STATE.name, state_is_finite(message))
+        self._check(node_topics.STATE.name, message)
         self.answers += 1
         self._record.answered += 1
         self.last_stamp = stamp_of(message.header)
         self.last_claims = len(message.position) > 0
 
     def _on_diagnostics(self, message: Message) -> None:
-        self._check(node_topics.DIAGNOSTICS.name, report_is_finite(message))
+        self._check(node_topics.DIAGNOSTICS.name, message)
         self.status = message.status[0].message if message.status else self.status
 
     def watch_pictures(self) -> None:
         """Subscribe to everything that is built for viewers only."""
         markers = node_topics.MARKERS
         self._viewers = [
-            self._listen(markers, markers.name, markers_are_finite),
+            self._listen(markers, markers.name),
             *(
-                self._listen(topic, topic.of_node(self._soaked.name), picture_is_whole)
-                for topic in (node_topics.RAW_OVERLAY, node_topics.OVERLAY)
+                self._listen(topic, topic.of_node(self._soaked.topics.node))
+                for topic in (node_topics.RAW_OVERLAY, self._soaked.topics.overlay)
             ),
         ]
 
@@ -173,3 +170,19 @@ class SoakCamera(Node):  # type: ignore[misc]
         """Destroy the node."""
         self._executor.shutdown()
         self.destroy_node()
+
+
+def is_finite(value: object) -> bool:
+    """Tell whether all numbers in a message are finite, those in texts and clouds, too."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, str):
+        return not NOT_FINITE & set(value.lower().split())
+    if isinstance(value, PointCloud2):
+        # Those of our nodes hold float32 alone.
+        return bool(np.isfinite(np.frombuffer(memoryview(value.data).cast("B"), "<f4")).all())
+    if hasattr(value, "get_fields_and_field_types"):
+        return all(is_finite(getattr(value, name)) for name in value.get_fields_and_field_types())
+    if isinstance(value, np.ndarray | array):
+        return bool(np.isfinite(value).all())
+    return not isinstance(value, Sequence) or all(is_finite(each) for each in value)

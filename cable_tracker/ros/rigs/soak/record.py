@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -35,7 +36,7 @@ class MemorySample:
     frames : int
         Number of answers of this process.
     process : int
-        Number of the process, from 0; each restart is a new one.
+        Number of the process, from 1; each restart is a new one.
     private, shared : float
         Resident memory of its own, and of the middleware's shared ring buffers [MB].
     faults : str
@@ -48,27 +49,6 @@ class MemorySample:
     private: float
     shared: float
     faults: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class LatencyWindow:
-    """Time from sending a frame to its answer, over some minutes.
-
-    Attributes
-    ----------
-    minutes : float
-        Beginning of the window.
-    frames : int
-        Frames in lockstep in it.
-    median, percentile_99, longest : float
-        Median, 99th percentile and maximum of these latencies [ms].
-    """
-
-    minutes: float
-    frames: int
-    median: float
-    percentile_99: float
-    longest: float
 
 
 def read_memory(pid: int) -> tuple[float, float]:
@@ -157,11 +137,12 @@ class SoakRecord:
         if growth > LARGEST_GROWTH:
             self.broken(f"the memory of a tracker grew by {growth:.1f} MB after its warm-up")
 
-    def latency_windows(self) -> list[LatencyWindow]:
-        """Return the latencies by the minute."""
-        if not self.latencies:
-            return []
-        table: FloatArray = np.array(self.latencies)
+    def latency_windows(self) -> list[dict[str, float]]:
+        """Return frames in lockstep, and median, 99th percentile and maximum of latency [ms].
+
+        By the minute.
+        """
+        table: FloatArray = np.array(self.latencies).reshape(-1, 2)
         numbers = table[:, 0].astype(int)
         return [
             _window(float(number), table[numbers == number, 1]) for number in np.unique(numbers)
@@ -179,21 +160,22 @@ class SoakRecord:
             "broken_promises": self.breaches,
             "memory_growth_mb": round(self.growth(), 3),
             "latency": [_rounded(window) for window in self.latency_windows()],
-            "memory": [_rounded(sample) for sample in self.memory],
+            "memory": [_rounded(asdict(sample)) for sample in self.memory],
         }
         return json.dumps(content, indent=1, allow_nan=False) + "\n"
 
 
-def _rounded(record: LatencyWindow | MemorySample) -> dict[str, float | str]:
-    values = asdict(record).items()
-    return {key: round(value, 3) if isinstance(value, float) else value for key, value in values}
+def _rounded(values: Mapping[str, float | str]) -> dict[str, float | str]:
+    return {
+        key: round(value, 3) if isinstance(value, float) else value for key, value in values.items()
+    }
 
 
-def _window(minutes: float, latencies: FloatArray) -> LatencyWindow:
-    return LatencyWindow(
-        minutes=float(minutes),
-        frames=len(latencies),
-        median=float(np.median(latencies)),
-        percentile_99=float(np.percentile(latencies, 99)),
-        longest=float(latencies.max()),
-    )
+def _window(minutes: float, latencies: FloatArray) -> dict[str, float]:
+    return {
+        "minutes": minutes,
+        "frames": len(latencies),
+        "median": float(np.median(latencies)),
+        "percentile_99": float(np.percentile(latencies, 99)),
+        "longest": float(latencies.max()),
+    }

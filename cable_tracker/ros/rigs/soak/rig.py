@@ -170,9 +170,9 @@ class SoakRig:
 
     def call(self, kind: Any, service: str, request: Message) -> Message | None:  # noqa: ANN401
         """Call a service of the tracker; None: it does not answer."""
-        return self.camera.call(kind, f"{self.soaked.name}/{service}", request, PATIENCE)
+        return self.camera.call(kind, f"{self.soaked.kind.node}/{service}", request, PATIENCE)
 
-    def exchange(self, message: Message) -> bool:
+    def send_and_wait(self, message: Message) -> bool:
         """Send a frame and wait for its answer; tell whether it came as promised."""
         answers = self.camera.answers
         began = time.monotonic()
@@ -187,7 +187,7 @@ class SoakRig:
 
     def good_frame(self) -> bool:
         """Send the next frame; tell whether it was answered as promised."""
-        return self.exchange(self.frames.next_message())
+        return self.send_and_wait(self.frames.next_message())
 
     def bad_message(self, fault: Fault) -> Message:
         """Return the next frame, spoilt."""
@@ -212,13 +212,13 @@ class SoakRig:
                 return True
             # The last of many may be lost on the way, as frames of a camera are; not several.
             self.camera.send(self.frames.next_message())
-        self.revive("the last of many frames was not answered")
+        self.restart_tracker("the last of many frames was not answered")
         return False
 
     def _is_last_answered(self) -> bool:
         return self.camera.last_stamp == self.frames.stamp
 
-    def revive(self, promise: str) -> None:
+    def restart_tracker(self, promise: str) -> None:
         """Note a broken promise and go on, with a new tracker if this one is gone."""
         words = "" if self._running else f"; the tracker has died: {self.last_words()}"
         self.record.broken(f"{promise}{words}")
@@ -253,7 +253,9 @@ class SoakRig:
             "particle_count": str(self.settings.particles),
             **self.soaked.start,
         }
-        process = self._process(self.soaked.name, parameters, "-r", "/diagnostics:=diagnostics")
+        process = self._process(
+            self.soaked.kind.node, parameters, "-r", "/diagnostics:=diagnostics"
+        )
         process.__enter__()
         self._tracker = process
         self._processes += 1
@@ -262,7 +264,7 @@ class SoakRig:
         # What draws pictures is loaded when first asked for, and the network keeps room for the
         # largest picture so far: twice as high as wide, as a damaged JPEG may be. No growth either.
         self.view()
-        self.exchange(self.frames.tall_message())
+        self.send_and_wait(self.frames.tall_message())
 
     def replay(self, *, loop: bool) -> SoakedProcess:
         """Return the process of a replay of a few frames, which is not started yet."""

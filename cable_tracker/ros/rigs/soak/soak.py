@@ -40,7 +40,7 @@ def check_settings(settings: SoakSettings) -> None:
         raise ParameterError(f"minutes is {settings.minutes:g}: give more than 0")
     if not 0.0 <= settings.fault_share <= 1.0:
         raise ParameterError(f"faults is {settings.fault_share:g}: give 0 to 1")
-    SOAKED[settings.node].preset(settings.preset)
+    SOAKED[settings.node].kind.preset(settings.preset)
 
 
 def run_soak(
@@ -90,9 +90,9 @@ def _lockstep(rig: SoakRig) -> None:
             if rig.good_frame():
                 rig.record.recoveries[fault.value] += 1
             else:
-                rig.revive(f"no good frame was answered after: {fault.value}")
+                rig.restart_tracker(f"no good frame was answered after: {fault.value}")
         elif not rig.good_frame():
-            rig.revive("a frame was not answered")
+            rig.restart_tracker("a frame was not answered")
         rig.look_at_memory()
 
 

@@ -8,23 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
-from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
-from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.followed_kinds import CABLE, TARGET, FollowedKind
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.ros.rigs.soak.checks import (
-    Check,
-    centreline_is_finite,
-    cloud_is_finite,
-    points_are_finite,
-    polygon_is_finite,
-)
-from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import make_polygon
-from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import target_preset
-from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
+from cable_tracker.sequences.node_topics import CABLE_TOPICS, TARGET_TOPICS, TrackerTopics
+from cable_tracker.tracking.parameter_table import ParameterSet
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,32 +22,23 @@ class SoakedNode:
 
     Attributes
     ----------
-    name : str
-        Name of the node.
-    what : str
-        It claims.
-    table : tuple of ParameterSpec
-        Parameters for storms.
-    preset : callable
-        Returns a preset by its name.
+    kind : FollowedKind
+        Its name and its parameters.
+    topics : TrackerTopics
+        Its topics.
+    claimed : str
+        What it claims.
     start : mapping
         Parameters that it is started with, beside the usual ones.
-    mark : NodeTopic
-        Its messages say where to start.
-    bad_mark : callable
-        Returns a spoilt mark of a header.
-    heard : tuple of (NodeTopic, Check)
-        Topics of results, and how their numbers are looked at.
+    bad_start : callable
+        Returns a spoilt message that says where to start, with a header.
     """
 
-    name: str
-    what: str
-    table: tuple[ParameterSpec, ...]
-    preset: Callable[[str], ParameterSet]
+    kind: FollowedKind[ParameterSet]
+    topics: TrackerTopics
+    claimed: str
     start: Mapping[str, str]
-    mark: NodeTopic
-    bad_mark: Callable[[Message, np.random.Generator], Message]
-    heard: tuple[tuple[NodeTopic, Check], ...]
+    bad_start: Callable[[Message, np.random.Generator], Message]
 
 
 def _bad_prior(header: Message, rng: np.random.Generator) -> Message:
@@ -77,34 +57,20 @@ def _bad_outline(header: Message, rng: np.random.Generator) -> Message:
 
 
 CABLE_NODE = SoakedNode(
-    name="tracker",
-    what="cable",
-    table=PARAMETER_TABLE,
-    preset=preset,
+    kind=CABLE,
+    topics=CABLE_TOPICS,
+    claimed="cable",
     start={},
-    mark=node_topics.INITIAL_STATE,
-    bad_mark=_bad_prior,
-    heard=(
-        (node_topics.CENTRELINE, centreline_is_finite),
-        (node_topics.PARTICLES, cloud_is_finite),
-    ),
+    bad_start=_bad_prior,
 )
 
 TARGET_NODE = SoakedNode(
-    name="target_tracker",
-    what="target",
-    table=parameter_table(TargetParameters),
-    preset=target_preset,
+    kind=TARGET,
+    topics=TARGET_TOPICS,
+    claimed="target",
     start={"initial_target": "detect", "detector": "contours"},
-    mark=node_topics.INITIAL_TARGET,
-    bad_mark=_bad_outline,
-    heard=(
-        (node_topics.TARGET, centreline_is_finite),
-        (node_topics.CONTOUR, polygon_is_finite),
-        (node_topics.BOX, polygon_is_finite),
-        (node_topics.PARTICLES, points_are_finite),
-    ),
+    bad_start=_bad_outline,
 )
 
-SOAKED: Mapping[str, SoakedNode] = {each.name: each for each in (CABLE_NODE, TARGET_NODE)}
+SOAKED: Mapping[str, SoakedNode] = {each.kind.node: each for each in (CABLE_NODE, TARGET_NODE)}
 """Soaked nodes by name."""

@@ -45,7 +45,7 @@ def test_another_process_is_no_growth():
 def test_latencies_are_told_by_the_minute():
     record = SoakRecord(latencies=[(0.1, 10.0), (0.9, 30.0), (2.5, 7.0)])
     windows = record.latency_windows()
-    assert [(w.minutes, w.frames, w.median, w.longest) for w in windows] == [
+    assert [(w["minutes"], w["frames"], w["median"], w["longest"]) for w in windows] == [
         (0.0, 2, 20.0, 30.0),
         (2.0, 1, 7.0, 7.0),
     ]

@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 import math
-from array import array
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Point, PoseWithCovarianceStamped
-from sensor_msgs.msg import Image, JointState
-from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.rigs.soak import checks as soak_checks
 from cable_tracker.ros.rigs.soak import rig as soak_rig
 from cable_tracker.ros.rigs.soak import soak
-from cable_tracker.ros.rigs.soak.camera import SoakCamera
 from cable_tracker.ros.rigs.soak.faults import Fault
-from cable_tracker.ros.rigs.soak.record import SoakRecord
 from cable_tracker.ros.rigs.soak.rig import SoakSettings
 from cable_tracker.ros.rigs.soak.soak import check_settings, run_soak
-from cable_tracker.ros.rigs.soak.soaked_node import CABLE_NODE, TARGET_NODE
-from cable_tracker.sequences.messages.cable import make_particles
+from cable_tracker.ros.rigs.soak.soaked_node import TARGET_NODE
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.target import read_start
 from cable_tracker.simulation.targets.sequence import labelled_frames, simulate_target
@@ -81,7 +72,7 @@ def test_marks_that_are_spoilt_are_no_marks():
     header = make_header(factory, 1, "camera")
     refused = 0
     for _ in range(40):
-        mark = TARGET_NODE.bad_mark(header, rng)
+        mark = TARGET_NODE.bad_start(header, rng)
         with suppress(FrameError):
             read_start(mark).check((80, 60))
             continue
@@ -107,72 +98,6 @@ def test_every_rare_fault_is_survived(frames, monkeypatch):
     assert record.breaches == []
     assert {fault.value for fault in RARE} <= set(record.recoveries)
     assert max(sample.process for sample in record.memory) >= 1
-
-
-@pytest.fixture
-def camera(context: Any, namespace: str) -> Any:
-    camera = SoakCamera(context, namespace, SoakRecord(), CABLE_NODE)
-    yield camera
-    camera.close()
-
-
-def header() -> Any:
-    return make_header(RclpyMessages(), 1, "eye")
-
-
-def cloud(value: float) -> Any:
-    rows = np.zeros((3, 9))
-    rows[1, 2] = value
-    return make_particles(RclpyMessages(), header(), rows)
-
-
-def pose(value: float) -> Any:
-    message = PoseWithCovarianceStamped(header=header())
-    message.pose.covariance[7] = value
-    return message
-
-
-def diagnostic(value: float) -> Any:
-    pair = KeyValue(key="n_eff", value=repr(value))
-    return DiagnosticArray(status=[DiagnosticStatus(level=b"\0", values=[pair])])
-
-
-def marker(value: float) -> Any:
-    return MarkerArray(markers=[Marker(points=[Point(x=value)])])
-
-
-CHECKS = [
-    (lambda value: JointState(effort=array("d", [0.0, value])), soak_checks.state_is_finite),
-    (pose, soak_checks.centreline_is_finite),
-    (cloud, soak_checks.cloud_is_finite),
-    (marker, soak_checks.markers_are_finite),
-    (diagnostic, soak_checks.report_is_finite),
-]
-
-
-@pytest.mark.parametrize(("make", "check"), CHECKS)
-def test_a_number_that_is_none_is_seen(make, check):
-    assert check(make(1.5))
-    assert not check(make(math.nan))
-    assert not check(make(math.inf))
-
-
-def test_an_empty_picture_is_seen():
-    assert not soak_checks.picture_is_whole(Image())
-    assert soak_checks.picture_is_whole(Image(data=array("B", [1])))
-
-
-def test_a_tracker_that_says_nan_breaks_a_promise(camera):
-    teller = camera.create_publisher(JointState, "state", 10)
-    teller.publish(JointState(header=header(), position=array("d", [math.nan])))
-    assert camera.spin_until(lambda: camera.answers == 1, 300.0)
-    assert camera._record.breaches == ["a number on state is not finite, or a picture is empty"]
-    assert camera.last_stamp == 1
-    assert camera.last_claims
-
-
-def test_what_does_not_come_is_not_waited_for_for_ever(camera):
-    assert not camera.spin_until(lambda: False, 0.05)
 
 
 @pytest.mark.parametrize("changes", [{"minutes": 0.0}, {"minutes": math.nan}, {"fault_share": 1.5}])
