@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 import traceback
@@ -31,6 +30,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import IMAGE_READERS, LiveConnection, find_topics
 from cable_tracker.ros.endpoints import subscription
+from cable_tracker.ros.health.tracker_health import TrackerHealth
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.ros.process.ros_context import made_node, started_context
@@ -91,8 +91,7 @@ class LiveSession(Session):
         place = ("/" + namespace.strip("/")).rstrip("/")
         self.name = f"{place}/{self.subject.kind.node}"
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=True)
-        self._status = ""
-        self._heard = -math.inf
+        self._health = TrackerHealth()
         self._others: list[str] = []
         self._silent_since: float | None = None
         self._frames = self.frames(self._take)
@@ -109,7 +108,7 @@ class LiveSession(Session):
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
         topic = node_topics.DIAGNOSTICS
-        subscription(self._node, topic, self._on_diagnostics, qos.RESULTS, name=topic.global_name)
+        subscription(self._node, topic, self._health.take, qos.RESULTS, name=topic.global_name)
         self._node.create_timer(LOOK_PERIOD, self._look)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
@@ -126,15 +125,16 @@ class LiveSession(Session):
         if not topics.keys() & IMAGE_READERS.keys():
             return f"{self.name} is there, and waits for no images yet"
         if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
-            is_news = time.monotonic() - self._heard <= SILENCE
-            words = f"says {self._status}" if is_news and self._status else "says nothing"
+            is_news = self._health.age(self.name) <= SILENCE
+            status = self._health.status(self.name)
+            words = f"says {status}" if is_news and status else "says nothing"
             return f"no pictures from {self.name}, which {words}"
         return ""
 
     @property
     def is_enabled(self) -> bool:
         """Whether the node takes frames, as far as is known."""
-        return self._status != DISABLED
+        return self._health.status(self.name) != DISABLED
 
     def parameters(self) -> dict[str, ParameterValue]:
         """Return the values in force on the node.
@@ -255,12 +255,6 @@ class LiveSession(Session):
     def _take(self, snapshot: AnySnapshot) -> None:
         self._silent_since = time.monotonic()
         self._publish(snapshot)
-
-    def _on_diagnostics(self, message: Message) -> None:
-        for status in message.status:
-            if status.hardware_id == self.name:
-                self._status = str(status.message)
-                self._heard = time.monotonic()
 
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""

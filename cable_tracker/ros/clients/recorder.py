@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.health.told_readiness import ToldReadiness
+from cable_tracker.ros.health.tracker_health import TrackerHealth
 from cable_tracker.ros.messages.announced_topics import announced_topics
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
@@ -90,7 +90,7 @@ class Recorder(Node):  # type: ignore[misc]
 
     def is_warming(self) -> bool:
         """Tell whether the tracker is compiling, and log it now and then."""
-        if not self._told().is_warming:
+        if not self._health().warming():
             return False
         self.get_logger().info(
             "waiting: the tracker is WARMING UP; once per installation this takes about half a"
@@ -99,24 +99,23 @@ class Recorder(Node):  # type: ignore[misc]
         )
         return True
 
-    def _told(self) -> ToldReadiness:
+    def _health(self) -> TrackerHealth:
         """Return what the latest diagnostics tell; nothing before the first."""
-        told, diagnostics = ToldReadiness(), self._queues[node_topics.DIAGNOSTICS]
+        health, diagnostics = TrackerHealth(), self._queues[node_topics.DIAGNOSTICS]
         if diagnostics:
             kind = message_class(node_topics.DIAGNOSTICS.type_name)
-            for status in deserialize_message(diagnostics[-1], kind).status:
-                told.hear(status)
-        return told
+            health.take(deserialize_message(diagnostics[-1], kind))
+        return health
 
     def is_subscribed(self) -> bool:
         """Tell whether the tracker is ready and has seen all our subscriptions.
 
         Both stand in its diagnostics.
         """
-        told = self._told()
+        health = self._health()
         own = [self.resolve_topic_name(each.name) for each in self._queues]
-        counts = [told.readers[name] for name in own if name in told.readers]
-        return told.is_warm and bool(counts) and all(counts)
+        counts = [health.readers[name] for name in own if name in health.readers]
+        return health.is_warm() and bool(counts) and all(counts)
 
     def take(self) -> RecordedFrame | None:
         """Return the next frame if all messages about it have come."""

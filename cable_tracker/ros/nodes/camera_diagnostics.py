@@ -10,7 +10,7 @@ from rclpy.node import Node
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
-from cable_tracker.ros.health.told_readiness import READERS_OF
+from cable_tracker.ros.health.tracker_health import READERS_OF
 from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch

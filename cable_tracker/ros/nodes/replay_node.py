@@ -14,7 +14,7 @@ from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.node_parameter_tables import ReplayRuntimeParameters, ReplayStartParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.health.warming_trackers import WarmingTrackers
+from cable_tracker.ros.health.tracker_health import TrackerHealth
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
@@ -91,7 +91,9 @@ class ReplayNode(ProcessNode):
         self._started = self._waits_since = time.monotonic()
         self._create_publishers()
         self._instruments = self._instrument_replay()
-        self._warming = WarmingTrackers(self)
+        self._health = TrackerHealth()
+        topic = node_topics.DIAGNOSTICS
+        subscription(self, topic, self._health.take, qos.RESULTS, name=topic.global_name)
         self._begin()
 
     @property
@@ -216,7 +218,7 @@ class ReplayNode(ProcessNode):
 
     def _complain_of_waiting(self) -> None:
         """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
-        warming = self._warming.names()
+        warming = self._health.warming()
         if warming:
             # The compiler takes as long as it takes, on a slow computer minutes.
             self._waits_since = time.monotonic()
@@ -277,7 +279,7 @@ class ReplayNode(ProcessNode):
         # A tracker subscribes to instruments before it subscribes to images.
         all_heard = self._instruments is None or not self._instruments.unheard()
         in_step = not lockstep or (all_heard and self._is_answered())
-        is_ready = is_heard and in_step and not self._warming.names()
+        is_ready = is_heard and in_step and not self._health.warming()
         waits = lockstep or self._own.wait_for_tracker
         self._connected = is_ready or not waits
         self._be_due_now()
@@ -352,7 +354,7 @@ class ReplayNode(ProcessNode):
             self._awaited = None
 
     def _check_answer_deadline(self) -> None:
-        if self._warming.names():
+        if self._health.warming():
             # A changed parameter may need other code; the frame is answered all the same.
             self._answer_deadline = time.monotonic() + self._own.answer_timeout
         if time.monotonic() < self._answer_deadline:

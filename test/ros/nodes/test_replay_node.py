@@ -402,7 +402,7 @@ class TestTiming:
         )  # fmt: skip
         world.spin(tracker.is_heard)
         tracker.says(WARMING_UP)
-        world.spin(node._warming.names)
+        world.spin(node._health.warming)
         node._paused = False
         # Longer than answer_timeout, after which it gives up where no tracker is to be seen.
         world.pass_time(0.6)

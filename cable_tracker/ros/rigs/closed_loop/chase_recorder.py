@@ -61,12 +61,12 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""
-        told = self._told
-        both = told.has_readers(2, node_topics.STATE, node_topics.RELATIVE_POSE)
+        health = self._health
+        both = health.has_readers(2, node_topics.STATE, node_topics.RELATIVE_POSE)
         return (
-            told.is_warm
+            health.is_warm()
             and both
-            and told.has_readers(1, node_topics.TARGET_REPORT, node_topics.TARGET_OVERLAY)
+            and health.has_readers(1, node_topics.TARGET_REPORT, node_topics.TARGET_OVERLAY)
         )
 
     def _is_complete(self, frame: Heard) -> bool:

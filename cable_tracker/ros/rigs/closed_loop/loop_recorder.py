@@ -93,12 +93,12 @@ class LoopRecorder(RunRecorder[SeenFrame]):
 
     def is_connected(self) -> bool:
         """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
-        both = self._told.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
-        return both and self._told.has_readers(1, node_topics.FRAME_REPORT)
+        both = self._health.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
+        return both and self._health.has_readers(1, node_topics.FRAME_REPORT)
 
     def is_warm(self) -> bool:
         """Tell whether the tracker has said that it is done with compiling."""
-        return self._told.is_warm
+        return self._health.is_warm()
 
     def _is_complete(self, frame: Heard) -> bool:
         return frame.keys() >= self._needed

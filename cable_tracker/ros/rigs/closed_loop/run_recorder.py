@@ -17,7 +17,7 @@ from rclpy.node import Node
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.health.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.ros.health.tracker_health import TrackerHealth, is_guidance
 from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
@@ -84,7 +84,7 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
         self._open: dict[int, Heard] = {}
         self._last = -1
         self._taken = 0
-        self._told = ToldReadiness()
+        self._health = TrackerHealth()
         self._commands = ReleasedCommands(self)
         subscription(self, node_topics.DIAGNOSTICS, self._on_diagnostics, qos.EVERYTHING)
         for topic in self.RECORDED:
@@ -129,11 +129,9 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
         return not any(self.SENT & frame.keys() for frame in self._open.values())
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
-        for status in message.status:
-            if is_guidance(status):
-                self._note_mode(stamp_of(message.header), str(status.message))
-            else:
-                self._told.hear(status)
+        self._health.take(message)
+        for status in filter(is_guidance, message.status):
+            self._note_mode(stamp_of(message.header), str(status.message))
 
     def _note_mode(self, stamp: int, mode: str) -> None:
         """Take note of the mode that the controller or follower has told of at a stamp [ns]."""
