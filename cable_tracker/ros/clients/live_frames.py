@@ -10,7 +10,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session.snapshot import AnySnapshot, CableSnapshot, TargetSnapshot
 from cable_tracker.ros.clients.message_rows import cable_row, target_row
@@ -22,7 +21,7 @@ from cable_tracker.sequences.messages.cable import read_particles, read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
-from cable_tracker.sequences.messages.target import read_target_particles
+from cable_tracker.sequences.messages.target import read_polygon, read_target_particles
 from cable_tracker.sequences.node_topics import NodeTopic, TrackerTopics
 from cable_tracker.sequences.pictures.shown_levels import decode_shown, shown_levels
 from cable_tracker.tracking.status import TrackingStatus
@@ -193,12 +192,7 @@ class LiveTargetFrames(LiveFrames):
             frame=None,
             image=decode_shown(parts.image),
             row=row,
-            outline=_corners(contour) if has_outline else np.empty((0, 2)),
+            outline=read_polygon(contour) if has_outline else np.empty((0, 2)),
             cloud=read_target_particles(particles) if particles is not None else None,
             score=fact_number(facts, "score"),
         )
-
-
-def _corners(message: Message) -> FloatArray:
-    points = message.polygon.points
-    return np.array([(float(point.x), float(point.y)) for point in points]).reshape(-1, 2)
