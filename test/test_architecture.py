@@ -90,7 +90,7 @@ ORDER_WITHIN = {
         "multi_hypothesis_filter",
     ],
     "commands": [
-        "console", "options", "campaigns", "learning_sources", "chase", "convert", "dds_profile",
+        "console", "options", "campaigns", "chase", "convert", "dds_profile",
         "dev", "evaluate", "gui", "label", "learn", "loop", "parameters", "simulate", "survey",
         "target", "track", "warm_up",
     ],

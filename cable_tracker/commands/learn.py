@@ -14,15 +14,6 @@ from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.response_table import is_table
 from cable_tracker.commands.console.terminal import console, counted, progress_bar, say_left_out
-from cable_tracker.commands.learning_sources import (
-    FrameTally,
-    LearningPlan,
-    count_frames,
-    describe_origin,
-    labelled_recording,
-    simulated_dives,
-    total_of,
-)
 from cable_tracker.commands.options.campaigns import seeds_from
 from cable_tracker.commands.options.common import (
     ForceOption,
@@ -38,6 +29,15 @@ from cable_tracker.commands.options.common import (
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.learning_sources import (
+    FrameTally,
+    LearningPlan,
+    count_frames,
+    describe_origin,
+    labelled_recording,
+    simulated_dives,
+    total_of,
+)
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.source_base import ChosenRecording
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS

@@ -19,8 +19,7 @@ from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.convert import write_truth
-from cable_tracker.sequences.bags.frame_messages import FrameMessages
+from cable_tracker.sequences.bags.frame_messages import FrameMessages, write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import cable_messages, cloud_of, messages_without_cable

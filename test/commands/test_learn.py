@@ -6,7 +6,7 @@ import pytest
 from estimate_reader import read_estimates
 
 from cable_tracker.cable.measure.borders.response_table import is_table, load_table
-from cable_tracker.commands.learning_sources import LearningPlan, describe_origin
+from cable_tracker.evaluation.learning_sources import LearningPlan, describe_origin
 from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.pictures.image_writer import write_sequence

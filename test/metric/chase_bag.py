@@ -3,7 +3,7 @@
 import math
 
 from cable_tracker.sequences.bags.bag_writer import BagWriter
-from cable_tracker.sequences.bags.convert import write_frame
+from cable_tracker.sequences.bags.frame_messages import write_frame
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame

@@ -16,7 +16,7 @@ from cable_tracker.ros.clients.lockstep import (
 from cable_tracker.ros.clients.message_rows import cable_row
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.convert import write_truth
+from cable_tracker.sequences.bags.frame_messages import write_truth
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import read_particles
 from cable_tracker.sequences.messages.factory import Message

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
-from cable_tracker.sequences.bags.convert import write_box, write_frame
+from cable_tracker.sequences.bags.frame_messages import write_box, write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BOXES_NAME, format_boxes
 from cable_tracker.sequences.pictures.image_writer import (

@@ -14,7 +14,7 @@ from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
-from cable_tracker.sequences.bags.convert import write_frame
+from cable_tracker.sequences.bags.frame_messages import write_frame
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
