@@ -14,8 +14,8 @@ from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.node_parameter_tables import ReplayRuntimeParameters, ReplayStartParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
-from cable_tracker.ros.health.tracker_health import TrackerHealth
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
+from cable_tracker.ros.nodes.replay_audience import ReplayAudience
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
@@ -30,17 +30,11 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import parameter_table
 
-PATIENCE = 3.0
-"""Longest time for discovery [s]; only then a missing subscriber is worth a warning."""
-
 LONGEST_PAUSE = 3600.0
 """A clock that goes farther ahead from one frame to the next was set [s of the recording]."""
 
 WORTH_TELLING = 10.0
 """Pauses of the recording that are longer are told of [s]."""
-
-WARNING_PAUSE = 5.0
-"""Time between two words on what is waited for [s]."""
 
 NO_FRAME_THERE = "no frame after that time"
 
@@ -87,13 +81,12 @@ class ReplayNode(ProcessNode):
         self._paused = parameters.paused
         self._steps = 0
         self._sent = 0
-        self._connected = False
-        self._started = self._waits_since = time.monotonic()
+        self._started = time.monotonic()
         self._create_publishers()
         self._instruments = self._instrument_replay()
-        self._health = TrackerHealth()
-        topic = node_topics.DIAGNOSTICS
-        subscription(self, topic, self._health.take, qos.RESULTS, name=topic.global_name)
+        self._audience = ReplayAudience(
+            self, self._own, self._image, self._state, self._instruments
+        )
         self._begin()
 
     @property
@@ -192,7 +185,7 @@ class ReplayNode(ProcessNode):
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
         waits = self._awaited is not None or self._awaits_restart
-        if self._paused or waits or not self._connected:
+        if self._paused or waits or not self._audience.is_there:
             return WAKE_UP
         if self._last is not None:
             return LOOK_AGAIN
@@ -207,100 +200,15 @@ class ReplayNode(ProcessNode):
             if not self._awaits_restart:
                 self._end_or_loop()
             return
-        if not self._connect():
-            self._complain_of_waiting()
-            return
+        if not self._audience.is_there:
+            self._be_due_now()
+            if not self._audience.find():
+                return
         if self._paused and not self._steps:
             return
         if not self._own.lockstep and not self._steps and time.monotonic() < self._due:
             return
         self._send(self._next)
-
-    def _complain_of_waiting(self) -> None:
-        """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
-        warming = self._health.warming()
-        if warming:
-            # The compiler takes as long as it takes, on a slow computer minutes.
-            self._waits_since = time.monotonic()
-            self.get_logger().info(
-                f"waiting: {', '.join(warming)} is WARMING UP, which takes seconds, or once per"
-                " installation about half a minute of a laptop's processor",
-                throttle_duration_sec=WARNING_PAUSE,
-            )
-            return
-        waited = time.monotonic() - self._waits_since
-        if waited < min(PATIENCE, self._own.answer_timeout):
-            return
-        missing = self._words_on_missing()
-        if self._own.lockstep and waited > self._own.answer_timeout:
-            raise RosError(missing)
-        self.get_logger().warning(
-            f"waiting: {missing}"
-            + ("" if self._own.lockstep else " (wait_for_tracker:=false plays all the same)"),
-            throttle_duration_sec=WARNING_PAUSE,
-        )
-
-    def _words_on_missing(self) -> str:
-        """Say which subscriber, or in lockstep which answer, is waited for, and what to do."""
-        if not self._image.get_subscription_count():
-            return (
-                f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}; is"
-                " the tracker running, and is its image_transport that of this recording?"
-            )
-        unheard = self._instruments.unheard() if self._instruments is not None else []
-        if unheard:
-            topics = ", ".join(each.value for each in unheard)
-            choices = " ".join(f"{each.value}_topic:=none" for each in unheard)
-            return (
-                f"images are subscribed to, but not {topics}; leave out what the tracker does not"
-                f" read: {choices}"
-            )
-        return f"images are subscribed to, but no node publishes {self._state.topic_name}"
-
-    def _words_on_other_topics(self) -> str:
-        """Name the topics on which images are awaited and none come."""
-        own = self._image.topic_name
-        kinds = {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}
-        awaited = sorted(
-            name
-            for name, types in self.get_topic_names_and_types()
-            if kinds.intersection(types)
-            and name != own
-            and self.count_subscribers(name)
-            and not self.count_publishers(name)
-        )
-        return f"; images are awaited on {', '.join(awaited)}" if awaited else ""
-
-    def _connect(self) -> bool:
-        if self._connected:
-            return True
-        lockstep = self._own.lockstep
-        is_heard = self._image.get_subscription_count() > 0
-        # A tracker subscribes to instruments before it subscribes to images.
-        all_heard = self._instruments is None or not self._instruments.unheard()
-        in_step = not lockstep or (all_heard and self._is_answered())
-        is_ready = is_heard and in_step and not self._health.warming()
-        waits = lockstep or self._own.wait_for_tracker
-        self._connected = is_ready or not waits
-        self._be_due_now()
-        if self._connected and not is_heard:
-            self.get_logger().warning(
-                f"no node subscribes to {self._image.topic_name}: the first frames reach none"
-            )
-        return self._connected
-
-    def _is_answered(self) -> bool:
-        """Tell whether a node that hears the images publishes `state`.
-
-        Anything else may hear them, too, such as a recorder or rviz, before the tracker does. Where
-        `state` is remapped, what answers need not be what hears.
-        """
-        name = node_topics.STATE.name
-        answering = self.get_publishers_info_by_topic(self._state.topic_name)
-        if self.resolve_topic_name(name) != self.resolve_topic_name(name, only_expand=True):
-            return bool(answering)
-        hearing = self.get_subscriptions_info_by_topic(self._image.topic_name)
-        return bool(set(map(qos.endpoint_name, answering)) & set(map(qos.endpoint_name, hearing)))
 
     def _send(self, frame: Frame) -> None:
         self._steps = max(self._steps - 1, 0)
@@ -354,7 +262,7 @@ class ReplayNode(ProcessNode):
             self._awaited = None
 
     def _check_answer_deadline(self) -> None:
-        if self._health.warming():
+        if self._audience.warming():
             # A changed parameter may need other code; the frame is answered all the same.
             self._answer_deadline = time.monotonic() + self._own.answer_timeout
         if time.monotonic() < self._answer_deadline:
