@@ -91,7 +91,9 @@ def test_pictures_come_with_all_that_belongs_to_them(session, camera, truth):
         # On a busy machine a picture may be shown without what comes late.
         nonlocal seen
         seen = session.latest
-        return seen is not None and seen.row.status == "TRACKING" and seen.cloud is not None
+        if seen is None or seen.row.status != "TRACKING":
+            return False
+        return seen.cloud is not None and seen.row.presence is not None
 
     camera(is_whole)
     assert seen.image.shape == (240, 320)
