@@ -10,7 +10,6 @@ from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import SEED, rendered_frames
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.evaluation.methods import METHODS, Method
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 
@@ -44,7 +43,7 @@ def measure_accuracy(frame_count: int) -> list[Accuracy]:
     return [
         Accuracy(
             result.method,
-            *(METRICS_BY_NAME[m].read(result.metrics) for m in ("lost", "rmse_d", "rmse_alpha")),
+            *(result.metrics[m] for m in ("lost", "rmse_d", "rmse_alpha")),
         )
         for result in results
     ]

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_COMPONENTS
-from cable_tracker.evaluation.metrics.errors import ErrorStatistics
-from cable_tracker.evaluation.metrics.initialisation import StartOutcome
-from cable_tracker.evaluation.metrics.run_metrics import RunMetrics
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import Spread, spread_of
 
 
 @dataclass(frozen=True, slots=True)
 class MetricSpec:
-    """One number about a run.
+    """One number about a run, of which `run_metrics` makes the value.
 
     Attributes
     ----------
@@ -26,15 +21,12 @@ class MetricSpec:
     label : str
         For people.
     unit : str
-        Unit of the value as `read` returns it; empty for pure numbers.
-    read : callable
-        Takes the number out of the metrics; NaN where it is not defined.
+        Unit of the value; empty for pure numbers.
     """
 
     name: str
     label: str
-    unit: str
-    read: Callable[[RunMetrics], float]
+    unit: str = ""
 
     @property
     def heading(self) -> str:
@@ -50,83 +42,42 @@ class MetricSpec:
         return f"{text} [{self.unit}]" if self.unit else text
 
 
-def _error_specs(
-    prefix: str, words: str, statistics: Callable[[RunMetrics], ErrorStatistics]
-) -> Iterable[MetricSpec]:
-    measures: tuple[tuple[str, str, Callable[[ErrorStatistics], FloatArray]], ...] = (
-        ("bias", "bias", lambda s: s.bias),
-        ("rmse", "RMSE", lambda s: s.rmse),
-        ("median", "median", lambda s: s.median),
-        ("p95", "95th percentile", lambda s: s.percentile_95),
-    )
-    for name, label, values in measures:
-        for column, (axis, symbol, unit, factor) in enumerate(POSE_COMPONENTS):
-            yield MetricSpec(
-                f"{prefix}{name}_{axis}",
-                f"{label} of {symbol}{words}",
-                unit,
-                lambda m, v=values, c=column, f=factor: float(v(statistics(m))[c]) * f,  # type: ignore[misc]
-            )
-
-
-def _inside_specs() -> Iterable[MetricSpec]:
-    for column, (axis, symbol, _, _) in enumerate(POSE_COMPONENTS):
-        yield MetricSpec(
-            f"inside_2_sigma_{axis}",
-            f"truth of {symbol} inside 2σ",
-            "%",
-            lambda m, c=column: 100.0 * float(m.consistency.inside[c]),  # type: ignore[misc]
-        )
-
-
-def _start_flag(outcome: StartOutcome) -> Callable[[RunMetrics], float]:
-    def read(metrics: RunMetrics) -> float:
-        if metrics.start is None or metrics.start.outcome is None:
-            return math.nan
-        return 100.0 * (metrics.start.outcome is outcome)
-
-    return read
-
-
-def _frames_to_right(metrics: RunMetrics) -> float:
-    return metrics.start.frames_to_right if metrics.start is not None else math.nan
+def _error_specs(prefix: str, words: str) -> Iterable[MetricSpec]:
+    measures = {"bias": "bias", "rmse": "RMSE", "median": "median", "p95": "95th percentile"}
+    for name, label in measures.items():
+        for axis, symbol, unit, _ in POSE_COMPONENTS:
+            yield MetricSpec(f"{prefix}{name}_{axis}", f"{label} of {symbol}{words}", unit)
 
 
 METRIC_TABLE: tuple[MetricSpec, ...] = (
-    MetricSpec("frames", "frames", "", lambda m: float(m.frame_count)),
-    MetricSpec("visible", "frames with a visible cable", "", lambda m: float(m.visible_count)),
-    MetricSpec("useful", "useful frames", "%", lambda m: 100.0 * m.claims.useful),
-    MetricSpec("lost", "frames lost", "%", lambda m: 100.0 * m.loss.share),
-    MetricSpec("longest_loss_frames", "longest loss", "frames", lambda m: m.loss.longest_frames),
-    MetricSpec("longest_loss", "longest loss", "s", lambda m: m.loss.longest_seconds),
-    MetricSpec("recovery", "time to recover", "s", lambda m: m.loss.recovery_seconds),
-    MetricSpec("unrecovered", "losses never recovered", "", lambda m: m.loss.unrecovered),
-    MetricSpec("false_tracking", "false tracking", "%", lambda m: 100.0 * m.claims.false_tracking),
-    MetricSpec("silence", "silence", "%", lambda m: 100.0 * m.claims.silence),
-    MetricSpec(
-        "wrong_claims", "wrong claims, of all claims", "%", lambda m: 100.0 * m.claims.wrong_claims
+    MetricSpec("frames", "frames"),
+    MetricSpec("visible", "frames with a visible cable"),
+    MetricSpec("useful", "useful frames", "%"),
+    MetricSpec("lost", "frames lost", "%"),
+    MetricSpec("longest_loss_frames", "longest loss", "frames"),
+    MetricSpec("longest_loss", "longest loss", "s"),
+    MetricSpec("recovery", "time to recover", "s"),
+    MetricSpec("unrecovered", "losses never recovered"),
+    MetricSpec("false_tracking", "false tracking", "%"),
+    MetricSpec("silence", "silence", "%"),
+    MetricSpec("wrong_claims", "wrong claims, of all claims", "%"),
+    MetricSpec("start_right", "right start", "%"),
+    MetricSpec("start_wrong", "wrong lock", "%"),
+    MetricSpec("frames_to_right", "frames until the cable is claimed"),
+    MetricSpec("returns", "returns of the cable"),
+    MetricSpec("found_again", "found again", "%"),
+    MetricSpec("time_to_find", "time to find it again", "s"),
+    *_error_specs("", ""),
+    *_error_specs("held_", " while held"),
+    MetricSpec("nees_mean", "mean NEES"),
+    MetricSpec("nees_median", "median NEES"),
+    *(
+        MetricSpec(f"inside_2_sigma_{axis}", f"truth of {symbol} inside 2σ", "%")
+        for axis, symbol, *_ in POSE_COMPONENTS
     ),
-    MetricSpec("start_right", "right start", "%", _start_flag(StartOutcome.RIGHT)),
-    MetricSpec("start_wrong", "wrong lock", "%", _start_flag(StartOutcome.WRONG)),
-    MetricSpec("frames_to_right", "frames until the cable is claimed", "", _frames_to_right),
-    MetricSpec("returns", "returns of the cable", "", lambda m: m.returns.count),
-    MetricSpec("found_again", "found again", "%", lambda m: 100.0 * m.returns.found),
-    MetricSpec("time_to_find", "time to find it again", "s", lambda m: m.returns.seconds),
-    *_error_specs("", "", lambda m: m.errors),
-    *_error_specs("held_", " while held", lambda m: m.held_errors),
-    MetricSpec("nees_mean", "mean NEES", "", lambda m: m.consistency.nees_mean),
-    MetricSpec("nees_median", "median NEES", "", lambda m: m.consistency.nees_median),
-    *_inside_specs(),
-    MetricSpec(
-        "inside_region",
-        "truth inside the 95 % region",
-        "%",
-        lambda m: 100.0 * m.consistency.inside_region,
-    ),
-    MetricSpec("ms", "processor time per frame", "ms", lambda m: m.ms_median),
-    MetricSpec(
-        "ms_p95", "95th percentile of the processor time per frame", "ms", lambda m: m.ms_95
-    ),
+    MetricSpec("inside_region", "truth inside the 95 % region", "%"),
+    MetricSpec("ms", "processor time per frame", "ms"),
+    MetricSpec("ms_p95", "95th percentile of the processor time per frame", "ms"),
 )
 """Metrics of a run, in the order of the tables."""
 
@@ -135,5 +86,4 @@ METRICS_BY_NAME: Mapping[str, MetricSpec] = {spec.name: spec for spec in METRIC_
 
 def metric_spread(name: str, results: Iterable[RunResult]) -> Spread:
     """Summarise one number over several runs; `name` is a key of `METRICS_BY_NAME`."""
-    read = METRICS_BY_NAME[name].read
-    return spread_of(read(result.metrics) for result in results)
+    return spread_of(result.metrics[name] for result in results)

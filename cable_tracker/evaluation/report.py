@@ -16,7 +16,7 @@ from cable_tracker.evaluation.failure_criteria import LOST_DISTANCE
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
 from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
-from cable_tracker.evaluation.metrics.redetection import CLEARLY_BACK, RETURN_SECONDS
+from cable_tracker.evaluation.metrics.run_metrics import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import Spread
 from cable_tracker.evaluation.tables import (
@@ -228,7 +228,7 @@ def _svg_uri(svg: str) -> str:
 
 
 def _is_known(results: Iterable[RunResult], spec: MetricSpec) -> bool:
-    return any(not math.isnan(spec.read(result.metrics)) for result in results)
+    return any(not math.isnan(result.metrics[spec.name]) for result in results)
 
 
 def format_number(value: float, unit: str) -> str:
@@ -334,11 +334,11 @@ def refusal_words(result: RunResult) -> str:
 
 
 def _method_view(result: RunResult) -> MethodView:
-    loss = result.metrics.loss
+    lost = result.metrics["lost"]
     caption = f"seed {result.seed}"
-    if not math.isnan(loss.share):
-        caption += f": {100 * loss.share:.1f} % of the frames lost"
-        caption += f", longest loss {loss.longest_seconds:.2f} s" if loss.share else ""
+    if not math.isnan(lost):
+        caption += f": {lost:.1f} % of the frames lost"
+        caption += f", longest loss {result.metrics['longest_loss']:.2f} s" if lost else ""
     if result.refused:
         caption += f"; {refusal_words(result)}"
     return MethodView(

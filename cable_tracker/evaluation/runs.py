@@ -16,7 +16,7 @@ from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.methods import Method
-from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
+from cable_tracker.evaluation.metrics.run_metrics import run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.pictures.encoded_pictures import jpeg_bytes
 from cable_tracker.tracking.status import TrackingStatus
@@ -54,8 +54,8 @@ class RunResult:
         How the method was initialised.
     trace : Trace
         All frames.
-    metrics : RunMetrics
-        Metrics of the run.
+    metrics : dict of str to float
+        Its metrics, by the names of `METRIC_TABLE`.
     sheet : bytes
         A contact sheet of overlays, JPEG; empty if none was asked for.
     refused : int
@@ -69,7 +69,7 @@ class RunResult:
     seed: int
     start: Start
     trace: Trace
-    metrics: RunMetrics
+    metrics: dict[str, float]
     sheet: bytes
     refused: int = 0
     refusal: str = ""

@@ -57,7 +57,7 @@ def runs_csv(results: Iterable[RunResult]) -> str:
 
 
 def _run_row(result: RunResult) -> list[str]:
-    numbers = (_text(spec.read(result.metrics)) for spec in METRIC_TABLE)
+    numbers = (_text(result.metrics[spec.name]) for spec in METRIC_TABLE)
     return [result.sequence, result.method, str(result.seed), result.start.value, *numbers]
 
 

@@ -14,7 +14,6 @@ import pytest
 
 from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import METHODS
-from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 RECORDED = Path(__file__).with_name("regression.json")
@@ -40,9 +39,7 @@ def run(scenario: str, seeds: range) -> Values:
     results = run_together(runs, ScenarioSequence(scenario, FRAMES).frames(0), scenario)
     return {
         f"{scenario} {method} {figure}": [
-            METRICS_BY_NAME[figure].read(result.metrics)
-            for result in results
-            if result.method == method
+            result.metrics[figure] for result in results if result.method == method
         ]
         for method in NAMES
         for figure in SMALLEST

@@ -30,7 +30,7 @@ def test_runs_are_chosen_by_sequence_and_method(results):
 def test_there_is_one_row_for_each_run(results):
     table = rows(runs_csv(results))
     assert len(table) == len(results)
-    assert float(table[0]["lost [%]"]) == pytest.approx(100 * results[0].metrics.loss.share, 1e-5)
+    assert float(table[0]["lost [%]"]) == pytest.approx(results[0].metrics["lost"], 1e-5)
     assert table[0]["false_tracking [%]"] == ""
 
 

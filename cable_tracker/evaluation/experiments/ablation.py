@@ -150,8 +150,7 @@ def _cells(row: AblationRow, results: Sequence[RunResult]) -> tuple[str, ...]:
 
 
 def _losses(runs: Iterable[RunResult]) -> Losses:
-    lost = METRICS_BY_NAME["lost"]
-    return {(run.sequence, run.seed): lost.read(run.metrics) for run in runs}
+    return {(run.sequence, run.seed): run.metrics["lost"] for run in runs}
 
 
 def _of(losses: Losses, sequence: str) -> list[float]:

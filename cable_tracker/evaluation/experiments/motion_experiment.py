@@ -174,7 +174,7 @@ class MotionExperiment:
     ) -> tuple[str, ...]:
         groups = [chosen(runs, sequence=each.name) for each in self.sequences]
         lost = _lost_frames(runs)
-        visible = sum(run.metrics.visible_count for run in runs)
+        visible = sum(run.metrics["visible"] for run in runs)
         return (
             setting.name,
             setting.label,

@@ -23,6 +23,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 )
 from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import percentage
@@ -154,15 +155,14 @@ def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:
     """
     traces = [result.trace for result in results]
     visible, hidden = _count(traces, lambda t: t.visible), _count(traces, lambda t: t.hidden)
-    starts = [result.metrics.start for result in results]
-    outcomes = [start.outcome.value for start in starts if start and start.outcome]
+    outcomes = [outcome for t in traces if (outcome := start_statistics(t).outcome)]
     return (
         percentage(_count(traces, lambda t: t.useful), visible),
         percentage(_count(traces, lambda t: t.visible & t.claimed & ~t.useful), visible),
         percentage(_count(traces, lambda t: t.visible & ~t.claimed), visible),
         percentage(_count(traces, lambda t: t.hidden & t.claimed), hidden),
-        percentage(outcomes.count("right"), len(outcomes)),
-        percentage(outcomes.count("wrong"), len(outcomes)),
+        percentage(outcomes.count(StartOutcome.RIGHT), len(outcomes)),
+        percentage(outcomes.count(StartOutcome.WRONG), len(outcomes)),
     )
 
 

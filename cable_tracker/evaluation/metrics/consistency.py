@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
@@ -15,42 +13,6 @@ from cable_tracker.evaluation.trace import Trace
 
 REGION_NEES = 9.4877
 """95th percentile of the chi-square distribution of 4 degrees of freedom."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ConsistencyStatistics:
-    """Whether errors are as large as the covariance says, over claimed and visible frames.
-
-    Attributes
-    ----------
-    nees_mean, nees_median : float
-        Normalised squared error of (d, alpha, w, beta): 4 and 3.36 if the covariance is right,
-        larger if it is too small; NaN over no frames.
-    inside : FloatArray
-        Share of the truths inside two sigma, shape (4,): 0.954 if the covariance is right.
-    inside_region : float
-        Share of the truths inside the ellipsoid of (d, alpha, w, beta) that should hold 95 %.
-    """
-
-    nees_mean: float
-    nees_median: float
-    inside: FloatArray
-    inside_region: float
-
-
-def consistency_statistics(trace: Trace) -> ConsistencyStatistics:
-    """Compare the errors of the claimed and visible frames with the stated covariances."""
-    chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
-    errors, covariances = trace.errors[chosen], trace.covariances[chosen]
-    if not len(errors):
-        return ConsistencyStatistics(math.nan, math.nan, np.full(POSE_SIZE, np.nan), math.nan)
-    squares = nees(errors, covariances)
-    return ConsistencyStatistics(
-        nees_mean=float(squares.mean()),
-        nees_median=float(np.median(squares)),
-        inside=(np.abs(errors) <= 2.0 * trace.sigmas[chosen]).mean(axis=0),
-        inside_region=float((squares <= REGION_NEES).mean()),
-    )
 
 
 def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:

@@ -1,55 +1,29 @@
-"""Everything that is measured about one run."""
+"""Everything that is measured about one run: the values of the table of metrics."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.evaluation.metrics.claims import ClaimStatistics, claim_statistics
-from cable_tracker.evaluation.metrics.consistency import (
-    ConsistencyStatistics,
-    consistency_statistics,
-)
-from cable_tracker.evaluation.metrics.errors import ErrorStatistics, error_statistics
-from cable_tracker.evaluation.metrics.initialisation import StartStatistics, start_statistics
-from cable_tracker.evaluation.metrics.losses import LossStatistics, loss_statistics
-from cable_tracker.evaluation.metrics.redetection import ReturnStatistics, return_statistics
+from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.cable.model.state import POSE_COMPONENTS
+from cable_tracker.evaluation.metrics.consistency import REGION_NEES, nees
+from cable_tracker.evaluation.metrics.errors import error_statistics
+from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
+from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.trace import Trace
+from cable_tracker.stamps import NANOSECONDS
+
+CLEARLY_BACK = 0.3
+"""A cable that was out of view is back when so large a share of its borders can be seen."""
+
+RETURN_SECONDS = 1.0
+"""Time after the return within which a right claim counts as found again [s]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RunMetrics:
-    """Everything that is measured about one run.
-
-    Attributes
-    ----------
-    frame_count, visible_count : int
-        Frames of the run, and those of them that show a cable.
-    errors : ErrorStatistics
-        Over all visible frames, also those in which the mean is off or not claimed.
-    held_errors : ErrorStatistics
-        Errors of the visible frames in which the mean is not off, claimed or not.
-    loss, claims, consistency, returns, start : see there
-        `start` is None where the method was told where the cable is.
-    ms_median, ms_95 : float
-        Median and 95th percentile of the time per frame [ms].
-    """
-
-    frame_count: int
-    visible_count: int
-    errors: ErrorStatistics
-    held_errors: ErrorStatistics
-    loss: LossStatistics
-    claims: ClaimStatistics
-    consistency: ConsistencyStatistics
-    returns: ReturnStatistics
-    start: StartStatistics | None
-    ms_median: float
-    ms_95: float
-
-
-def run_metrics(trace: Trace, *, started_at_random: bool) -> RunMetrics:
+def run_metrics(trace: Trace, *, started_at_random: bool) -> dict[str, float]:
     """Measure a run.
 
     Parameters
@@ -57,19 +31,197 @@ def run_metrics(trace: Trace, *, started_at_random: bool) -> RunMetrics:
     trace : Trace
         At least one frame.
     started_at_random : bool
-        Whether the method had to find the cable by itself.
+        Whether the method had to find the cable by itself; only then its start is judged.
+
+    Returns
+    -------
+    dict of str to float
+        Values by the names of `METRIC_TABLE`, in its units; NaN where one is not defined.
     """
     visible = trace.visible
-    return RunMetrics(
-        frame_count=len(trace),
-        visible_count=int(visible.sum()),
-        errors=error_statistics(trace.errors[visible]),
-        held_errors=error_statistics(trace.errors[visible & ~trace.off]),
-        loss=loss_statistics(trace),
-        claims=claim_statistics(trace),
-        consistency=consistency_statistics(trace),
-        returns=return_statistics(trace),
-        start=start_statistics(trace) if started_at_random else None,
-        ms_median=float(np.median(trace.ms)),
-        ms_95=float(np.percentile(trace.ms, 95)),
-    )
+    return {
+        "frames": float(len(trace)),
+        "visible": float(visible.sum()),
+        **_claims(trace),
+        **_losses(trace),
+        **(_start(trace) if started_at_random else _NO_START),
+        **_returns(trace),
+        # Of all visible frames, also those in which the mean is off or not claimed.
+        **_errors("", trace.errors[visible]),
+        # Of the visible frames in which the mean is not off, claimed or not.
+        **_errors("held_", trace.errors[visible & ~trace.off]),
+        **_consistency(trace),
+        "ms": float(np.median(trace.ms)),
+        "ms_p95": float(np.percentile(trace.ms, 95)),
+    }
+
+
+def _claims(trace: Trace) -> dict[str, float]:
+    """Tell whether the method says rightly that there is a cable."""
+    claimed, visible = trace.claimed, trace.visible
+    return {
+        "useful": 100.0 * mean(trace.useful[visible]),
+        "false_tracking": 100.0 * mean(claimed[trace.hidden]),
+        "silence": 100.0 * mean(~claimed[visible]),
+        # Of the claims, not of the frames.
+        "wrong_claims": 100.0 * mean(trace.off[visible & claimed]),
+    }
+
+
+def _losses(trace: Trace) -> dict[str, float]:
+    """Tell how much of a visible cable was lost, silence included, and how soon it was found."""
+    visible = trace.visible
+    losses = loss_episodes(trace)
+    recoveries = [loss.seconds for loss in losses if loss.recovered]
+    values = {
+        "lost": 100.0 * mean(trace.lost[visible]),
+        "longest_loss_frames": float(max((loss.frame_count for loss in losses), default=0)),
+        "longest_loss": max((loss.seconds for loss in losses), default=0.0),
+        "recovery": mean(recoveries),
+        "unrecovered": float(len(losses) - len(recoveries)),
+    }
+    return values if visible.any() else dict.fromkeys(values, math.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class LossEpisode:
+    """A stretch of visible frames in which the cable was not claimed rightly.
+
+    Attributes
+    ----------
+    frame_count : int
+        Number of its frames.
+    seconds : float
+        From its first frame to the first one on the cable again, or to the end [s].
+    recovered : bool
+        Whether the method found back while the cable remained visible.
+    """
+
+    frame_count: int
+    seconds: float
+    recovered: bool
+
+
+def loss_episodes(trace: Trace) -> list[LossEpisode]:
+    """Return the losses of a run, in order.
+
+    Frames that are not judged do not interrupt a loss; frames without a cable end it, and so does
+    the end of a recording of a list.
+    """
+    parts = (trace.part(start, stop) for start, stop in trace.recordings)
+    return [episode for part in parts for episode in _episodes_of_recording(part)]
+
+
+def _episodes_of_recording(trace: Trace) -> list[LossEpisode]:
+    judged = np.flatnonzero(trace.visible | trace.hidden)
+    lost, visible = trace.lost[judged], trace.visible[judged]
+    stamps = trace.stamps[judged] / NANOSECONDS
+    period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+    episodes = []
+    for start, end in true_runs(lost):
+        recovered = end < len(judged) and bool(visible[end])
+        until = stamps[end] if recovered else stamps[end - 1] + period
+        episodes.append(LossEpisode(end - start, float(until - stamps[start]), recovered))
+    return episodes
+
+
+def _start(trace: Trace) -> dict[str, float]:
+    """Tell how a start without knowledge of the cable went."""
+    start = start_statistics(trace)
+    known = start.outcome is not None
+    return {
+        "start_right": 100.0 * (start.outcome is StartOutcome.RIGHT) if known else math.nan,
+        "start_wrong": 100.0 * (start.outcome is StartOutcome.WRONG) if known else math.nan,
+        "frames_to_right": start.frames_to_right,
+    }
+
+
+_NO_START = dict.fromkeys(("start_right", "start_wrong", "frames_to_right"), math.nan)
+
+
+def _returns(trace: Trace) -> dict[str, float]:
+    """Tell how often a cable that came back into view was found again, and how soon."""
+    times = return_times(trace)
+    known = [seconds for seconds in times if not math.isnan(seconds)]
+    return {
+        "returns": float(len(times)),
+        "found_again": 100.0 * (len(known) / len(times)) if times else math.nan,
+        "time_to_find": mean(known),
+    }
+
+
+def return_times(trace: Trace) -> list[float]:
+    """Return how soon the cable was claimed at each of its returns, in order [s].
+
+    Times are counted from the first frame with a visibility of `CLEARLY_BACK` to the first right
+    claim: 0 if it was claimed before, NaN if it was not in `RETURN_SECONDS`. Left out are returns
+    after which the cable leaves, or the recording ends, before `RETURN_SECONDS` are over, because
+    it might still have been found.
+    """
+    parts = (trace.part(start, stop) for start, stop in trace.recordings)
+    return [seconds for part in parts for seconds in _return_times_of_recording(part)]
+
+
+def _return_times_of_recording(trace: Trace) -> list[float]:
+    right = trace.useful
+    back = trace.visible & (trace.visibility >= CLEARLY_BACK)
+    times = []
+    for start in _return_places(trace.hidden, back):
+        # Whole nanoseconds, so that a frame after just one second is not lost to rounding.
+        elapsed = trace.stamps[start:] - trace.stamps[start]
+        count = int(np.searchsorted(elapsed, RETURN_SECONDS * NANOSECONDS, side="right"))
+        over = elapsed[-1] >= RETURN_SECONDS * NANOSECONDS
+        if not over or trace.hidden[start : start + count].any():
+            continue
+        found = np.flatnonzero(right[start : start + count])
+        times.append(float(elapsed[found[0]] / NANOSECONDS) if len(found) else math.nan)
+    return times
+
+
+def _return_places(hidden: BoolArray, back: BoolArray) -> list[int]:
+    """Return where a cable is clearly back for the first time after it was hidden."""
+    places, seen, away = [], False, False
+    for place, (is_hidden, is_back) in enumerate(zip(hidden, back, strict=True)):
+        away |= seen and bool(is_hidden)
+        if is_back and away:
+            places.append(place)
+            away = False
+        seen |= bool(is_back)
+    return places
+
+
+def _errors(prefix: str, errors: FloatArray) -> dict[str, float]:
+    """Summarise errors of d, alpha, w, beta, shape (K, 4) [px, rad]."""
+    statistics = error_statistics(errors)
+    measures = {
+        "bias": statistics.bias,
+        "rmse": statistics.rmse,
+        "median": statistics.median,
+        "p95": statistics.percentile_95,
+    }
+    return {
+        f"{prefix}{name}_{axis}": float(value) * factor
+        for name, values in measures.items()
+        for value, (axis, _, _, factor) in zip(values, POSE_COMPONENTS, strict=True)
+    }
+
+
+def _consistency(trace: Trace) -> dict[str, float]:
+    """Tell whether errors are as large as the covariance says, over claimed and visible frames.
+
+    The mean NEES of (d, alpha, w, beta) is 4 and the median 3.36 if the covariance is right, larger
+    if it is too small.
+    """
+    chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
+    errors = trace.errors[chosen]
+    squares = nees(errors, trace.covariances[chosen])
+    inside = np.abs(errors) <= 2.0 * trace.sigmas[chosen]
+    return {
+        "nees_mean": mean(squares),
+        "nees_median": median(squares),
+        **{
+            f"inside_2_sigma_{axis}": 100.0 * mean(flags)
+            for flags, (axis, *_) in zip(inside.T, POSE_COMPONENTS, strict=True)
+        },
+        "inside_region": 100.0 * mean(squares <= REGION_NEES),
+    }

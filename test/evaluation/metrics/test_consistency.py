@@ -5,7 +5,6 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.metrics.consistency import (
-    consistency_statistics,
     coverage,
     nees,
     sigma_factors,
@@ -34,18 +33,6 @@ def test_nees_of_honest_errors_is_their_number_of_dimensions():
     squares = nees(errors, np.tile(factor @ factor.T, (4000, 1, 1)))
     assert squares.mean() == pytest.approx(4.0, rel=0.05)
     assert np.median(squares) == pytest.approx(3.357, rel=0.05)
-
-
-def test_inside_two_sigma_by_hand(outcome):
-    errors = [(0.0, 0.0, 0.0, 0.0), (3.9, 0.05, 0.0, 0.0), (4.1, 0.0, 0.0, 0.03)]
-    statistics = consistency_statistics(
-        trace_of([outcome(i, error=error) for i, error in enumerate(errors)])
-    )
-    assert statistics.inside == pytest.approx([2 / 3, 2 / 3, 1.0, 2 / 3])
-
-
-def test_only_claims_must_be_consistent(trace):
-    assert math.isnan(consistency_statistics(trace("sxn")).nees_mean)
 
 
 def test_coverage_of_honest_errors_is_nominal(outcome):
