@@ -52,7 +52,7 @@ def experiment(  # noqa: PLR0917
         list[str] | None,
         typer.Option(
             help=f"Of ablation and ablation_cold: {' | '.join(ROW_NAMES)}; may be given several"
-            " times.  [default: all; of ablation_cold those with one part changed]"
+            " times.  [default: all]"
         ),
     ] = None,
     frames: Annotated[

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
@@ -18,11 +19,10 @@ from cable_tracker.evaluation.evaluation_sequences import (
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation_rows import (
-    ABLATION_TABLES,
+    ABLATION_ROWS,
+    DEFAULT,
     ROW_NAMES,
-    TAKEN_AWAY,
     AblationRow,
-    AblationTable,
     check_row_names,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
@@ -46,6 +46,8 @@ MEAN_METRICS = (
 BRIEF_COLUMNS = 12
 """Row, losses and their changes, and the first metrics fit on a terminal."""
 
+TABLE_FILE = "taken_away.csv"
+
 EXPLANATION = (
     "Means over the sequences, of means over the runs; ± is one standard error, from the spread of"
     " the runs within each sequence. *Lost more than* another row compares run by run, on the same"
@@ -59,7 +61,7 @@ Losses: TypeAlias = Mapping[tuple[str, int], float]
 
 @dataclass(frozen=True, slots=True)
 class AblationExperiment(CampaignExperiment):
-    """Follow sequences with one part changed, or parts added.
+    """Follow sequences with one part changed.
 
     Attributes
     ----------
@@ -72,7 +74,7 @@ class AblationExperiment(CampaignExperiment):
     start : Start
         What the trackers are told at the beginning.
     notes : tuple of str
-        What is said of the sequences, below the tables.
+        What is said of the sequences, below the table.
     """
 
     seeds: tuple[int, ...]
@@ -86,32 +88,26 @@ class AblationExperiment(CampaignExperiment):
 
     def campaign(self) -> Campaign:
         """Return what is run."""
-        rows = {row.name: row for table in ABLATION_TABLES for row in table.rows}
-        filters = tuple(
-            ConfiguredFilter(name, rows[name].parameters())
-            for name in ROW_NAMES
-            if name in self.rows
-        )
+        filters = tuple(ConfiguredFilter(row.name, row.parameters()) for row in self._rows())
         return Campaign((), self.sequences, self.seeds, self.start, filters=filters)
 
     def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
-        """Put the runs into tables and figures."""
-        tables = (self._table(table, results) for table in ABLATION_TABLES)
-        return ExperimentResult(
-            "What the parts of the preset default are worth, and what they cost",
-            tuple(table for table in tables if table.rows),
-        )
-
-    def _table(self, table: AblationTable, results: Sequence[RunResult]) -> ResultTable:
-        rows = [row for row in table.rows if row.name in self.rows]
-        return ResultTable(
+        """Put the runs into a table."""
+        rows = self._rows()
+        table = ResultTable(
             headings=_headings(sequences_of(results)),
             rows=tuple(_cells(row, results) for row in rows),
-            title=table.title,
-            file_name=table.file_name,
-            notes=(EXPLANATION, *(_note(row, table) for row in rows), *self.notes),
+            title="Taken away: `default` with one part changed back",
+            file_name=TABLE_FILE,
+            notes=(EXPLANATION, *(_note(row) for row in rows), *self.notes),
             brief=BRIEF_COLUMNS,
         )
+        return ExperimentResult(
+            "What the parts of the preset default are worth, and what they cost", (table,)
+        )
+
+    def _rows(self) -> list[AblationRow]:
+        return [row for row in ABLATION_ROWS if row.name in self.rows]
 
 
 def cold_ablation(seeds: tuple[int, ...], limit: int | None = None) -> AblationExperiment:
@@ -120,9 +116,8 @@ def cold_ablation(seeds: tuple[int, ...], limit: int | None = None) -> AblationE
     There the parts earn their keep that find a cable; a start from the truth does not ask for them.
     `limit`: number of frames used of each world; None: all.
     """
-    rows = tuple(row.name for row in TAKEN_AWAY.rows)
     worlds, left_out = available_worlds(worlds_of(Split.REPORT), limit)
-    return AblationExperiment(seeds, rows, worlds, Start.RANDOM, left_out_notes(left_out))
+    return AblationExperiment(seeds, ROW_NAMES, worlds, Start.RANDOM, left_out_notes(left_out))
 
 
 def _headings(sequences: Sequence[str]) -> tuple[str, ...]:
@@ -136,13 +131,13 @@ def _headings(sequences: Sequence[str]) -> tuple[str, ...]:
 def _cells(row: AblationRow, results: Sequence[RunResult]) -> tuple[str, ...]:
     runs = chosen(results, method=row.name)
     lost = _losses(runs)
-    compared = _losses(chosen(results, method=row.compared_to)) if row.compared_to else {}
+    compared = {} if row.name == DEFAULT else _losses(chosen(results, method=DEFAULT))
     more = {key: value - compared[key] for key, value in lost.items() if key in compared}
     sequences = sequences_of(results)
     return (
         row.name,
         *(format_number(number, "%") for number in mean_and_error(lost, sequences)),
-        row.compared_to if more else "–",
+        DEFAULT if more else "–",
         *(format_number(number, "%") for number in mean_and_error(more, sequences)),
         *(_mean_cell(name, runs) for name in MEAN_METRICS),
         *(format_number(_mean(_of(lost, name)), "%") for name in sequences),
@@ -177,18 +172,15 @@ def _mean_cell(metric: str, runs: Sequence[RunResult]) -> str:
     return format_number(_mean(means), METRICS_BY_NAME[metric].unit)
 
 
-def _note(row: AblationRow, table: AblationTable) -> str:
-    """Say what a row is, and which values it has that the row compared with has not."""
-    others = {other.name: other for other in table.rows}
-    if not row.compared_to:
-        return f"`{row.name}`: {row.description}"
-    before = others[row.compared_to].parameters().as_mapping()
+def _note(row: AblationRow) -> str:
+    """Say what a row is, and which values it has that `default` has not."""
+    usual = preset(DEFAULT).as_mapping()
     changes = [
         f"`{name}` = {_value(value)}"
         for name, value in row.parameters().as_mapping().items()
-        if value != before[name]
+        if value != usual[name]
     ]
-    return f"`{row.name}`: {row.description} ({', '.join(changes) or 'no other value'})"
+    return f"`{row.name}`: {row.description}" + (f" ({', '.join(changes)})" if changes else "")
 
 
 def _value(value: ParameterValue) -> str:

@@ -13,8 +13,11 @@ from cable_tracker.evaluation.evaluation_sequences import (
     StripSequence,
     simulated_sequences,
 )
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment, cold_ablation
-from cable_tracker.evaluation.experiments.ablation_rows import ABLATION_TABLES
+from cable_tracker.evaluation.experiments.ablation import (
+    TABLE_FILE,
+    AblationExperiment,
+    cold_ablation,
+)
 from cable_tracker.evaluation.experiments.coverage_experiment import reported_coverage
 from cable_tracker.evaluation.experiments.experiment_result import (
     TABLE_CSV,
@@ -82,7 +85,7 @@ FILES = frozenset(
         "clear_starts.csv",
         "reinitialisation.png",
         "speed.png",
-        *(table.file_name for table in ABLATION_TABLES),
+        TABLE_FILE,
         *(file_name for _, file_name in METRES_TABLES.values()),
         *(f"{name}.csv" for name in PRESETS),
         "roc.png",

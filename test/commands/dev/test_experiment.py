@@ -48,20 +48,21 @@ def test_chosen_rows_of_the_ablation_are_run(run, monkeypatch, tmp_path):
 
     monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
     result = run(
-        "ablation", "--row", "thesis", "--row", "any_width", "--first-seed", 5, "--seeds", 1,
+        "ablation", "--row", "no_network", "--row", "any_width", "--first-seed", 5, "--seeds", 1,
         "--workers", 1, "--output", tmp_path / "out",
     )  # fmt: skip
     assert result.code == 0
     written = [path for path in (tmp_path / "out").iterdir() if path.is_file()]
     files = {path.name: path.read_text() for path in written}
-    assert set(files) == {"table.md", "taken_away.csv", "built_up.csv"}
+    assert set(files) == {"table.md", "taken_away.csv"}
     assert set(files) <= FILES
-    assert files["taken_away.csv"].splitlines()[1].startswith("any_width,")
-    assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
+    first, second = files["taken_away.csv"].splitlines()[1:]
+    assert first.startswith("no_network,")
+    assert second.startswith("any_width,")
 
 
 def test_rows_are_only_for_the_ablation(run, tmp_path):
-    result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
+    result = run("speed", "--row", "default", "--output", tmp_path / "out")
     result.assert_refused("--row chooses what the experiments ablation and")
     assert not any(tmp_path.iterdir())
 
