@@ -25,7 +25,7 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 
-from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
+from cable_tracker.evaluation.result_table import ResultTable, table_markdown
 from cable_tracker.marked_page import read_marked_page
 
 PAGE = Path(__file__).with_name("evaluation.md")

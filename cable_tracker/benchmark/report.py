@@ -12,7 +12,7 @@ from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
-from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
+from cable_tracker.evaluation.result_table import ResultTable, table_markdown
 from cable_tracker.marked_page import MarkedPage, read_marked_page
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"

@@ -17,6 +17,7 @@ from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_fi
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
 from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
 from cable_tracker.evaluation.metrics.run_metrics import CLEARLY_BACK, RETURN_SECONDS
+from cable_tracker.evaluation.result_table import format_number
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import Spread
 from cable_tracker.evaluation.tables import (
@@ -229,26 +230,6 @@ def _svg_uri(svg: str) -> str:
 
 def _is_known(results: Iterable[RunResult], spec: MetricSpec) -> bool:
     return any(not math.isnan(result.metrics[spec.name]) for result in results)
-
-
-def format_number(value: float, unit: str) -> str:
-    """Write a number with as many digits as make sense to a reader."""
-    if math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
-    decimals = 1 if unit in ("%", "ms", "frames") else 2
-    if abs(value) >= 100:
-        decimals = min(decimals, 1)
-    return f"{value:.{decimals}f}".replace("-", "−")
-
-
-def median_and_range(spread: Spread, unit: str) -> str:
-    """Write the median of several runs, and where they differ their range."""
-    median, low, high = (
-        format_number(value, unit) for value in (spread.median, spread.minimum, spread.maximum)
-    )
-    return median if low == high else f"{median} ({low} – {high})"
 
 
 def make_cell(spread: Spread, unit: str) -> Cell:

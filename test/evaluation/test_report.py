@@ -1,5 +1,4 @@
 import base64
-import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -9,7 +8,6 @@ import pytest
 from cable_tracker.evaluation.report import (
     REPORT,
     ReportHeader,
-    format_number,
     make_cell,
     render_report,
     seeds_text,
@@ -118,21 +116,6 @@ def test_seeds_are_named_in_a_few_words(seeds, text):
 def test_the_folder_holds_report_and_tables(results, tmp_path):
     write_report(tmp_path, results, HEADER, methods={}, sequences={})
     assert {path.name for path in tmp_path.iterdir()} == {REPORT, *(name for name, _ in CSV_FILES)}
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (1.234, "px", "1.23"),
-        (12.34, "%", "12.3"),
-        (-0.5, "deg", "−0.50"),
-        (123.456, "px", "123.5"),
-        (math.nan, "px", "–"),
-        (math.inf, "", "∞"),
-    ],
-)
-def test_numbers_have_as_many_digits_as_make_sense(value, unit, text):
-    assert format_number(value, unit) == text
 
 
 def test_a_cell_shows_mean_and_range():

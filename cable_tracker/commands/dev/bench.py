@@ -29,7 +29,7 @@ from cable_tracker.commands.console.machine import machine, typed_command
 from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.options.common import ForceOption
-from cable_tracker.evaluation.experiments.experiment_result import ResultTable
+from cable_tracker.evaluation.result_table import ResultTable
 
 PLANS = {False: FULL, True: QUICK}
 """Plans by whether the benchmark is to be quick."""

@@ -26,10 +26,10 @@ from cable_tracker.evaluation.experiments.ablation_rows import (
     check_row_names,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.result_table import ResultTable, format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of

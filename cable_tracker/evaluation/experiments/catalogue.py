@@ -19,11 +19,7 @@ from cable_tracker.evaluation.experiments.ablation import (
     cold_ablation,
 )
 from cable_tracker.evaluation.experiments.coverage_experiment import reported_coverage
-from cable_tracker.evaluation.experiments.experiment_result import (
-    TABLE_CSV,
-    TABLE_MARKDOWN,
-    ExperimentResult,
-)
+from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN, ExperimentResult
 from cable_tracker.evaluation.experiments.metres_experiment import TABLES as METRES_TABLES
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.experiments.motion_experiment import (
@@ -38,6 +34,7 @@ from cable_tracker.evaluation.experiments.thesis_experiments import (
     SpeedExperiment,
     speed_sequence,
 )
+from cable_tracker.evaluation.result_table import TABLE_CSV
 
 
 class Experiment(Protocol):

@@ -18,14 +18,14 @@ from cable_tracker.evaluation.evaluation_sequences import (
     simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
 from cable_tracker.evaluation.metrics.consistency import (
     REGION_NEES,
     coverage,
     nees,
     sigma_factors,
 )
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.result_table import ResultTable, format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.tables import chosen

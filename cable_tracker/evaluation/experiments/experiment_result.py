@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_bytes
-from cable_tracker.sequences.tables.csv_tables import csv_text
+from cable_tracker.evaluation.result_table import ResultTable, table_csv, table_markdown
 
-TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
+TABLE_MARKDOWN = "table.md"
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,34 +17,6 @@ class FigureFile:
 
     file_name: str
     content: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class ResultTable:
-    """One table of an experiment.
-
-    Attributes
-    ----------
-    headings : tuple of str
-        Headings with units.
-    rows : tuple of tuple of str
-        Rows with as many cells each as there are headings.
-    title : str
-        Title of the table; empty if the experiment has only this table.
-    file_name : str
-        Name of the CSV file.
-    notes : tuple of str
-        Notes below the table, in Markdown, one item of a list each.
-    brief : int or None
-        Number of columns that fit on a terminal; None: all.
-    """
-
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    title: str = ""
-    file_name: str = TABLE_CSV
-    notes: tuple[str, ...] = ()
-    brief: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,30 +43,11 @@ class ExperimentResult:
         return (TABLE_MARKDOWN, *tables, *(picture.file_name for picture in self.pictures))
 
 
-def table_csv(table: ResultTable) -> str:
-    """Return a table as CSV."""
-    return csv_text(
-        table.headings,
-        ([cell.removeprefix("–").replace("−", "-") for cell in row] for row in table.rows),
-    )
-
-
 def result_markdown(result: ExperimentResult, note: str) -> str:
     """Return title, note, tables and figures as Markdown."""
     parts = [f"# {result.title}", note, *(table_markdown(table) for table in result.tables)]
     parts += [f"![{picture.file_name}]({picture.file_name})" for picture in result.pictures]
     return "\n\n".join(parts) + "\n"
-
-
-def table_markdown(table: ResultTable) -> str:
-    """Return a table as Markdown, with its title above and its notes below."""
-    lines = [f"## {table.title}", ""] if table.title else []
-    lines.append(f"| {' | '.join(table.headings)} |")
-    lines.append("|" + "---|" * len(table.headings))
-    lines += [f"| {' | '.join(row)} |" for row in table.rows]
-    if table.notes:
-        lines += ["", *(f"- {note}" for note in table.notes)]
-    return "\n".join(lines)
 
 
 def write_experiment(folder: Path, result: ExperimentResult, note: str) -> None:

@@ -19,7 +19,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     frames_in_all,
 )
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     LOOK_AHEAD,
     SimulatedVehicle,
@@ -27,7 +27,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
 )
 from cable_tracker.evaluation.failure_criteria import forgiven_distance, is_off_cable
 from cable_tracker.evaluation.metrics.errors import state_errors
-from cable_tracker.evaluation.report import median_and_range
+from cable_tracker.evaluation.result_table import ResultTable, median_and_range
 from cable_tracker.evaluation.sample_statistics import (
     mean,
     percentage,

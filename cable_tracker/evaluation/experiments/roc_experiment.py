@@ -16,15 +16,11 @@ from cable_tracker.evaluation.evaluation_sequences import (
     left_out_notes,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import (
-    ExperimentResult,
-    FigureFile,
-    ResultTable,
-)
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, FigureFile
 from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.result_table import ResultTable, format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import percentage
 from cable_tracker.evaluation.tables import chosen

@@ -10,8 +10,8 @@ from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import StripSequence
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
+from cable_tracker.evaluation.result_table import ResultTable, format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.tables import chosen

@@ -15,7 +15,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.evaluation_sequences import frames_in_all
-from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
+from cable_tracker.evaluation.result_table import ResultTable, table_markdown
 from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.targets.metrics import (
     EvaluatedClaim,

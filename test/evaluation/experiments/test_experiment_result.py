@@ -4,15 +4,13 @@ import cv2
 import numpy as np
 
 from cable_tracker.evaluation.experiments.experiment_result import (
-    TABLE_CSV,
     TABLE_MARKDOWN,
     ExperimentResult,
     FigureFile,
-    ResultTable,
     result_markdown,
-    table_csv,
     write_experiment,
 )
+from cable_tracker.evaluation.result_table import TABLE_CSV, ResultTable
 
 
 def test_tables_and_figures_are_written(tmp_path):
@@ -42,7 +40,3 @@ def test_notes_stand_below_their_table():
     table = ResultTable(("a",), (("x",),), notes=("first", "second"))
     text = result_markdown(ExperimentResult("T", (table,)), "On a machine.")
     assert text == "# T\n\nOn a machine.\n\n| a |\n|---|\n| x |\n\n- first\n- second\n"
-
-
-def test_unknown_numbers_are_left_empty_for_machines():
-    assert table_csv(ResultTable(("a", "b"), (("–", "1"),))) == "a,b\n,1\n"
