@@ -44,7 +44,7 @@ from cable_tracker.cable.hypotheses.belief import (
     without_fixture,
 )
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
-from cable_tracker.cable.hypotheses.conclude.conclusion import draw_and_conclude
+from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion, draw_and_conclude
 from cable_tracker.cable.hypotheses.conclude.first_claim import are_borders_clear
 from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import fixture_test_after
 from cable_tracker.cable.hypotheses.predict.births import draw_births
@@ -85,6 +85,10 @@ from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
 """Probability of a cable at a place that was given or guessed."""
+
+STRAYING = 0.3
+"""A leader strays that is farther from where it was expected than so many radii within which it is
+the same hypothesis."""
 
 SAME_TIME = 1e-6
 """Rounding of the times between frames: a map is not kept for one frame more because of it [s]."""
@@ -194,16 +198,11 @@ class MultiHypothesisFilter:
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = belief.is_known(self._parameters.known_after)
         looks = self._looks_at_map(belief, is_known=is_known)
-        expected_state = prediction.prior.expected[0]
-        cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected_state)
-        if not is_known:
-            prediction = with_map_in_birth_density(prediction, cable_map)
-        config = self._known_config if is_known else self._config
-        expected_overlap = NOTHING_EXPECTED
-        if is_known:
-            expected_overlap = overlap_of_expected(cable_map, expected_state, is_kept=not looks)
-        inputs = self._inputs(belief, prediction, image, detections, cable_map, expected_overlap)
-        conclusion = draw_and_conclude(self._sample, inputs, config)
+        seen = (belief, prediction, image, detections)
+        conclusion = self._concluded(*seen, is_known=is_known, looks=looks)
+        if not looks and self._strays(conclusion, prediction):
+            looks = True
+            conclusion = self._concluded(*seen, is_known=is_known, looks=looks)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
             states = draw_births(
@@ -241,6 +240,43 @@ class MultiHypothesisFilter:
         map_is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
         is_worth_it = not (is_known and are_clear and map_is_recent)
         return is_worth_it and self._parameters.uses_map
+
+    def _strays(self, conclusion: Conclusion, prediction: Prediction) -> bool:
+        """Tell whether the leader has left the place where it was expected.
+
+        A kept map lies where the cable was expected, and goes along with what is followed: it would
+        soon show a shadow beside the cable for the cable.
+        """
+        means = conclusion.hypotheses.clusters.means
+        radii = STRAYING * self._config.same_hypothesis_radii
+        expected = prediction.prior.expected[0]
+        strays = len(means) > 0 and not is_same_hypothesis(means[0], expected, radii)
+        return strays and self._parameters.uses_map
+
+    def _concluded(
+        self,
+        belief: Belief,
+        prediction: Prediction,
+        image: WorkingImage,
+        detections: FloatArray,
+        *,
+        is_known: bool,
+        looks: bool,
+    ) -> Conclusion:
+        """Draw particles and conclude from a frame, with its own map, if that `looks`, or the kept.
+
+        The leading hypothesis before the frame may be known.
+        """
+        expected = prediction.prior.expected[0]
+        cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
+        expected_overlap = NOTHING_EXPECTED
+        if is_known:
+            expected_overlap = overlap_of_expected(cable_map, expected, is_kept=not looks)
+        else:
+            prediction = with_map_in_birth_density(prediction, cable_map)
+        inputs = self._inputs(belief, prediction, image, detections, cable_map, expected_overlap)
+        config = self._known_config if is_known else self._config
+        return draw_and_conclude(self._sample, inputs, config)
 
     def _inputs(
         self,

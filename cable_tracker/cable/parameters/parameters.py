@@ -273,8 +273,8 @@ class TrackerParameters(ParameterSet):
         3600.0,
         "How often at least the network looks at a cable that is known and clear; what it said"
         " moves along with the cable for up to a second. Larger: less time per frame, but a lit"
-        " stripe along a pipe may be taken for all of it. While no cable is known, or a border of"
-        " it is faint, it looks at each frame.",
+        " stripe along a pipe may be taken for all of it. While no cable is known, a border of it"
+        " is faint, or it is not where it was expected, it looks at each frame.",
     )
     map_width_share: float = number(
         0.67,

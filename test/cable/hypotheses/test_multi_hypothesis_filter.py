@@ -489,8 +489,8 @@ KEPT = KeptMap(
 """Of a picture that showed no cable at all, a tenth of a second ago."""
 
 
-def belief_before(*, is_given=True, evidence=2.0, kept_map=KEPT):
-    belief = initial_belief(cloud(STRIP), GIVEN_PRESENCE)
+def belief_before(*, state=STRIP, is_given=True, evidence=2.0, kept_map=KEPT):
+    belief = initial_belief(cloud(state), GIVEN_PRESENCE)
     hypotheses = belief.hypotheses._replace(weaker_border_mean=evidence)
     return replace(belief, is_given=is_given, hypotheses=hypotheses, kept_map=kept_map)
 
@@ -545,6 +545,15 @@ def test_a_clear_cable_that_is_known_is_judged_by_the_last_map(strip, monkeypatc
         .hypotheses.appearance
     )
     assert alike > after.hypotheses.appearance + 3.0
+
+
+def test_a_known_cable_that_is_not_where_it_was_expected_is_looked_at(strip):
+    """The kept map would go along, also to a shadow beside the cable."""
+    aside = belief_before(state=replace(STRIP, distance=STRIP.distance - 5.0))
+    after = make_filter().step(aside, strip, FRAME, NO_DETECTIONS)
+    assert mean_of(after)[0] == pytest.approx(STRIP.distance, abs=2.0)
+    assert after.kept_map.cable_map is strip.cable_map
+    assert after.kept_map.seconds == 0.0
 
 
 def strip_map(state):
