@@ -86,7 +86,7 @@ from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 GIVEN_PRESENCE = 0.95
 """Probability of a cable at a place that was given or guessed."""
 
-STRAYING = 0.3
+STRAYING = 0.45
 """A leader strays that is farther from where it was expected than so many radii within which it is
 the same hypothesis."""
 
