@@ -63,11 +63,11 @@ def write(picture: np.ndarray, text: str, place: tuple[int, int], level: int = 2
 
 @pytest.mark.parametrize("quality", [40, 60, 80])
 def test_captions_from_end_to_end_of_a_compressed_bar_do_not_hide_it(live, quality):
-    barred = live.copy()
+    barred = np.tile(live, (1, 2))
     barred[:24] = 16
     for row in (9, 20):
-        write(barred, "N 671", (2, row))
-        write(barred, "183", (132, row))
+        write(barred, "N 6712", (2, row))
+        write(barred, "HDG 183", (260, row))
     assert dead_lines(compressed(barred, quality)) == 24 + BESIDE
 
 
