@@ -31,6 +31,7 @@ filters": births about what is measured.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -146,7 +147,7 @@ class MultiHypothesisFilter:
         return initial_belief(states, LEAST_PRESENCE)
 
     def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> Belief:
-        """Return the belief after states (N, 8) were given, of the cable or maybe another thing."""
+        """Return the belief after states (N, 8) were given; if not certain, as a guess."""
         return replace(initial_belief(states, GIVEN_PRESENCE), is_given=is_certain)
 
     def converted(self, belief: ParticleBelief) -> Belief:
@@ -198,11 +199,12 @@ class MultiHypothesisFilter:
         prediction = self._predictor.predict(belief, dt, motion)
         is_known = belief.is_known(self._parameters.known_after)
         looks = self._looks_at_map(belief, is_known=is_known)
-        seen = (belief, prediction, image, detections)
-        conclusion = self._concluded(*seen, is_known=is_known, looks=looks)
+        conclude = partial(
+            self._concluded, belief, prediction, image, detections, is_known=is_known
+        )
+        conclusion = conclude(looks=looks)
         if not looks and self._strays(conclusion, prediction):
-            looks = True
-            conclusion = self._concluded(*seen, is_known=is_known, looks=looks)
+            looks, conclusion = True, conclude(looks=True)
         if not len(conclusion.hypotheses.clusters.masses):
             # Every particle is impossible.
             states = draw_births(
@@ -248,10 +250,10 @@ class MultiHypothesisFilter:
         soon show a shadow beside the cable for the cable.
         """
         means = conclusion.hypotheses.clusters.means
+        if not (self._parameters.uses_map and len(means)):
+            return False
         radii = STRAYING * self._config.same_hypothesis_radii
-        expected = prediction.prior.expected[0]
-        strays = len(means) > 0 and not is_same_hypothesis(means[0], expected, radii)
-        return strays and self._parameters.uses_map
+        return not is_same_hypothesis(means[0], prediction.prior.expected[0], radii)
 
     def _concluded(
         self,
@@ -263,9 +265,10 @@ class MultiHypothesisFilter:
         is_known: bool,
         looks: bool,
     ) -> Conclusion:
-        """Draw particles and conclude from a frame, with its own map, if that `looks`, or the kept.
+        """Return what is concluded from particles that are drawn and weighed in a frame.
 
-        The leading hypothesis before the frame may be known.
+        `is_known`: the hypothesis that led before is known. `looks`: its strips are held against
+        the frame's own map, not against the kept one.
         """
         expected = prediction.prior.expected[0]
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)

@@ -81,7 +81,7 @@ class BootstrapFilter:
         return self.given_belief(states, is_certain=False)
 
     def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> BootstrapBelief:
-        """Return equally weighted particles, states (N, 8), of the cable or maybe another thing."""
+        """Return equally weighted particles, states (N, 8); if not certain, as a guess."""
         return BootstrapBelief(Particles.equally_weighted(states), is_certain)
 
     def converted(self, belief: ParticleBelief) -> BootstrapBelief:
