@@ -29,6 +29,7 @@ from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
 from cable_tracker.simulation.instruments.instrument_writer import write_ticks
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings, usual_survey
+from cable_tracker.simulation.rendering.camera import NO_DISTORTION, Distortion
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE
 from cable_tracker.simulation.scenarios.scenario_dive import (
@@ -54,7 +55,7 @@ FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
 FILES = ("--format", "--storage", "--force")
 
 OPTIONS_OF = {
-    "": ("--frames", "--rate", "--clutter", *FILES),
+    "": ("--frames", "--rate", "--clutter", "--distortion", *FILES),
     "--live": ("--rate",),
     "--target": ("--frames", "--rate", *FILES),
     "--survey": ("--rate", "--cable-seed", "--storage", "--force"),
@@ -89,6 +90,14 @@ def simulate_command(  # noqa: PLR0917
         float | None,
         typer.Option(
             help=f"How overgrown, buried and distracting it is, 0 to 1.  [default: {CLUTTER:g}]"
+        ),
+    ] = None,
+    distortion: Annotated[
+        str | None,
+        typer.Option(
+            metavar="K1,K2,P1,P2,K3",
+            help="Distortion of the lens by the model plumb_bob; a bag has it in its camera_info."
+            "  [default: none]",
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed: the same one gives the same frames.")] = 0,
@@ -140,8 +149,9 @@ def simulate_command(  # noqa: PLR0917
     kind = _only_kind(live, target, survey, scenario)
     _check_photographs(kind, photographs)
     options = {
-        "--frames": frames, "--rate": rate, "--clutter": clutter, "--cable-seed": cable_seed,
-        "--format": output_format, "--storage": storage, "--force": force,
+        "--frames": frames, "--rate": rate, "--clutter": clutter, "--distortion": distortion,
+        "--cable-seed": cable_seed, "--format": output_format, "--storage": storage,
+        "--force": force,
     }  # fmt: skip
     _check_effects(kind, options)
     frames = FRAMES if frames is None else frames
@@ -164,8 +174,23 @@ def simulate_command(  # noqa: PLR0917
         _write_cable(written, _scenario_frames(scenario, seed, image_size, photographs), seed)
     else:
         overgrown = CLUTTER if clutter is None else clutter
-        settings = SimulationSettings(frames, rate, image_size, overgrown, seed=seed)
+        lens = NO_DISTORTION if distortion is None else _parse_distortion(distortion)
+        settings = SimulationSettings(
+            frames, rate, image_size, overgrown, distortion=lens, seed=seed
+        )
         _write_cable(written, _own_frames(settings), seed)
+
+
+def _parse_distortion(text: str) -> Distortion:
+    """Read the coefficients of a lens, such as -0.15,0.02,0,0,0."""
+    try:
+        k1, k2, p1, p2, k3 = (float(each) for each in text.split(","))
+    except ValueError:
+        raise ParameterError(
+            f"distortion: {text!r} is not of the form K1,K2,P1,P2,K3; give five numbers with "
+            "commas between them, such as -0.15,0.02,0,0,0"
+        ) from None
+    return k1, k2, p1, p2, k3
 
 
 def _only_kind(live: bool, target: str | None, survey: float | None, scenario: str | None) -> str:

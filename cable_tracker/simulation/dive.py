@@ -21,7 +21,12 @@ from cable_tracker.simulation.borders import (
 )
 from cable_tracker.simulation.motion.steering import steer
 from cable_tracker.simulation.motion.trajectory import Trajectory
-from cable_tracker.simulation.rendering.camera import Camera, CameraPoses
+from cable_tracker.simulation.rendering.camera import (
+    NO_DISTORTION,
+    Camera,
+    CameraPoses,
+    Distortion,
+)
 from cable_tracker.simulation.rendering.clutter import random_companions, random_streaks
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable, random_gaps
 from cable_tracker.simulation.rendering.look import Look, Skin
@@ -164,9 +169,13 @@ class Seeds:
         return cls(*np.random.SeedSequence(seed).spawn(4))
 
 
-def dive_camera(image_size: tuple[int, int], mounting: float = MOUNTING) -> Camera:
+def dive_camera(
+    image_size: tuple[int, int],
+    mounting: float = MOUNTING,
+    distortion: Distortion = NO_DISTORTION,
+) -> Camera:
     """Return the camera of a dive; see `Camera`. A wider picture shows the same view."""
-    return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting)
+    return Camera(image_size, FOCAL * pixel_scale(image_size[0]), mounting, distortion)
 
 
 def random_course(curvature: float, lengths: tuple[float, float], rng: np.random.Generator) -> Tube:

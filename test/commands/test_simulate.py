@@ -4,6 +4,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
+from rosbags.highlevel import AnyReader
 
 from cable_tracker.sequences.labels.sequence_file import read_labels
 from cable_tracker.sequences.labels.target_labels import read_boxes
@@ -31,6 +32,21 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(command):
         assert sequence.has_truth
 
 
+def test_a_lens_bends_the_pictures_and_the_bag_holds_its_calibration(command):
+    options = ("--frames", 1, "--size", "64x48", "--clutter", 0)
+    command("simulate", "straight", *options)
+    command("simulate", "bent", *options, "--distortion", "-0.15,0.02,0.001,0,0")
+    pictures = []
+    for name in ("straight", "bent"):
+        with open_source(Path(name)) as bag:
+            pictures += [bytes(frame.image.data) for frame in bag.frames()]
+    assert pictures[0] != pictures[1]
+    with AnyReader([Path("bent")]) as reader:
+        infos = [each for each in reader.connections if each.msgtype.endswith("/CameraInfo")]
+        _, _, raw = next(reader.messages(infos))
+        assert list(reader.deserialize(raw, infos[0].msgtype).d) == [-0.15, 0.02, 0.001, 0.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -40,6 +56,10 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(command):
         (("--frames", "0"), "at least 1 frame"),
         (("--clutter", "2"), "clutter is 2.0"),
         (("--rate", "nan"), "rate is nan"),
+        (("--distortion", "0.1,0.2"), "'0.1,0.2' is not of the form K1,K2,P1,P2,K3"),
+        (("--distortion", "nan,0,0,0,0"), "distortion is nan, 0, 0, 0, 0"),
+        (("--distortion", "-2,0,0,0,0"), "does not show the whole picture"),
+        (("--survey", "50", "--distortion", "0,0,0,0,0"), "--distortion can do nothing with"),
         (("--seed", "-3"), "seed is -3"),
         (("--survey", "50", "--scenario", "S1"), "--survey and --scenario"),
         (("--survey", "50", "--photographs", "p"), "--photographs covers the bottom of a scenario"),

@@ -49,6 +49,12 @@ class CameraPoses:
         return seen
 
 
+Distortion = tuple[float, float, float, float, float]
+"""k1, k2, p1, p2, k3 of the distortion model "plumb_bob", with y down as everywhere else."""
+
+NO_DISTORTION: Distortion = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
 class Camera:
     """A camera and how it is mounted.
@@ -61,19 +67,30 @@ class Camera:
         Focal length [px].
     mounting : float
         Forward tilt of the camera: 0 straight down, pi/2 straight ahead [rad].
-    distortion : tuple of 5 float
-        k1, k2, p1, p2, k3 of the model "plumb_bob", with y down as everywhere else; all 0 is none.
+    distortion : Distortion
+        Of the lens.
     """
 
     image_size: tuple[int, int]
     focal: float
     mounting: float = 0.0
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: Distortion = NO_DISTORTION
 
     @property
     def is_distorted(self) -> bool:
         """Whether straight lines come out bent."""
         return any(self.distortion)
+
+    def sees_all_pixels(self) -> bool:
+        """Whether each pixel's line of sight is projected to that pixel again, to 0.01 px.
+
+        A lens that is bent too strongly folds its picture, so that a part of it shows nothing.
+        """
+        if not self.is_distorted:
+            return True
+        with np.errstate(all="ignore"):
+            found = self.project(np.moveaxis(self.rays().astype(np.float64), 0, -1))
+        return bool((np.abs(found - self._pixels()) < 0.01).all())
 
     def poses(self, positions: FloatArray, angles: FloatArray) -> CameraPoses:
         """Return where the camera is on a vehicle at N instants.
@@ -133,16 +150,21 @@ class Camera:
             Float32, shape (3, H, W), with z = -1.
         """
         width, height = self.image_size
+        plane = self._pixels() / self.focal
+        if self.is_distorted:
+            plane = self._undistort(plane)
+        directions = (plane[..., 0], plane[..., 1], -np.ones((height, width)))
+        return np.stack(directions).astype(np.float32)
+
+    def _pixels(self) -> FloatArray:
+        """Return where the pixels lie in the image frame, shape (H, W, 2) [px]."""
+        width, height = self.image_size
         x, y = to_image(
             np.arange(width, dtype=np.float64),
             np.arange(height, dtype=np.float64),
             self.image_size,
         )
-        plane = np.stack(np.meshgrid(x, y), axis=-1) / self.focal
-        if self.is_distorted:
-            plane = self._undistort(plane)
-        directions = (plane[..., 0], plane[..., 1], -np.ones((height, width)))
-        return np.stack(directions).astype(np.float32)
+        return np.stack(np.meshgrid(x, y), axis=-1)
 
     def _distort(self, plane: FloatArray) -> FloatArray:
         k1, k2, p1, p2, k3 = self.distortion

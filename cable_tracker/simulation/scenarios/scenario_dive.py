@@ -20,6 +20,7 @@ from cable_tracker.simulation.dive import (
     random_course,
     render_dive,
 )
+from cable_tracker.simulation.rendering.camera import NO_DISTORTION, Distortion
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
 from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.tube import Tube
@@ -59,6 +60,8 @@ class SimulationSettings:
         is hidden), ropes and furrows, haze, blur, marine snow.
     noise : float
         Standard deviation of the sensor's noise [grey levels].
+    distortion : tuple of 5 float
+        k1, k2, p1, p2, k3 of the lens ("plumb_bob"); all 0 is none.
     seed : int
         Not negative. The same settings give the same frames, bit for bit.
 
@@ -73,11 +76,18 @@ class SimulationSettings:
     image_size: tuple[int, int] = (320, 240)
     clutter: float = 0.5
     noise: float = 3.0
+    distortion: Distortion = NO_DISTORTION
     seed: int = 0
 
     def __post_init__(self) -> None:
         check_frames(self.frame_count, self.rate)
         check_size(self.image_size)
+        if not dive_camera(self.image_size, distortion=self.distortion).sees_all_pixels():
+            given = ", ".join(f"{each:g}" for each in self.distortion)
+            raise ParameterError(
+                f"distortion is {given}: a lens bent like that does not show the whole picture; "
+                "give smaller values, for instance -0.15, 0.02, 0, 0, 0"
+            )
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")
         check_seed(self.seed)
@@ -98,7 +108,7 @@ def simulated_dive(settings: SimulationSettings) -> Dive:
     """Return camera, cable and motion of `simulate`."""
     seeds = Seeds.of(settings.seed)
     return Dive(
-        camera=dive_camera(settings.image_size),
+        camera=dive_camera(settings.image_size, distortion=settings.distortion),
         tube=random_course(CURVATURE, BEND_LENGTHS, np.random.default_rng(seeds.course)),
         trajectory=random_trajectory(np.random.default_rng(seeds.route)),
     )

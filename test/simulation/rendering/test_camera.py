@@ -1,3 +1,5 @@
+import math
+
 import cv2
 import numpy as np
 import pytest
@@ -57,6 +59,20 @@ def test_rays_are_the_inverse_of_projection(distortion):
     columns, rows = np.meshgrid(np.arange(64) - 31.5, 23.5 - np.arange(48))
     np.testing.assert_allclose(points[..., 0], columns, atol=1e-3)
     np.testing.assert_allclose(points[..., 1], rows, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("distortion", "sees_all"),
+    [
+        ((0.0,) * 5, True),
+        (PLUMB_BOB, True),
+        ((0.3, 0.0, 0.0, 0.0, 0.0), True),
+        ((-2.0, 0.0, 0.0, 0.0, 0.0), False),
+        ((math.inf, 0.0, 0.0, 0.0, 0.0), False),
+    ],
+)
+def test_a_lens_that_folds_its_picture_is_told_from_one_that_shows_it_all(distortion, sees_all):
+    assert Camera(SIZE, 280.0, distortion=distortion).sees_all_pixels() is sees_all
 
 
 def test_distortion_is_that_of_opencv():
