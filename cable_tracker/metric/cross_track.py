@@ -125,8 +125,8 @@ class CrossTrack:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sights:
-    """N cameras above the sea bed, whose z is 0; x, y from the vehicle.
+class _CameraPoses:
+    """Poses of N cameras in the level frame, but with z = 0 at the sea bed.
 
     `centres` (N, 3) [m]; `rotations` (N, 3, 3) from the optical to the level frame.
     """
@@ -213,15 +213,15 @@ class CrossTrackMeter:
         if fault is not None:
             return fault
         at = np.array([[altitude.metres, attitude.roll, attitude.pitch]])
-        sight = self._sights(at)
+        camera = self._camera_poses(at)
         # Written so that NaN fails too.
-        if not sight.rotations[0, 2, 2] < -math.sin(LEAST_DEPRESSION):
+        if not camera.rotations[0, 2, 2] < -math.sin(LEAST_DEPRESSION):
             return Withheld(
                 Reason.CAMERA_LOOKS_UP,
                 "with this mounting and attitude the camera looks at the horizon or above it;"
                 " see the parameters camera_roll and camera_pitch (90 deg is straight down)",
             )
-        if not sight.centres[0, 2] - self._settings.cable_height >= LEAST_HEIGHT:
+        if not camera.centres[0, 2] - self._settings.cable_height >= LEAST_HEIGHT:
             return Withheld(
                 Reason.CAMERA_TOO_LOW,
                 f"at an altitude of {altitude.metres:.2f} m the camera would be in the ground;"
@@ -263,37 +263,37 @@ class CrossTrackMeter:
             depth=self._settings.cable_height - altitude.metres,
         )
 
-    def _sights(self, situations: FloatArray) -> _Sights:
-        """Return the cameras for altitude, roll, pitch (N, 3) [m, rad]."""
+    def _camera_poses(self, situations: FloatArray) -> _CameraPoses:
+        """Return the poses of the camera at altitude, roll, pitch (N, 3) [m, rad]."""
         angles = np.column_stack((situations[:, 1:], np.zeros(len(situations))))
         level = rotations_of(angles)
         centres = level @ self._settings.mounting.position
         centres[:, 2] += situations[:, 0]
-        return _Sights(centres, level @ self._settings.mounting.rotation)
+        return _CameraPoses(centres, level @ self._settings.mounting.rotation)
 
     def _sea_bed_lines(
         self, points: FloatArray, along: FloatArray, camera: CameraModel
     ) -> _SeaBedLines:
         """Follow cables with what is known of the vehicle, (N, 7), down to the sea bed."""
-        sights = self._sights(points[:, POSE_SIZE:])
+        cameras = self._camera_poses(points[:, POSE_SIZE:])
         borders = project_borders(points[:, :POSE_SIZE])
         angles = np.column_stack((points[:, ANGLE], borders.angles))
         offsets = np.column_stack((points[:, DISTANCE], borders.offsets))
         rays = camera.rays(points_on_lines(angles, offsets, along))
-        moments, usable = _moments(rays, sights.rotations, math.sin(LEAST_DEPRESSION))
+        moments, usable = _moments(rays, cameras.rotations, math.sin(LEAST_DEPRESSION))
         # Rays of a straight cable lie in a plane, whose normal is that of their least moment; the
         # distortion of the lens bends only the line that the filter has fitted.
         normals = np.linalg.eigh(moments)[1][..., 0]
-        values = self._cut(sights, normals)
+        values = self._cut(cameras, normals)
         # About the middle, headings are averaged like numbers, also across the wrap.
         heading = values[0, 2]
         values[:, 2] = heading + wrap_angles(values[:, 2] - heading)
         return _SeaBedLines(values, usable.min(axis=1) >= 2)
 
-    def _cut(self, sights: _Sights, normals: FloatArray) -> FloatArray:
+    def _cut(self, cameras: _CameraPoses, normals: FloatArray) -> FloatArray:
         """Cut planes through the camera, (N, 3, 3): centreline, left, right, with the sea bed."""
         x, y, z = normals[:, 0].T
-        centre = sights.centres
+        centre = cameras.centres
         drop = self._settings.cable_height - centre[:, 2]
         safe = np.where(np.abs(y) > 1e-9, y, 1e-9)
         offsets = [

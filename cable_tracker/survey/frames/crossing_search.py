@@ -12,7 +12,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.metric.overflight import Overflight
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frames.frame_table import CrossingSight, FrameTable
+from cable_tracker.survey.frames.frame_table import CrossingObservation, FrameTable
 from cable_tracker.tracking.frame_check import SMALLEST_SIDE
 
 CROSSING_STRIDE = 0.5
@@ -69,8 +69,8 @@ class CrossingSearch:
                 continue
             middle = (near + far) / 2
             angle = math.remainder(math.atan2(far[1] - near[1], far[0] - near[0]), math.pi)
-            sight = CrossingSight(len(self._table) - 1, float(middle[0]), angle)
-            self._table.crossings.append(sight)
+            observation = CrossingObservation(len(self._table) - 1, float(middle[0]), angle)
+            self._table.crossings.append(observation)
 
 
 def _reduced(grey: Image, scale: float) -> Image:

@@ -98,7 +98,7 @@ def is_withheld(rows: Rows) -> npt.NDArray[np.bool_]:
 
 
 @dataclass(frozen=True, slots=True)
-class CrossingSight:
+class CrossingObservation:
     """Another line that lies across the cable in one picture.
 
     Attributes
@@ -136,13 +136,13 @@ class FrameTable:
     ----------
     reasons : list of str
         Reasons for missing metres; the first is "".
-    crossings : list of CrossingSight
+    crossings : list of CrossingObservation
         Detected lines across the cable.
     """
 
     def __init__(self, disk: Disk) -> None:
         self.reasons = [""]
-        self.crossings: list[CrossingSight] = []
+        self.crossings: list[CrossingObservation] = []
         self._rows = Growing(disk, EMPTY)
 
     def __len__(self) -> int:

@@ -1,4 +1,4 @@
-"""Lines across the cable, put together from the pictures that show them."""
+"""Lines across the cable, each merged from the pictures that show it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cable_tracker.survey.frames.frame_table import TRACKING
 from cable_tracker.survey.routes.route import Course
 
 CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
-"""Sights of one crossing lie so near to each other [m, rad]."""
+"""Largest distance and angle between observations of one crossing [m, rad]."""
 
-FEWEST_SIGHTS = 4
+FEWEST_PICTURES = 4
 """Smallest number of pictures of a crossing cable; a line in fewer is a rope or a shadow."""
 
 
-class LocatedSight(NamedTuple):
-    """A line across the cable, as one picture shows it.
+class LocatedObservation(NamedTuple):
+    """A line across the cable in one picture, located along the route.
 
     Attributes
     ----------
@@ -59,34 +59,40 @@ class Crossing(NamedTuple):
 def find_crossings(dive: ForwardDive, course: Course, start: float, piece: int) -> list[Crossing]:
     """Return the crossings of a connected piece, along a route that starts at a way [m]."""
     keyframes, cable, crossings = course.keyframes, course.cable, dive.table.crossings
-    sights = []
+    observations = []
     for part in dive.disk.blocks(len(crossings)):
-        for sight in crossings[part]:
-            row = dive.table.rows[sight.row]
-            keyframe = int(keyframes.of(np.array([sight.row]))[0])
+        for observation in crossings[part]:
+            row = dive.table.rows[observation.row]
+            keyframe = int(keyframes.of(np.array([observation.row]))[0])
             if keyframe < 0 or row["status"] != TRACKING or cable.piece[keyframe] != piece:
                 continue
             heading = float(cable.states[keyframe, 1])
-            beyond = (sight.ahead - float(row["look"])) / math.cos(heading)
+            beyond = (observation.ahead - float(row["look"])) / math.cos(heading)
             along = float(cable.along[keyframe]) + beyond - start
-            direction = float(keyframes.places[keyframe, 2]) + sight.angle
-            across = math.remainder(sight.angle - heading, math.pi)
-            sights.append(LocatedSight(along, direction, across, sight.row))
-    return [each for each in put_together(sorted(sights)) if each.pictures >= FEWEST_SIGHTS]
+            direction = float(keyframes.places[keyframe, 2]) + observation.angle
+            across = math.remainder(observation.angle - heading, math.pi)
+            observations.append(LocatedObservation(along, direction, across, observation.row))
+    return [
+        each
+        for each in merge_observations(sorted(observations))
+        if each.pictures >= FEWEST_PICTURES
+    ]
 
 
-def put_together(sights: Sequence[LocatedSight]) -> list[Crossing]:
-    """Put sights of the same place and direction on the sea bed together."""
-    groups: list[list[LocatedSight]] = []
-    for sight in sights:
+def merge_observations(observations: Sequence[LocatedObservation]) -> list[Crossing]:
+    """Merge observations of the same place and direction on the sea bed into one crossing each."""
+    groups: list[list[LocatedObservation]] = []
+    for observation in observations:
         for group in reversed(groups):
-            near = abs(sight.along - np.median([each.along for each in group])) < CROSSING_REACH
-            turn = abs(math.remainder(sight.direction - group[-1].direction, math.pi))
+            near = (
+                abs(observation.along - np.median([each.along for each in group])) < CROSSING_REACH
+            )
+            turn = abs(math.remainder(observation.direction - group[-1].direction, math.pi))
             if near and turn < CROSSING_ANGLE:
-                group.append(sight)
+                group.append(observation)
                 break
         else:
-            groups.append([sight])
+            groups.append([observation])
     return [
         Crossing(
             float(np.median([each.along for each in group])),

@@ -7,7 +7,7 @@ from survey_dives import DISK, Plan, make_dive, poses_of
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_table import EMPTY, REFUSED, TRACKING, CrossingSight
+from cable_tracker.survey.frames.frame_table import EMPTY, REFUSED, TRACKING, CrossingObservation
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.routes.events import EventKind, Limits, hidden_stretches
@@ -109,8 +109,8 @@ def test_a_line_across_that_is_seen_often_is_a_crossing():
     dive = make_dive(Plan())
     for row in range(300, 312):
         ahead = 0.7 + 0.05 * (306 - row)
-        dive.table.crossings.append(CrossingSight(row, ahead, 1.0))
-    dive.table.crossings.append(CrossingSight(100, 0.7, 1.2))
+        dive.table.crossings.append(CrossingObservation(row, ahead, 1.0))
+    dive.table.crossings.append(CrossingObservation(100, 0.7, 1.2))
     (event,) = events(dive, EventKind.CROSSING)
     assert event.along == pytest.approx(15.3, abs=0.5)
 
@@ -174,7 +174,7 @@ def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():
     dive = dive_in_two_pieces()
     for row in range(500, 508):
         # Just before the place where the second route begins, and the first one has ended.
-        dive.table.crossings.append(CrossingSight(row, 0.5 - 0.05 * (row - 500), 1.0))
+        dive.table.crossings.append(CrossingObservation(row, 0.5 - 0.05 * (row - 500), 1.0))
     surveyed, _ = analyse(dive, SurveySettings())
     assert len(surveyed.routes) == 2
     first, _ = surveyed.routes
@@ -184,7 +184,7 @@ def test_a_crossing_is_an_event_of_the_route_that_it_was_seen_from():
 def test_a_crossing_that_is_seen_while_odometry_is_silent_has_no_place():
     dive = dive_in_two_pieces()
     for row in range(440, 460):
-        dive.table.crossings.append(CrossingSight(row, 0.6 - 0.02 * (row - 440), 1.0))
+        dive.table.crossings.append(CrossingObservation(row, 0.6 - 0.02 * (row - 440), 1.0))
     assert not events(dive, EventKind.CROSSING)
 
 
