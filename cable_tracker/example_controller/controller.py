@@ -121,7 +121,7 @@ class Controller:
         return self._mode
 
     def step(
-        self, time: float, cable: Cable | None, pose: Pose | None, *, is_look: bool = True
+        self, time: float, cable: Cable | None, pose: Pose | None, *, is_processed: bool = True
     ) -> Command:
         """Return the command for a time.
 
@@ -135,8 +135,8 @@ class Controller:
         pose : Pose or None
             From odometry; None without. Then a lost cable is not searched for. Where it jumps,
             where the cable was is forgotten.
-        is_look : bool
-            Whether the tracker has looked at the frame. One that it has refused says nothing of the
+        is_processed : bool
+            Whether the tracker has processed the frame. One that it has refused says nothing of the
             cable: it neither interrupts sightings in a row nor is one of them; time goes on.
         """
         seconds = self._clock.advance(time)
@@ -149,7 +149,7 @@ class Controller:
             is_back = self._in_a_row >= CONFIRMATIONS
             if is_back or self._mode is Mode.FOLLOWING:
                 return self._follow(seconds, cable, pose)
-        elif is_look:
+        elif is_processed:
             self._in_a_row = 0
         self._command = self._without(seconds, pose)
         return self._command

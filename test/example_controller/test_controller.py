@@ -41,17 +41,17 @@ class Trial:
     def mode(self) -> Mode:
         return self.controller.mode
 
-    def sees(self, cable: Cable | None, *, is_look: bool = True) -> Command:
+    def sees(self, cable: Cable | None, *, is_processed: bool = True) -> Command:
         self.time += STEP
         pose = self.pose if self.has_odometry else None
-        self.command = self.controller.step(self.time, cable, pose, is_look=is_look)
+        self.command = self.controller.step(self.time, cable, pose, is_processed=is_processed)
         yaw = self.pose.yaw + self.command.turn * STEP
         way = self.command.surge * STEP
         self.pose = Pose(self.pose.x + way * math.cos(yaw), self.pose.y + way * math.sin(yaw), yaw)
         return self.command
 
     def passes_over_a_frame(self) -> Command:
-        return self.sees(None, is_look=False)
+        return self.sees(None, is_processed=False)
 
     def sees_the_x_axis(self, seconds: float) -> None:
         for _ in range(round(seconds / STEP)):

@@ -92,7 +92,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
             return None
         return self._poses[nearest]
 
-    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
+    def _command(self, stamp: int, is_claimed: bool, is_processed: bool) -> Command:
         cable = self._cables.get(stamp) if is_claimed else None
         seconds, pose = stamp / NANOSECONDS, self._pose_at(stamp)
-        return self._controller.step(seconds, cable, pose, is_look=is_look)
+        return self._controller.step(seconds, cable, pose, is_processed=is_processed)

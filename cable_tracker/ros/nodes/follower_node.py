@@ -58,6 +58,6 @@ class FollowerNode(GuidanceNode[FollowSettings]):
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
         return stamp in self._places or not is_placed
 
-    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
+    def _command(self, stamp: int, is_claimed: bool, is_processed: bool) -> Command:
         place = self._places.get(stamp) if is_claimed else None
         return self._follower.step(stamp / NANOSECONDS, place)

@@ -39,7 +39,7 @@ NO_STATE = "NO STATE"
 """What diagnostics say while no `state` comes."""
 
 IDLE_STATUSES = {DISABLED, WARMING_UP, FROZEN_INPUT}
-"""Statuses of a tracker that looks for nothing."""
+"""Statuses of a tracker that processes no frame."""
 
 STOP_PATIENCE = 1.0
 """Longest time for the last command to arrive when the node ends [s]."""
@@ -68,18 +68,18 @@ class Reported:
 
 
 UNREPORTED = Reported(has_place=True, is_refused=False)
-"""What is taken for granted of a frame whose report has not come."""
+"""Assumed of a frame whose report has not come."""
 
 
 class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped (one of a time that no message has
-    room for counts as none), and so it is while the tracker says that it looks at nothing (switched
-    off, warming up, or before a picture that stands still), or has refused every frame for
-    `state_timeout`; but not in lockstep. In lockstep it waits, at most `settle_time`, until every
-    message that the frame report announces has arrived, so that the command does not depend on the
-    order of messages. The first command waits until it has a subscriber.
+    room for counts as none), and so it is while the tracker says that it processes no frame
+    (switched off, warming up, or before a picture that stands still), or has refused every frame
+    for `state_timeout`; but not in lockstep. In lockstep it waits, at most `settle_time`, until
+    every message that the frame report announces has arrived, so that the command does not depend
+    on the order of messages. The first command waits until it has a subscriber.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         self._settings = node_parameters.declare_set(self, settings, read_only=True)
         self._own = node_parameters.declare_set(self, GuidanceNodeParameters(), read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
-        self._told: str | None = None
+        self._reported_mode: str | None = None
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
         self._last_command = STOP
@@ -121,7 +121,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
             self, node_topics.DIAGNOSTICS, qos.RESULTS, name=node_topics.DIAGNOSTICS.global_name
         )
         self._reports: OrderedDict[int, Reported] = OrderedDict()
-        self._last_look: int | None = None
+        self._last_processed: int | None = None
         self._status = ""
         self._last_accepted = time.monotonic()
         self._awaits_report_since: float | None = None
@@ -148,7 +148,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         """
 
     @abstractmethod
-    def _command(self, stamp: int, is_claimed: bool, is_look: bool) -> Command:
+    def _command(self, stamp: int, is_claimed: bool, is_processed: bool) -> Command:
         """Return the answer to a frame.
 
         Parameters
@@ -157,24 +157,24 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
             Its time [ns].
         is_claimed : bool
             Whether the tracker claims something in it.
-        is_look : bool
-            Whether the tracker has looked at it; False for one that it has refused.
+        is_processed : bool
+            Whether the tracker has processed it; False for one that it has refused.
         """
 
     def on_state(self, message: Message) -> None:
-        """Take note that the tracker has seen a frame, and whether it claims something in it."""
+        """Queue a frame of the tracker to be answered, with whether something is claimed in it."""
         now = time.monotonic()
         stamp = stamp_of(message.header)
-        # Of another time nothing could be told; the tracker has refused such a frame. No command
+        # No message could bear another time, and the tracker has refused such a frame. No command
         # answers it: it counts as silence.
         if has_room_for(stamp):
             self._last_state = now
             self._states.append((stamp, bool(message.position), now))
         if not self._own.lockstep:
-            self._miss_reports(now)
+            self._warn_of_missing_reports(now)
 
-    def _miss_reports(self, now: float) -> None:
-        """Warn once if `state` comes at a time on the monotonic clock [s], and never a report."""
+    def _warn_of_missing_reports(self, now: float) -> None:
+        """Warn once if `state` has come for a while, up to `now` [s], and never a report."""
         if self._awaits_report_since is None:
             self._awaits_report_since = now
         waited = now - self._awaits_report_since
@@ -190,7 +190,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         )
 
     def on_report(self, message: Message) -> None:
-        """Take note of whether the tracker looks, and a place in metres comes with a `state`."""
+        """Keep the tracker's status, and whether a place in metres comes with a `state`."""
         stamp = stamp_of(message.header)
         has_place = bool(message.status) and self.TOPICS.place in announced_topics(
             self.TOPICS, message
@@ -203,16 +203,16 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         if not is_refused:
             self._last_accepted = time.monotonic()
 
-    def _is_look(self, stamp: int, is_claimed: bool) -> bool:
-        """Tell whether the tracker has looked at a frame of a time [ns], or has refused it."""
+    def _is_processed(self, stamp: int, is_claimed: bool) -> bool:
+        """Tell whether the tracker has processed a frame of a time [ns]; else it has refused it."""
         if is_claimed:
             return True
         # The times tell it also of a frame that comes twice: its report is that of the first.
-        is_late = self._last_look is not None and is_out_of_order(self._last_look, stamp)
+        is_late = self._last_processed is not None and is_out_of_order(self._last_processed, stamp)
         return not (is_late or self._reports.get(stamp, UNREPORTED).is_refused)
 
     def _idle_status(self) -> str:
-        """Return the tracker's status while it looks at nothing; empty: it looks."""
+        """Return the tracker's status while it processes no frame; empty: it does."""
         # A refused frame among others is passed over; of refused ones alone a vehicle that follows
         # or searches would learn nothing.
         blind_for = time.monotonic() - self._last_accepted if self._status == REFUSED else 0.0
@@ -244,33 +244,33 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         if has_time and not self._is_complete(stamp, is_placed):
             return
         self._states.pop(0)
-        is_look = self._is_look(stamp, is_claimed)
-        if is_look:
-            self._last_look = stamp
-        command = self._command(stamp, is_claimed, is_look)
-        # Before the command: in lockstep, all about a frame is told when the next one comes.
+        is_processed = self._is_processed(stamp, is_claimed)
+        if is_processed:
+            self._last_processed = stamp
+        command = self._command(stamp, is_claimed, is_processed)
+        # Before the command: in lockstep, all about a frame is published when the next one comes.
         self._report_mode_change(stamp)
         self._send(command)
 
     def _stop_while_idle(self, stamp: int, status: str) -> None:
-        """Let the vehicle stop: to search makes no sense while the tracker does not look."""
+        """Let the vehicle stop: to search makes no sense while the tracker processes no frame."""
         self._stop()
-        if self._is_news(status):
+        if self._note_mode(status):
             self.get_logger().warning(f"the tracker says {status}: the vehicle stops")
             self._report(stamp, status, Level.WARN)
 
     def _stop_if_silent(self) -> None:
         is_silent = time.monotonic() - self._last_state > self._own.state_timeout
-        if is_silent and self._is_news(NO_STATE):
+        if is_silent and self._note_mode(NO_STATE):
             is_moving = self._stop()
             self.get_logger().warning(
                 "no `state` comes from the tracker" + (": the vehicle stops" if is_moving else "")
             )
             self._report(int(self.get_clock().now().nanoseconds), NO_STATE, Level.WARN)
 
-    def _is_news(self, mode: str) -> bool:
-        """Take note of a mode that is to be reported; tell whether the last one was another."""
-        before, self._told = self._told, mode
+    def _note_mode(self, mode: str) -> bool:
+        """Keep a mode as the last one reported; tell whether it differs from the one before."""
+        before, self._reported_mode = self._reported_mode, mode
         return mode != before
 
     def _stop(self) -> bool:
@@ -289,7 +289,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
 
     def _report_mode_change(self, stamp: int) -> None:
         """Report a change of mode in the log and in diagnostics."""
-        if self._is_news(self.mode.value):
+        if self._note_mode(self.mode.value):
             self.get_logger().info(self.mode.value)
             level = Level.OK if self.mode is self.NOMINAL_MODE else Level.WARN
             self._report(stamp, self.mode.value, level)
