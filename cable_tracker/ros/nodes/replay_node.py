@@ -15,8 +15,8 @@ from cable_tracker.node_parameter_tables import ReplayRuntimeParameters, ReplayS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.ros.nodes.replay_audience import ReplayAudience
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
+from cable_tracker.ros.nodes.replay_subscribers import ReplaySubscribers
 from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
@@ -84,7 +84,7 @@ class ReplayNode(ProcessNode):
         self._started = time.monotonic()
         self._create_publishers()
         self._instruments = self._instrument_replay()
-        self._audience = ReplayAudience(
+        self._subscribers = ReplaySubscribers(
             self, self._own, self._image, self._state, self._instruments
         )
         self._begin()
@@ -185,7 +185,7 @@ class ReplayNode(ProcessNode):
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
         waits = self._awaited is not None or self._awaits_restart
-        if self._paused or waits or not self._audience.is_there:
+        if self._paused or waits or not self._subscribers.is_there:
             return WAKE_UP
         if self._last is not None:
             return LOOK_AGAIN
@@ -200,9 +200,9 @@ class ReplayNode(ProcessNode):
             if not self._awaits_restart:
                 self._end_or_loop()
             return
-        if not self._audience.is_there:
+        if not self._subscribers.is_there:
             self._be_due_now()
-            if not self._audience.find():
+            if not self._subscribers.check():
                 return
         if self._paused and not self._steps:
             return
@@ -262,7 +262,7 @@ class ReplayNode(ProcessNode):
             self._awaited = None
 
     def _check_answer_deadline(self) -> None:
-        if self._audience.warming():
+        if self._subscribers.warming():
             # A changed parameter may need other code; the frame is answered all the same.
             self._answer_deadline = time.monotonic() + self._own.answer_timeout
         if time.monotonic() < self._answer_deadline:

@@ -29,7 +29,7 @@ from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.node_parameter_tables import ReplayStartParameters
 from cable_tracker.ros import qos
-from cable_tracker.ros.nodes import replay_audience, replay_instruments, replay_node
+from cable_tracker.ros.nodes import replay_instruments, replay_node, replay_subscribers
 from cable_tracker.ros.process import last_messages
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
@@ -363,7 +363,7 @@ class TestTiming:
         monkeypatch: pytest.MonkeyPatch,
         capfd: pytest.CaptureFixture[str],
     ) -> None:
-        monkeypatch.setattr(replay_audience, "PATIENCE", 0.1)
+        monkeypatch.setattr(replay_subscribers, "PATIENCE", 0.1)
         world.me.create_subscription(Image, "elsewhere", lambda _: None, 1)
         node = world.replay(source=str(make_dive(2)), wait_for_tracker=True)
         said: list[str] = []
@@ -402,7 +402,7 @@ class TestTiming:
         )  # fmt: skip
         world.spin(tracker.is_heard)
         tracker.says(WARMING_UP)
-        world.spin(node._audience.warming)
+        world.spin(node._subscribers.warming)
         node._paused = False
         # Longer than answer_timeout, after which it gives up where no tracker is to be seen.
         world.pass_time(0.6)
@@ -681,9 +681,9 @@ def test_a_lockstep_waits_for_the_tracker_itself_to_hear_the_images(
     node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=3600.0)
     world.spin(lambda: world.me.count_publishers(f"{world.namespace}/state"))
     world.pass_time(0.5)
-    assert not node._audience.is_there
+    assert not node._subscribers.is_there
     teller.create_subscription(Image, "image", lambda _message: None, 1)
-    world.spin(lambda: node._audience.is_there)
+    world.spin(lambda: node._subscribers.is_there)
 
 
 class SlowLink:

@@ -1,4 +1,4 @@
-"""The nodes that a replay plays to: whether they are there, and what is said until they are."""
+"""Whether the nodes that a replay sends to have subscribed, and what is logged until they have."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ PATIENCE = 3.0
 """Longest time for discovery [s]; only then a missing subscriber is worth a warning."""
 
 WARNING_PAUSE = 5.0
-"""Time between two words on what is waited for [s]."""
+"""Least time between two log messages about what is waited for [s]."""
 
 
-class ReplayAudience:
-    """Looks for the subscribers of a replay, and in lockstep for what answers it.
+class ReplaySubscribers:
+    """Waits for the subscribers of a replay, and in lockstep for the publisher of `state`.
 
     Parameters
     ----------
@@ -35,9 +35,9 @@ class ReplayAudience:
     image : Publisher
         Publishes the frames.
     state : Subscription
-        Hears the answers.
+        Receives the tracker's answers.
     instruments : InstrumentReplay or None
-        Publishes what the instruments said.
+        Publishes the messages of the instruments.
 
     Attributes
     ----------
@@ -68,8 +68,8 @@ class ReplayAudience:
         """Return the full names of the trackers that are warming up."""
         return self._health.warming()
 
-    def find(self) -> bool:
-        """Look whether all are there; say what is missing if not.
+    def check(self) -> bool:
+        """Check whether all have subscribed; log what is missing if not, and return `is_there`.
 
         Raises
         ------
@@ -84,15 +84,15 @@ class ReplayAudience:
         is_ready = is_heard and in_step and not self.warming()
         self.is_there = is_ready or not (lockstep or self._own.wait_for_tracker)
         if not self.is_there:
-            self._complain_of_waiting()
+            self._log_waiting()
         elif not is_heard:
             self._node.get_logger().warning(
                 f"no node subscribes to {self._image.topic_name}: the first frames reach none"
             )
         return self.is_there
 
-    def _complain_of_waiting(self) -> None:
-        """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
+    def _log_waiting(self) -> None:
+        """Log what is waited for; in lockstep give up in time, unless one is warming up."""
         warming = self.warming()
         if warming:
             # The compiler takes as long as it takes, on a slow computer minutes.
