@@ -19,9 +19,10 @@ from cable_tracker.evaluation.targets.chase_table import (
 from cable_tracker.ros.clients.lockstep import DRIVEN, PATIENT, READY_SOON
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
-from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, SeenOverlay
-from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, ChaseVideoFrame
 from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    COMMAND,
+    RELEASED,
     SETTLE_TIME,
     closed_loop,
     listen_to_the_end,
@@ -103,7 +104,7 @@ def run_chase(
         name = "target_simulator"
         simulator = group.start(name, parameters[name], {COMMAND: RELEASED}, may_end=True)
 
-        def show(frame: SeenOverlay) -> None:
+        def show(frame: ChaseVideoFrame) -> None:
             if frame.picture is not None:
                 video.add(frame.picture, frame.stamp)
             advance()
@@ -123,8 +124,8 @@ def run_chase(
 
 
 def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
-    seen = ChaseWorld(request.world)
-    box = seen.view(seen.state()).box
+    world = ChaseWorld(request.world)
+    box = world.view(world.state()).box
     assert box is not None, "the target begins before the camera"
     return {
         "target_tracker": {

@@ -1,4 +1,4 @@
-"""Listens to a chase and puts together what belongs to the same frame."""
+"""Recorder of a chase: the messages about each frame, and the rows of its table."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rclpy.context import Context
 from cable_tracker.arrays import Image
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
 from cable_tracker.ros.messages.announced_topics import announced_topics
-from cable_tracker.ros.rigs.closed_loop.run_recorder import Heard, RunRecorder
+from cable_tracker.ros.rigs.closed_loop.run_recorder import FrameMessages, RunRecorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.images import read_compressed_image
@@ -20,7 +20,7 @@ from cable_tracker.stamps import NANOSECONDS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenOverlay:
+class ChaseVideoFrame:
     """Picture of a frame for the video.
 
     Attributes
@@ -35,8 +35,8 @@ class SeenOverlay:
     picture: Image | None
 
 
-class ChaseRecorder(RunRecorder[SeenOverlay]):
-    """Keeps what is true and what is told of every frame.
+class ChaseRecorder(RunRecorder[ChaseVideoFrame]):
+    """Keeps the truth and the tracker's results of every frame.
 
     Parameters
     ----------
@@ -69,17 +69,17 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
             and health.has_readers(1, node_topics.TARGET_REPORT, node_topics.TARGET_OVERLAY)
         )
 
-    def _is_complete(self, frame: Heard) -> bool:
+    def _is_complete(self, frame: FrameMessages) -> bool:
         report = frame.get(node_topics.TARGET_REPORT)
         if node_topics.TRUE_TARGET not in frame or report is None:
             return False
         announced = announced_topics(node_topics.TARGET_TOPICS, report)
         return all(topic in frame for topic in announced if topic in self.RECORDED)
 
-    def _seen(self, stamp: int, frame: Heard) -> SeenOverlay:
+    def _video_frame(self, stamp: int, frame: FrameMessages) -> ChaseVideoFrame:
         overlay = frame.get(node_topics.TARGET_OVERLAY)
         known = overlay is not None
-        return SeenOverlay(stamp, decode_bgr(read_compressed_image(overlay)) if known else None)
+        return ChaseVideoFrame(stamp, decode_bgr(read_compressed_image(overlay)) if known else None)
 
     def rows(self) -> list[ChaseRow]:
         """Return the table of the run."""
@@ -89,16 +89,16 @@ class ChaseRecorder(RunRecorder[SeenOverlay]):
 
     def _row(self, stamp: int, first: int) -> ChaseRow:
         frame = self._frames[stamp]
-        truth, told = frame[node_topics.TRUE_TARGET].pose, frame.get(node_topics.RELATIVE_POSE)
+        truth, estimate = frame[node_topics.TRUE_TARGET].pose, frame.get(node_topics.RELATIVE_POSE)
         true = _vector(truth.pose.position)
         distance = math.hypot(*true)
         known, sigma, off = math.nan, math.nan, math.nan
-        if told is not None:
-            place = _vector(told.pose.pose.position)
+        if estimate is not None:
+            place = _vector(estimate.pose.pose.position)
             known = math.hypot(*place)
             off = math.dist(place, true)
             along = np.array(place) / known
-            covariance = np.reshape(told.pose.covariance, (6, 6))[:3, :3]
+            covariance = np.reshape(estimate.pose.covariance, (6, 6))[:3, :3]
             sigma = math.sqrt(max(float(along @ covariance @ along), 0.0))
         return ChaseRow(
             time=(stamp - first) / NANOSECONDS,

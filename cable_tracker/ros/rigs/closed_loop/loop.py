@@ -31,9 +31,10 @@ from cable_tracker.ros.clients.lockstep import (
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder, SeenFrame
-from cable_tracker.ros.rigs.closed_loop.released_commands import COMMAND, RELEASED
+from cable_tracker.ros.rigs.closed_loop.loop_recorder import LoopRecorder, LoopVideoFrame
 from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    COMMAND,
+    RELEASED,
     SETTLE_TIME,
     closed_loop,
     listen_to_the_end,
@@ -238,7 +239,7 @@ class _Run:
             has_settled=self._has_settled,
         )
 
-    def _show(self, frame: SeenFrame) -> None:
+    def _show(self, frame: LoopVideoFrame) -> None:
         self._draw(frame)
         self._advance(frame.place[0])
 
@@ -247,7 +248,7 @@ class _Run:
             return since_end > SETTLE_TIMEOUT or self._recorder.is_settled()
         return self._recorder.is_settled() and self._recorder.is_steered()
 
-    def _draw(self, frame: SeenFrame) -> None:
+    def _draw(self, frame: LoopVideoFrame) -> None:
         if self._video is None or frame.image is None:
             return
         if self._first_stamp is None:

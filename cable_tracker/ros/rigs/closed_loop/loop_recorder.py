@@ -1,4 +1,4 @@
-"""Listens to a closed loop and puts together what belongs to the same frame."""
+"""Recorder of a closed loop: the messages about each frame, and the rows of its table."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rclpy.context import Context
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
-from cable_tracker.ros.rigs.closed_loop.run_recorder import Heard, RunRecorder
+from cable_tracker.ros.rigs.closed_loop.run_recorder import FrameMessages, RunRecorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.cable import read_state
@@ -20,15 +20,15 @@ from cable_tracker.sequences.messages.poses import Y, yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 TRUTHS = frozenset({node_topics.TRUE_ODOMETRY, node_topics.TRUE_CROSS_TRACK})
-"""What a row of the table cannot be without."""
+"""Topics that a row of the table needs."""
 
 NEEDED = TRUTHS | {node_topics.STATE, node_topics.FRAME_REPORT}
-"""What a picture of a frame needs besides the image."""
+"""Topics that a frame of the video needs besides the image."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenFrame:
-    """Content of a frame's picture in the video.
+class LoopVideoFrame:
+    """Content of one frame of the video.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class SeenFrame:
     error: float
 
 
-class LoopRecorder(RunRecorder[SeenFrame]):
+class LoopRecorder(RunRecorder[LoopVideoFrame]):
     """Subscribes to all that a closed loop publishes.
 
     Parameters
@@ -92,22 +92,22 @@ class LoopRecorder(RunRecorder[SeenFrame]):
         self._modes[stamp] = mode
 
     def is_connected(self) -> bool:
-        """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
+        """Tell whether the tracker's diagnostics count the controller and us as readers."""
         both = self._health.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
         return both and self._health.has_readers(1, node_topics.FRAME_REPORT)
 
     def is_warm(self) -> bool:
-        """Tell whether the tracker has said that it is done with compiling."""
+        """Tell whether the tracker's diagnostics say that it has compiled."""
         return self._health.is_warm()
 
-    def _is_complete(self, frame: Heard) -> bool:
+    def _is_complete(self, frame: FrameMessages) -> bool:
         return frame.keys() >= self._needed
 
-    def _seen(self, stamp: int, frame: Heard) -> SeenFrame:
+    def _video_frame(self, stamp: int, frame: FrameMessages) -> LoopVideoFrame:
         image = frame.get(node_topics.IMAGE)
         pose = frame[node_topics.TRUE_ODOMETRY].pose.pose
         true = frame[node_topics.TRUE_CROSS_TRACK].pose.pose
-        return SeenFrame(
+        return LoopVideoFrame(
             stamp=stamp,
             image=decode_grey(read_image(image)) if image is not None else None,
             state=read_state(frame[node_topics.STATE]),
@@ -119,7 +119,7 @@ class LoopRecorder(RunRecorder[SeenFrame]):
 
     def is_steered(self) -> bool:
         """Tell whether there is a command for each frame that has been complete."""
-        return self._commands.heard >= self._taken
+        return self._commands.received >= self._taken
 
     def rows(self) -> list[LoopRow]:
         """Return the table of the run; its frames are those that the simulator sent."""

@@ -1,14 +1,15 @@
-"""What closed loops share: nodes that start together, what records them, and when a run ends."""
+"""Base of a closed loop's recorder: the nodes of a run, their messages, and when the run ends."""
 
 from __future__ import annotations
 
 import os
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
+from typing import Any, ClassVar, Final, Generic, TypeAlias, TypeVar
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -16,17 +17,23 @@ from rclpy.node import Node
 
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
-from cable_tracker.ros.endpoints import subscription
+from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.tracker_health import TrackerHealth, is_guidance
 from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.closed_loop.released_commands import ReleasedCommands
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.node_topics import CLOCK, NodeTopic
+
+COMMAND: Final = node_topics.COMMAND.name
+RELEASED: Final = "recorded_cmd_vel"
+"""Topic on which a simulator in lockstep awaits commands."""
+
+MOST_WAITING = 100
+"""Commands that may wait. In lockstep it is one or two; in real time nothing takes them."""
 
 SETTLE_TIME = 60.0
 """Longest wait of what steers in lockstep for all that the tracker's report announces [s]."""
@@ -44,14 +51,57 @@ that a few turns would do.
 """
 
 Row = TypeVar("Row")
-Seen = TypeVar("Seen")
+VideoFrame = TypeVar("VideoFrame")
 
-Heard: TypeAlias = dict[NodeTopic, Message]
+FrameMessages: TypeAlias = dict[NodeTopic, Message]
 """Messages about one frame, as far as they have come."""
 
 
-class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
-    """Records a run of several nodes, and puts together what belongs to the same frame.
+class ReleasedCommands:
+    """Holds each command back until all messages about its frame have been recorded.
+
+    The nodes of a loop drive each other. A recorder that only listened could fall behind them by
+    more messages than they keep for it, where the machine gives it no processor for a while.
+
+    Parameters
+    ----------
+    node : Node
+        The recorder.
+
+    Attributes
+    ----------
+    received : int
+        Number of commands received.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.received = 0
+        self._released = 0
+        self._waiting: deque[Message] = deque(maxlen=MOST_WAITING)
+        self._publisher = publisher(node, node_topics.COMMAND, qos.RESULTS, name=RELEASED)
+        subscription(node, node_topics.COMMAND, self._receive, qos.EVERYTHING)
+
+    def _receive(self, message: Message) -> None:
+        self.received += 1
+        self._waiting.append(message)
+
+    def release(self, recorded: int) -> None:
+        """Publish the commands whose frames are recorded.
+
+        Parameters
+        ----------
+        recorded : int
+            Number of frames recorded completely so far; each has one command.
+        """
+        while (
+            self._waiting and self._released < recorded and self._publisher.get_subscription_count()
+        ):
+            self._publisher.publish(self._waiting.popleft())
+            self._released += 1
+
+
+class RunRecorder(Node, ABC, Generic[VideoFrame]):  # type: ignore[misc]
+    """Records a run of several nodes: the messages about each frame, by their stamps.
 
     Parameters
     ----------
@@ -64,7 +114,7 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
 
     Attributes
     ----------
-    heard : int
+    received : int
         Number of messages received that were to be recorded.
     """
 
@@ -79,9 +129,9 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
 
     def __init__(self, name: str, context: Context, namespace: str) -> None:
         super().__init__(name, context=context, namespace=namespace)
-        self.heard = 0
-        self._frames: dict[int, Heard] = {}
-        self._open: dict[int, Heard] = {}
+        self.received = 0
+        self._frames: dict[int, FrameMessages] = {}
+        self._open: dict[int, FrameMessages] = {}
         self._last = -1
         self._taken = 0
         self._health = TrackerHealth()
@@ -91,38 +141,40 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
             self._record(topic)
 
     def _record(self, topic: NodeTopic) -> None:
-        subscription(self, topic, partial(self._hear, topic), qos.EVERYTHING)
+        subscription(self, topic, partial(self._receive, topic), qos.EVERYTHING)
 
-    def _hear(self, topic: NodeTopic, message: Message) -> None:
-        self.heard += 1
+    def _receive(self, topic: NodeTopic, message: Message) -> None:
+        self.received += 1
         stamp = stamp_of(message.header)
         if stamp not in self._frames:
             self._frames[stamp] = self._open[stamp] = {}
         self._frames[stamp][topic] = message
 
     @abstractmethod
-    def _is_complete(self, frame: Heard) -> bool:
-        """Tell whether all has come about a frame that is waited for."""
+    def _is_complete(self, frame: FrameMessages) -> bool:
+        """Tell whether all messages about a frame have come."""
 
     @abstractmethod
-    def _seen(self, stamp: int, frame: Heard) -> Seen:
-        """Return what a video shows of a frame that is complete."""
+    def _video_frame(self, stamp: int, frame: FrameMessages) -> VideoFrame:
+        """Return what the video shows of a complete frame."""
 
-    def take(self) -> list[Seen]:
+    def take(self) -> list[VideoFrame]:
         """Return the frames that have become complete, in order, each once.
 
         A frame that the tracker has left out is passed over when a later one is complete. In
         lockstep the simulator goes on when a frame is complete.
         """
         complete = sorted(stamp for stamp, frame in self._open.items() if self._is_complete(frame))
-        seen = [self._seen(stamp, self._open[stamp]) for stamp in complete if stamp > self._last]
+        frames = [
+            self._video_frame(stamp, self._open[stamp]) for stamp in complete if stamp > self._last
+        ]
         self._last = max([self._last, *complete])
-        self._taken += len(seen)
+        self._taken += len(frames)
         self._commands.release(self._taken)
         for stamp in [stamp for stamp in self._open if stamp <= self._last]:
             # Pictures are large, and a run has thousands.
             self._open.pop(stamp).pop(self.PICTURE, None)
-        return seen
+        return frames
 
     def is_settled(self) -> bool:
         """Tell whether all messages about the frames sent have come, and were taken."""
@@ -134,7 +186,7 @@ class RunRecorder(Node, ABC, Generic[Seen]):  # type: ignore[misc]
             self._note_mode(stamp_of(message.header), str(status.message))
 
     def _note_mode(self, stamp: int, mode: str) -> None:
-        """Take note of the mode that the controller or follower has told of at a stamp [ns]."""
+        """Keep the mode that the controller or follower reports at a stamp [ns]."""
 
 
 AnyRecorder = TypeVar("AnyRecorder", bound=RunRecorder[Any])
@@ -168,15 +220,15 @@ def closed_loop(
 
 
 def listen_to_the_end(
-    recorder: RunRecorder[Seen],
+    recorder: RunRecorder[VideoFrame],
     executor: SingleThreadedExecutor,
     group: NodeGroup,
     simulator: NodeProcess,
     *,
-    show: Callable[[Seen], None],
+    show: Callable[[VideoFrame], None],
     has_settled: Callable[[float], bool],
 ) -> None:
-    """Listen until the simulator has ended, and all that it and the others have sent has come.
+    """Spin until the simulator has ended, and all messages of the nodes have been received.
 
     Parameters
     ----------
@@ -202,13 +254,13 @@ def listen_to_the_end(
     ended: float | None = None
     quiet_turns = 0
     while ended is None or quiet_turns < QUIET_TURNS or not has_settled(time.monotonic() - ended):
-        heard = recorder.heard
+        received = recorder.received
         executor.spin_once(timeout_sec=0.02)
         complaint = group.what_has_died()
         for frame in recorder.take():
             show(frame)
             last_frame = time.monotonic()
-        quiet_turns = quiet_turns + 1 if ended is not None and recorder.heard == heard else 0
+        quiet_turns = quiet_turns + 1 if ended is not None and recorder.received == received else 0
         if ended is None and not simulator.running:
             ended = time.monotonic()
         if not complaint and time.monotonic() - last_frame > SILENCE_TIMEOUT:

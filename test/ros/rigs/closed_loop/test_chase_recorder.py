@@ -13,7 +13,7 @@ from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header
 
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, SeenOverlay
+from cable_tracker.ros.rigs.closed_loop.chase_recorder import ChaseRecorder, ChaseVideoFrame
 from cable_tracker.ros.rigs.closed_loop.run_recorder import listen_to_the_end
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 
@@ -67,7 +67,7 @@ def test_messages_that_still_wait_when_the_simulator_has_ended_are_recorded(worl
     chase = Chase(world)
     for second in (1, 2, 3):
         chase.says_all(second)
-    shown: list[SeenOverlay] = []
+    shown: list[ChaseVideoFrame] = []
     listen_to_the_end(
         recorder,
         world.executor,
@@ -85,7 +85,7 @@ def test_messages_that_still_wait_when_the_simulator_has_ended_are_recorded(worl
 def test_a_frame_is_answered_when_all_about_it_has_come(world, recorder, late):
     chase = Chase(world)
     chase.says_all(1, but=late)
-    world.spin(lambda: recorder.heard == 4)
+    world.spin(lambda: recorder.received == 4)
     assert recorder.take() == []
     assert not recorder.is_settled()
     chase.says(late, 1)

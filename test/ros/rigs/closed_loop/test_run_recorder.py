@@ -3,11 +3,18 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from geometry_msgs.msg import Twist, Vector3
 
 from cable_tracker.errors import RosError
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.closed_loop import run_recorder
-from cable_tracker.ros.rigs.closed_loop.run_recorder import QUIET_TURNS, listen_to_the_end
+from cable_tracker.ros.rigs.closed_loop.run_recorder import (
+    COMMAND,
+    QUIET_TURNS,
+    RELEASED,
+    ReleasedCommands,
+    listen_to_the_end,
+)
 
 
 class Run:
@@ -17,14 +24,14 @@ class Run:
     """
 
     def __init__(self, end: int, messages: tuple[int, ...] = ()) -> None:
-        self.turns = self.heard = 0
+        self.turns = self.received = 0
         self._end = end
         self._messages = messages
 
     def spin_once(self, timeout_sec: float) -> None:
         del timeout_sec
         self.turns += 1
-        self.heard += self.turns in self._messages
+        self.received += self.turns in self._messages
 
     @property
     def running(self) -> bool:
@@ -80,3 +87,59 @@ def test_a_node_that_has_died_ends_it():
 
     with pytest.raises(RosError, match="tracker node has died: nonsense"):
         listen(Run(9), Died())
+
+
+@pytest.fixture
+def commands(world: Any) -> ReleasedCommands:
+    return ReleasedCommands(world.me)
+
+
+@pytest.fixture
+def steer(world: Any, commands: ReleasedCommands) -> Any:
+    """Return a function that sends a command of a speed, and waits until it has come."""
+    publisher = world.me.create_publisher(Twist, COMMAND, 10)
+
+    def steered(speed: float) -> None:
+        before = commands.received
+        publisher.publish(Twist(linear=Vector3(x=speed)))
+        world.spin(lambda: commands.received > before)
+
+    return steered
+
+
+def speeds(released: list[Twist]) -> list[float]:
+    return [command.linear.x for command in released]
+
+
+def test_a_command_is_held_until_its_frame_is_recorded(world, commands, steer):
+    released = world.listen(Twist, RELEASED)
+    for speed in (1.0, 2.0, 3.0):
+        steer(speed)
+    commands.release(0)
+    world.empty_queues()
+    assert released == []
+    commands.release(2)
+    world.empty_queues()
+    assert speeds(released) == [1.0, 2.0]
+    commands.release(2)
+    world.empty_queues()
+    assert speeds(released) == [1.0, 2.0]
+    commands.release(3)
+    world.empty_queues()
+    assert speeds(released) == [1.0, 2.0, 3.0]
+
+
+def test_it_waits_for_the_simulator_to_listen(world, commands, steer):
+    steer(1.0)
+    commands.release(1)
+    released = world.listen(Twist, RELEASED)
+    commands.release(1)
+    world.spin(lambda: speeds(released) == [1.0])
+
+
+def test_a_frame_that_is_recorded_before_its_command_lets_it_pass(world, commands, steer):
+    released = world.listen(Twist, RELEASED)
+    commands.release(1)
+    steer(1.0)
+    commands.release(1)
+    world.spin(lambda: speeds(released) == [1.0])
