@@ -51,7 +51,7 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
         if settings.scheduler is None:
             with _local(settings) as cluster, Client(cluster) as client:
                 if settings.dashboard:
-                    settings.tell_dashboard(cluster.dashboard_link)
+                    settings.on_dashboard(cluster.dashboard_link)
                 check_versions(client)
                 yield client
             return
@@ -125,8 +125,8 @@ class OtherVersions:
         The campaign's.
     version : str
         Version of the campaign.
-    tell : callable
-        Told of each worker that is retired.
+    notify : callable
+        Called with a sentence about each worker that is retired.
 
     Attributes
     ----------
@@ -134,8 +134,8 @@ class OtherVersions:
         Whether a worker was retired.
     """
 
-    def __init__(self, client: Client, version: str, tell: Callable[[str], None]) -> None:
-        self._client, self._version, self._tell = client, version, tell
+    def __init__(self, client: Client, version: str, notify: Callable[[str], None]) -> None:
+        self._client, self._version, self._notify = client, version, notify
         self.has_retired = False
 
     def retire(self) -> bool:
@@ -159,7 +159,7 @@ class OtherVersions:
             self._client.retire_workers(list(others))
             self.has_retired = True
         for address, what in others.items():
-            self._tell(
+            self._notify(
                 f"the worker at {address} {what}, the campaign {self._version}; it is retired, and"
                 " the others do its tasks; install one version on all workers"
             )

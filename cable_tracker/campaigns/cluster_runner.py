@@ -19,10 +19,10 @@ from cable_tracker.errors import CableTrackerError, ParameterError
 from cable_tracker.libraries import one_thread
 
 PROGRESS = "cable_tracker progress"
-"""Topic on which workers tell of their progress."""
+"""Topic on which workers report their progress."""
 
-TELL_EVERY = 0.5
-"""Workers tell no more often [s]."""
+REPORT_EVERY = 0.5
+"""Least time between two reports of a worker [s]."""
 
 MOST_REFUSALS = 3
 """Number of times that a task is given to the workers anew; each time others have come between."""
@@ -30,8 +30,8 @@ MOST_REFUSALS = 3
 Result = TypeVar("Result")
 
 
-class _Teller:
-    """Tells the client of a task's progress, now and then."""
+class _ProgressReporter:
+    """Reports a task's progress to the client, at most every `REPORT_EVERY`."""
 
     def __init__(self, number: int) -> None:
         self._number = number
@@ -42,10 +42,10 @@ class _Teller:
     def __call__(self, count: int) -> None:
         self.total += count
         self._count += count
-        if time.monotonic() - self._last >= TELL_EVERY:
-            self.tell()
+        if time.monotonic() - self._last >= REPORT_EVERY:
+            self.report()
 
-    def tell(self) -> None:
+    def report(self) -> None:
         if self._count:
             get_worker().log_event(PROGRESS, (self._number, self._count))
         self._count, self._last = 0, time.monotonic()
@@ -55,15 +55,17 @@ REFUSAL = "the worker has cable_tracker "
 """Beginning of what a worker of another version says of each task. All versions say it so."""
 
 
-def _in_worker(work: Callable[[_Teller], Result], number: int, version: str) -> tuple[Result, int]:
+def _in_worker(
+    work: Callable[[_ProgressReporter], Result], number: int, version: str
+) -> tuple[Result, int]:
     """Do a task in a worker; return its result, and how many frames it had."""
     if version != __version__:
         raise ParameterError(
             f"{REFUSAL}{__version__}, the campaign {version}; install one version on all workers"
         )
-    teller = _Teller(number)
+    reporter = _ProgressReporter(number)
     with one_thread():
-        return work(teller), teller.total
+        return work(reporter), reporter.total
 
 
 def run_on_cluster(
@@ -71,16 +73,16 @@ def run_on_cluster(
     calls: Sequence[Callable[[Advance], object]],
     advance: Advance,
 ) -> Generator[Ended]:
-    """Let workers do tasks, each a call that is given what tells its progress; yield what ended.
+    """Let workers run `calls`, each given a function to report progress; yield the ended tasks.
 
-    What a worker of another version has refused is done by others, as long as there are any. When
-    the generator is closed, what has not ended is given up.
+    A task that a worker of another version has refused is given to others, as long as there are
+    any. When the generator is closed, tasks that have not ended are given up.
     """
     progress = _Progress(advance)
     refusals = Counter[int]()
     with connected(settings) as client:
-        client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
-        others = OtherVersions(client, __version__, settings.tell)
+        client.subscribe_topic(PROGRESS, lambda event: progress.report(*event[1]))
+        others = OtherVersions(client, __version__, settings.on_notice)
 
         def submit(number: int) -> Future:
             return client.submit(_in_worker, calls[number], number, __version__, pure=False)
@@ -100,7 +102,7 @@ def run_on_cluster(
                     futures[again] = number
                     ended.add(again)
                 else:
-                    yield Ended(number, error=_in_words(error))
+                    yield Ended(number, error=_readable_error(error))
         finally:
             client.cancel(list(futures))
             client.unsubscribe_topic(PROGRESS)
@@ -116,7 +118,7 @@ def _is_for_others(error: BaseException, others: OtherVersions) -> bool:
     return others.retire() and others.has_retired
 
 
-def _in_words(error: Exception) -> Exception:
+def _readable_error(error: Exception) -> Exception:
     if not isinstance(error, KilledWorker):
         return error
     return ParameterError(
@@ -128,25 +130,25 @@ def _in_words(error: Exception) -> Exception:
 class _Progress:
     """Progress reported so far of each task; reports after a task's end are ignored.
 
-    Tasks tell in a thread of the client, and their end comes in another.
+    Reports come in one thread of the client, the ends of tasks in another.
     """
 
     def __init__(self, advance: Advance) -> None:
         self._advance = advance
-        self._told: dict[int, int] = {}
+        self._reported: dict[int, int] = {}
         self._ended: set[int] = set()
         self._lock = threading.Lock()
 
-    def tell(self, number: int, count: int) -> None:
+    def report(self, number: int, count: int) -> None:
         """Count frames of a task that goes on."""
         with self._lock:
             if number not in self._ended:
-                self._told[number] = self._told.get(number, 0) + count
+                self._reported[number] = self._reported.get(number, 0) + count
                 self._advance(count)
 
     def end(self, number: int, total: int) -> None:
         """Count the rest of a task."""
         with self._lock:
             self._ended.add(number)
-            # A task that was begun again, after its worker was killed, has told too much.
-            self._advance(total - self._told.get(number, 0))
+            # A task that was begun again, after its worker was killed, has reported too much.
+            self._advance(total - self._reported.get(number, 0))

@@ -19,7 +19,7 @@ from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file, output_folder
 from cable_tracker.campaigns.folder_tasks import is_result
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
-from cable_tracker.campaigns.stopping import saying_what_stays
+from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import OutputError, write_failure
 
 STORE = "tasks"
@@ -43,9 +43,9 @@ ARRAYS = {
 
 
 def fingerprint_of(task: object) -> str:
-    """Return what stands for a task and this version of the package.
+    """Return a hash that identifies a task and this version of the package.
 
-    It is made of `task.fingerprint()`, or of the text that the task is written as.
+    Hashed are the version, the task's type, and `task.fingerprint()` or else its `repr`.
     """
     own = getattr(task, "fingerprint", None)
     text = own() if own is not None else repr(task)
@@ -54,7 +54,7 @@ def fingerprint_of(task: object) -> str:
     return hashlib.sha256(described.encode(errors="surrogateescape")).hexdigest()
 
 
-def keep_result(fingerprint: str, result: object, store: Path) -> None:
+def write_result(fingerprint: str, result: object, store: Path) -> None:
     """Write the result of a task into a store, which is made if it is not there.
 
     Parameters
@@ -74,23 +74,23 @@ def keep_result(fingerprint: str, result: object, store: Path) -> None:
             atomic_file(store / fingerprint, by_many=True) as part,
             part.open("wb") as file,
         ):
-            _Keeper(file).dump(result)
+            _ResultPickler(file).dump(result)
     except OSError as error:
         with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
             store.rmdir()
         raise write_failure(store, error) from error
 
 
-class _Keeper(pickle.Pickler):
-    """Writes results in a form that `_Kept` reads."""
+class _ResultPickler(pickle.Pickler):
+    """Writes results in a form that `_ResultUnpickler` reads."""
 
     def reducer_override(self, value: object) -> Any:  # noqa: ANN401
         # Python 3.11.2 by itself writes them by `getattr`, which is refused.
         return (type(value), (value.value,)) if isinstance(value, Enum) else NotImplemented
 
 
-class _Kept(pickle.Unpickler):
-    """Reads results, and nothing that could do anything."""
+class _ResultUnpickler(pickle.Unpickler):
+    """Reads results made of value classes alone: nothing that runs code."""
 
     def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401
         # A name with a dot would lead on to whatever a module imports.
@@ -110,19 +110,19 @@ def _is_value_class(found: object, module: str) -> bool:
     return is_dataclass(found) or issubclass(found, Enum) or is_named_tuple
 
 
-def kept_result(task: object, store: Path | None) -> tuple[Any] | None:
-    """Return the result of a task that is in a store, alone in a tuple; None: it is not there."""
+def read_result(task: object, store: Path | None) -> tuple[Any] | None:
+    """Read the result of a task from a store, as a tuple of one; None: it is not there."""
     if store is None:
         return None
     try:
         data = (store / fingerprint_of(task)).read_bytes()
-        return (_Kept(io.BytesIO(data)).load(),)
+        return (_ResultUnpickler(io.BytesIO(data)).load(),)
     # A file that was cut off, or is of another version, raises what it happens to raise.
     except Exception:  # noqa: BLE001
         return None
 
 
-def kept_results(store: Path) -> int:
+def count_results(store: Path) -> int:
     """Return the number of results in a store, files and folders."""
     return sum(each.is_file() or is_result(each) for each in store.glob("[!.]*"))
 
@@ -146,7 +146,7 @@ def stored_beside(
         _remove(store)
     elif (output / STORE).is_dir():
         shutil.copytree(output / STORE, store, dirs_exist_ok=True)
-    with saying_what_stays(store, partial(kept_results, store)):
+    with noting_finished_tasks(store, partial(count_results, store)):
         yield CampaignSettings(cluster, store.absolute(), resume)
 
 
@@ -154,7 +154,7 @@ def _remove(store: Path) -> None:
     """Remove what an earlier campaign has left, but nothing else."""
     if not store.is_dir():
         return
-    foreign = sorted(each.name for each in store.iterdir() if not _is_left(each))
+    foreign = sorted(each.name for each in store.iterdir() if not _is_campaign_file(each))
     if foreign:
         raise OutputError(
             f"{store}: is to be replaced, but holds {foreign[0]}, which is no result of a task;"
@@ -163,7 +163,7 @@ def _remove(store: Path) -> None:
     shutil.rmtree(store, ignore_errors=True)
 
 
-def _is_left(path: Path) -> bool:
+def _is_campaign_file(path: Path) -> bool:
     """Tell whether a campaign puts a file or folder of such a name and content into its store."""
     if path.is_dir():
         return is_result(path) or _PARTIAL_FOLDER.fullmatch(path.name) is not None

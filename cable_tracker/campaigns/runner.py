@@ -18,7 +18,7 @@ from cable_tracker.campaigns.folder_tasks import (
     is_result,
     run_in_folder,
 )
-from cable_tracker.campaigns.result_store import fingerprint_of, keep_result, kept_result
+from cable_tracker.campaigns.result_store import fingerprint_of, read_result, write_result
 from cable_tracker.campaigns.settings import HERE, CampaignSettings, ClusterSettings
 from cable_tracker.errors import (
     CableTrackerError,
@@ -37,7 +37,7 @@ Advance = Callable[[int], None]
 
 
 class Ended(NamedTuple):
-    """A task that has ended: its number, and its result, or what was raised."""
+    """A task that has ended: its number, and its result or the exception raised."""
 
     number: int
     result: Any = None
@@ -52,8 +52,8 @@ class ResultTask(Protocol[Result_co]):
         ...
 
 
-def run_and_keep(task: ResultTask[Result], advance: Advance, store: Path | None) -> Result:
-    """Do a task, and keep its result if there is a store.
+def run_and_store(task: ResultTask[Result], advance: Advance, store: Path | None) -> Result:
+    """Run a task, and write its result into the store if there is one.
 
     It is kept as that of the files as they were at the beginning: what is written to while the task
     runs, as labels that are corrected, is done again next time.
@@ -66,16 +66,16 @@ def run_and_keep(task: ResultTask[Result], advance: Advance, store: Path | None)
     fingerprint = "" if store is None else fingerprint_of(task)
     result = task.run(advance)
     if store is not None:
-        keep_result(fingerprint, result, store)
+        write_result(fingerprint, result, store)
     return result
 
 
-def _as_they_end(
+def _run_calls(
     settings: ClusterSettings, calls: Sequence[Callable[[Advance], object]], advance: Advance
 ) -> Generator[Ended]:
-    """Do tasks, each a call that is given what tells its progress; yield what ended.
+    """Run `calls`, each given a function to report its progress; yield the ended tasks.
 
-    When the generator is closed, what has not ended is given up.
+    When the generator is closed, tasks that have not ended are given up.
 
     Raises
     ------
@@ -131,17 +131,17 @@ def run_all(
     ResourceError
         Several workers are wanted, and Dask is not installed.
     CableTrackerError
-        What stopped the first that failed.
+        Error of the first task that failed.
     """
     done: dict[int, Result] = {}
     if settings.resume:
         for number, task in enumerate(tasks):
-            kept = kept_result(task, settings.store)
+            kept = read_result(task, settings.store)
             if kept is not None:
                 done[number] = kept[0]
     left = [number for number in range(len(tasks)) if number not in done]
-    calls = [partial(run_and_keep, tasks[number], store=settings.store) for number in left]
-    with closing(_as_they_end(settings.cluster, calls, advance)) as ended:
+    calls = [partial(run_and_store, tasks[number], store=settings.store) for number in left]
+    with closing(_run_calls(settings.cluster, calls, advance)) as ended:
         for each in ended:
             if each.error is not None:
                 raise each.error
@@ -206,7 +206,7 @@ def run_folder_tasks(
     # Workers need not be in this folder.
     place = root if settings.is_here(len(left)) else root.resolve()
     calls = [partial(run_in_folder, task, place, __version__) for task in left]
-    with closing(_as_they_end(settings, calls, advance)) as ended:
+    with closing(_run_calls(settings, calls, advance)) as ended:
         for each in ended:
             end(_outcome(each, left[each.number].name, root))
     return [outcomes[task.name] for task in tasks]
@@ -225,7 +225,7 @@ def _make_root(root: Path, tasks: Sequence[FolderTask]) -> None:
 
 
 def _outcome(ended: Ended, name: str, root: Path) -> Outcome:
-    """Return what came of a task, whose result is the fingerprint in the marker of its folder."""
+    """Return the outcome of a task, whose result is the fingerprint in its folder's marker."""
     error = ended.error
     if isinstance(error, CableTrackerError):
         reason = str(error)

@@ -14,7 +14,7 @@ DASHBOARD = "127.0.0.1:8787"
 """Address at which Dask serves its pages, if it is asked to."""
 
 
-def _say_nothing(_text: str) -> None:
+def _ignore(_text: str) -> None:
     pass
 
 
@@ -32,10 +32,10 @@ class ClusterSettings:
         Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
     dashboard : bool
         Serve Dask's pages at `DASHBOARD`.
-    tell_dashboard : callable
-        Told the address of Dask's pages once they are served.
-    tell : callable
-        Told what the user should know of the workers.
+    on_dashboard : callable
+        Called with the address of Dask's pages once they are served.
+    on_notice : callable
+        Called with what the user should know of the workers, in words.
 
     Raises
     ------
@@ -47,8 +47,8 @@ class ClusterSettings:
     scheduler: str | None = None
     memory: str = "4 GiB"
     dashboard: bool = False
-    tell_dashboard: Callable[[str], None] = field(default=_say_nothing, repr=False, compare=False)
-    tell: Callable[[str], None] = field(default=_say_nothing, repr=False, compare=False)
+    on_dashboard: Callable[[str], None] = field(default=_ignore, repr=False, compare=False)
+    on_notice: Callable[[str], None] = field(default=_ignore, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not 1 <= self.workers <= LARGEST_WORKER_COUNT:

@@ -10,11 +10,11 @@ from cable_tracker.errors import OutputError
 
 
 @contextmanager
-def saying_what_stays(place: Path, finished: Callable[[], int]) -> Iterator[None]:
-    """Add a note to what stops the work inside, if tasks in a folder are finished by then.
+def noting_finished_tasks(place: Path, finished: Callable[[], int]) -> Iterator[None]:
+    """Add a note to the exception that stops the work inside, if tasks are finished by then.
 
-    Signals stop it, and a disk that does not let us write. Other errors say themselves what is
-    wrong, and get no note. `finished` counts the tasks that need not be done again.
+    Only signals and failures to write get the note. Other errors say themselves what is
+    wrong. `finished` counts the tasks that need not be done again.
     """
     try:
         yield

@@ -22,7 +22,7 @@ from cable_tracker.campaigns.folder_tasks import (
 )
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.campaigns.stopping import saying_what_stays
+from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
@@ -206,7 +206,7 @@ def run_survey(
     def finished() -> int:
         return sum(is_done(task, root / task.name, __version__) for task in tasks)
 
-    with alone_in(root), saying_what_stays(root, finished):
+    with alone_in(root), noting_finished_tasks(root, finished):
         outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
         return _put_together(output, outcomes, datum, paths)
 

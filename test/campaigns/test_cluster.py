@@ -24,7 +24,7 @@ def test_workers_that_are_started_here_keep_freed_memory_and_serve_no_pages(monk
     for name in KEPT_MEMORY:  # Dask leaves those of a cluster before in this process.
         monkeypatch.delenv(name, raising=False)
     told = []
-    with connected(ClusterSettings(workers=1, tell_dashboard=told.append)) as client:
+    with connected(ClusterSettings(workers=1, on_dashboard=told.append)) as client:
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert {name: int(found[name]) for name in KEPT_MEMORY} == KEPT_MEMORY
     # Pages that were not asked for are not served.
@@ -38,7 +38,7 @@ def test_where_the_pages_are_is_told_while_they_are_served():
         with urllib.request.urlopen(address) as answer:
             told.append(answer.status)
 
-    with connected(ClusterSettings(workers=1, dashboard=True, tell_dashboard=fetch)):
+    with connected(ClusterSettings(workers=1, dashboard=True, on_dashboard=fetch)):
         assert told == [200]
 
 

@@ -28,7 +28,7 @@ from distributed import Client, LocalCluster  # noqa: E402
 from distributed.scheduler import KilledWorker  # noqa: E402
 
 from cable_tracker.atomic_output import output_file  # noqa: E402
-from cable_tracker.campaigns.cluster_runner import _in_words, _Progress  # noqa: E402
+from cable_tracker.campaigns.cluster_runner import _Progress, _readable_error  # noqa: E402
 from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
 from cable_tracker.campaigns.runner import run_all, run_folder_tasks  # noqa: E402
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings  # noqa: E402
@@ -68,7 +68,11 @@ def mixed(monkeypatch):
         late = next(iter(client.run(os.getpid)))
         client.run(become_another_version, workers=[late])
         told = []
-        yield ClusterSettings(scheduler=running.scheduler_address, tell=told.append), late, told
+        yield (
+            ClusterSettings(scheduler=running.scheduler_address, on_notice=told.append),
+            late,
+            told,
+        )
 
 
 @pytest.fixture
@@ -173,7 +177,7 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
 
 
 def test_a_worker_that_was_ended_again_and_again_is_told_with_what_to_do():
-    told = _in_words(KilledWorker("task", None, 3))
+    told = _readable_error(KilledWorker("task", None, 3))
     assert isinstance(told, ParameterError)
     assert "ended several times" in str(told) and "give more memory" in str(told)
 
@@ -186,7 +190,7 @@ def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path, count):
     assert states(outcomes) == [TaskState.DONE] * count
 
 
-def test_the_end_of_a_task_in_the_midst_of_its_telling_counts_no_frame_twice():
+def test_the_end_of_a_task_in_the_midst_of_its_reports_counts_no_frame_twice():
     told = []
     progress = _Progress(told.append)
     ending = threading.Thread(target=progress.end, args=(0, 5))
@@ -195,12 +199,12 @@ def test_the_end_of_a_task_in_the_midst_of_its_telling_counts_no_frame_twice():
         def __contains__(self, number):
             is_in = super().__contains__(number)
             ending.start()
-            # Where nothing keeps it waiting it is done before the telling goes on.
+            # Where nothing keeps it waiting it is done before the report goes on.
             ending.join(1.0)
             return is_in
 
     progress._ended = Ended()
-    progress.tell(0, 2)
+    progress.report(0, 2)
     ending.join()
     assert sum(told) == 5
 

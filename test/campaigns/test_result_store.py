@@ -14,9 +14,9 @@ from cable_tracker.campaigns.result_store import (
     STORE,
     campaign_folder,
     fingerprint_of,
-    keep_result,
-    kept_result,
+    read_result,
     stored_beside,
+    write_result,
 )
 from cable_tracker.campaigns.runner import run_all
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
@@ -96,16 +96,16 @@ def test_names_are_kept_however_python_writes_them(tmp_path, monkeypatch):
     by_name = lambda self, _protocol: (getattr, (type(self), self.name))  # noqa: E731
     monkeypatch.setattr(TrackingStatus, "__reduce_ex__", by_name)
     task = Counting(1, tmp_path / "notes")
-    keep_result(fingerprint_of(task), {"status": [TrackingStatus.LOST]}, tmp_path / "store")
-    assert kept_result(task, tmp_path / "store") == ({"status": [TrackingStatus.LOST]},)
+    write_result(fingerprint_of(task), {"status": [TrackingStatus.LOST]}, tmp_path / "store")
+    assert read_result(task, tmp_path / "store") == ({"status": [TrackingStatus.LOST]},)
 
 
 def test_a_result_is_kept_for_its_own_task_only(tmp_path):
     first, second = (Counting(number, tmp_path / "notes") for number in (1, 2))
-    keep_result(fingerprint_of(first), {"frames": 3}, tmp_path / "store")
-    assert kept_result(first, tmp_path / "store") == ({"frames": 3},)
-    assert kept_result(second, tmp_path / "store") is None
-    assert kept_result(first, None) is None
+    write_result(fingerprint_of(first), {"frames": 3}, tmp_path / "store")
+    assert read_result(first, tmp_path / "store") == ({"frames": 3},)
+    assert read_result(second, tmp_path / "store") is None
+    assert read_result(first, None) is None
 
 
 def test_a_task_may_say_itself_what_stands_for_it(tmp_path):
@@ -130,7 +130,7 @@ def test_a_task_may_speak_of_names_that_are_not_utf_8(tmp_path):
 def test_a_result_that_cannot_be_written_is_reported(tmp_path):
     (tmp_path / "store").touch()
     with pytest.raises(OutputError, match="store: cannot be written"):
-        keep_result(fingerprint_of(Counting(1, tmp_path)), 1, tmp_path / "store")
+        write_result(fingerprint_of(Counting(1, tmp_path)), 1, tmp_path / "store")
 
 
 def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_path):
@@ -145,7 +145,7 @@ def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_pa
         assert not output.exists()
     assert (output / STORE / fingerprint_of(task)).is_file()
     with stored_beside(output, ClusterSettings(), resume=True) as settings:
-        assert kept_result(task, settings.store) == (1,)
+        assert read_result(task, settings.store) == (1,)
 
 
 def test_results_stay_beside_an_output_that_cannot_be_written(tmp_path, full_disk):
@@ -165,7 +165,7 @@ def test_results_stay_beside_an_output_that_cannot_be_written(tmp_path, full_dis
 
 def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
     store = tmp_path / f"out.{STORE}"
-    keep_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
+    write_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
     result = fingerprint_of(Counting(1, tmp_path / "notes"))
     (store / f".{result}.4711.part").write_bytes(b"half a res")
     (store / ".default_7.partial" / "default_7").mkdir(parents=True)
@@ -177,7 +177,7 @@ def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
 @pytest.mark.parametrize("name", ["thesis.tex", "photos/1.jpg", ".hidden"])
 def test_a_folder_of_the_name_of_a_store_that_holds_anything_else_is_left_alone(tmp_path, name):
     store = tmp_path / f"out.{STORE}"
-    keep_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
+    write_result(fingerprint_of(Counting(1, tmp_path / "notes")), 1, store)
     (store / name).parent.mkdir(exist_ok=True)
     (store / name).write_text("my own")
     with (
@@ -186,7 +186,7 @@ def test_a_folder_of_the_name_of_a_store_that_holds_anything_else_is_left_alone(
     ):
         pass
     assert (store / name).read_text() == "my own"
-    assert kept_result(Counting(1, tmp_path / "notes"), store) == (1,)
+    assert read_result(Counting(1, tmp_path / "notes"), store) == (1,)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from cable_tracker.campaigns.folder_tasks import is_done
 from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.runner import run_all, run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
-from cable_tracker.campaigns.stopping import saying_what_stays
+from cable_tracker.campaigns.stopping import noting_finished_tasks
 from cable_tracker.errors import OutputError, ParameterError
 
 
@@ -40,7 +40,7 @@ def test_who_stops_a_campaign_hears_what_is_kept(tmp_path):
     def finished():
         return sum(is_done(task, tmp_path / task.name, __version__) for task in tasks)
 
-    with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, finished):
+    with pytest.raises(Signal) as stopped, noting_finished_tasks(tmp_path, finished):
         run_folder_tasks(tasks, tmp_path, ClusterSettings())
     assert (
         notes_of(stopped) == f"2 finished tasks are kept in {tmp_path}; --resume goes on from there"
@@ -67,13 +67,13 @@ def test_folders_in_a_store_are_kept_too(tmp_path):
 
 
 def test_without_a_finished_task_there_is_nothing_to_say(tmp_path):
-    with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path, lambda: 0):
+    with pytest.raises(Signal) as stopped, noting_finished_tasks(tmp_path, lambda: 0):
         run_folder_tasks([Stopping(1)], tmp_path, ClusterSettings())
     assert not notes_of(stopped)
 
 
 def test_who_meets_a_full_disk_hears_what_is_kept(tmp_path):
-    with pytest.raises(OutputError) as stopped, saying_what_stays(tmp_path, lambda: 2):
+    with pytest.raises(OutputError) as stopped, noting_finished_tasks(tmp_path, lambda: 2):
         raise OutputError("No space left on device")
     assert notes_of(stopped).startswith("2 finished tasks are kept in ")
 
@@ -82,19 +82,19 @@ def test_what_is_kept_is_told_too_where_the_folder_of_results_finds_the_disk_ful
     with (
         pytest.raises(OutputError) as stopped,
         output_folder(tmp_path / "out", "report.html", overwrite=False, is_own_name=any_name),
-        saying_what_stays(tmp_path, lambda: 2),
+        noting_finished_tasks(tmp_path, lambda: 2),
     ):
         raise OSError("No space left on device")
     assert notes_of(stopped).startswith("2 finished tasks are kept in ")
 
 
 def test_a_full_disk_before_the_first_task_is_only_told(tmp_path):
-    with pytest.raises(OutputError) as stopped, saying_what_stays(tmp_path, lambda: 0):
+    with pytest.raises(OutputError) as stopped, noting_finished_tasks(tmp_path, lambda: 0):
         raise OutputError("No space left on device")
     assert not notes_of(stopped)
 
 
 def test_errors_speak_for_themselves(tmp_path):
-    with pytest.raises(ParameterError) as stopped, saying_what_stays(tmp_path, lambda: 1):
+    with pytest.raises(ParameterError) as stopped, noting_finished_tasks(tmp_path, lambda: 1):
         raise ParameterError("workers is 0")
     assert not notes_of(stopped)

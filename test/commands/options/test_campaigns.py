@@ -29,7 +29,7 @@ def test_pages_that_would_not_be_served_are_refused(workers, scheduler):
 def test_the_address_of_the_pages_is_said_when_it_is_known(capsys):
     settings = chosen_cluster(2, None, MEMORY, True)
     assert capsys.readouterr().err == ""
-    settings.tell_dashboard("http://127.0.0.1:8787/status")
+    settings.on_dashboard("http://127.0.0.1:8787/status")
     assert capsys.readouterr().err == "Dask's pages: http://127.0.0.1:8787/status\n"
 
 
