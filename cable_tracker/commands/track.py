@@ -13,7 +13,7 @@ from cable_tracker.cable.model.initial_state_text import format_initial_state
 from cable_tracker.cable.model.state import POSE_COMPONENTS
 from cable_tracker.commands.console.results import (
     folder_beside,
-    metres_told,
+    metres_note,
     need_usable_frames,
     print_events,
     print_median_time,
@@ -164,9 +164,9 @@ def _words_for_node(start: str, given: GivenState | None) -> str:
 def _print_results(results: CableFolder, *, wants_metres: bool) -> None:
     print_statuses([row.status for row in results.rows])
     print_events(results.rows)
-    told = metres_told(results.rows) if wants_metres else ""
-    if told:
-        console.print(told, soft_wrap=True)
+    note = metres_note(results.rows) if wants_metres else ""
+    if note:
+        console.print(note, soft_wrap=True)
     print_median_time([row.ms for row in results.rows])
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))

@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from cable_tracker.errors import EXIT_USER_ERROR
-from cable_tracker.ros.missing_ros import words_on_missing_ros
+from cable_tracker.ros.missing_ros import missing_ros_message
 from cable_tracker.ros.process.stop_request import stop_on_signals
 
 USAGE = (
@@ -47,7 +47,7 @@ def run(node_name: str, arguments: Sequence[str] | None) -> int:
         module_name, class_name = NODES[node_name]
         node_class = getattr(import_module(f"cable_tracker.ros.{module_name}"), class_name)
     except ImportError as error:
-        words = words_on_missing_ros(error)
+        words = missing_ros_message(error)
         if not words:
             raise
         print(f"error: {words}", file=sys.stderr)

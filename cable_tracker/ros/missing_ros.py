@@ -10,7 +10,7 @@ ROS_PARTS = ("rclpy", "_msgs", "std_srvs", "rosidl", "ament", "librcl", "librmw"
 ADVICE = "run `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
 
 
-def words_on_missing_ros(error: ImportError) -> str:
+def missing_ros_message(error: ImportError) -> str:
     """Say in one line that a part of ROS cannot be imported, and what to do.
 
     Empty where the error has another cause. rclpy names no module where it misses its own library.

@@ -103,7 +103,7 @@ def evaluate_targets(
     campaign: TargetCampaign, output: Path, cluster: ClusterSettings, *, force: bool, resume: bool
 ) -> None:
     """Follow, judge, and write the tables into a folder."""
-    missing = _words_on_missing()
+    missing = _missing_peers_message()
     if missing:
         messages.print(missing, style="bold yellow", soft_wrap=True)
     total = campaign.frame_count()
@@ -127,7 +127,7 @@ def evaluate_targets(
     print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))
 
 
-def _words_on_missing() -> str:
+def _missing_peers_message() -> str:
     """Say which peers this OpenCV has not, and how to have them; empty where it has all."""
     if not MISSING_PEERS:
         return ""

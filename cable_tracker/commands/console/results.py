@@ -15,7 +15,7 @@ from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.tracking.status import REFUSED
 
 MOST_EVENTS = 5
-"""Events of frames that are told one by one."""
+"""Number of events of frames that are printed one by one."""
 
 
 class TrackedFrame(Protocol):
@@ -80,9 +80,9 @@ def print_statuses(statuses: Sequence[str]) -> None:
 
 def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:
     """Say why frames were refused, and what else happened: a new start of the tracker, a notice."""
-    told = [row for row in rows if row.status == REFUSED or row.event]
-    refused = [row for row in told if row.status == REFUSED]
-    others = [row for row in told if row.status != REFUSED]
+    notable = [row for row in rows if row.status == REFUSED or row.event]
+    refused = [row for row in notable if row.status == REFUSED]
+    others = [row for row in notable if row.status != REFUSED]
     notes = []
     if refused:
         first = refused[0]
@@ -97,13 +97,13 @@ def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:
 
 
 def print_events(rows: Sequence[TrackedFrame]) -> None:
-    """Say what `event_notes` has to say."""
+    """Print the `event_notes`."""
     for note in event_notes(rows):
         print_note(note)
 
 
-def metres_told(rows: Sequence[EstimateRow]) -> str:
-    """Say for how many claims the cable is known in metres, and why not for the others.
+def metres_note(rows: Sequence[EstimateRow]) -> str:
+    """Return for how many claims the cable is known in metres, and why not for the others.
 
     Empty where no cable is claimed.
     """

@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 
 from cable_tracker.errors import RosError
-from cable_tracker.ros.missing_ros import words_on_missing_ros
+from cable_tracker.ros.missing_ros import missing_ros_message
 
 
 def need_ros(name: str) -> ModuleType:
@@ -20,7 +20,7 @@ def need_ros(name: str) -> ModuleType:
     try:
         return import_module(f"cable_tracker.ros.{name}")
     except ImportError as error:
-        words = words_on_missing_ros(error)
+        words = missing_ros_message(error)
         if not words:
             raise
         raise RosError(words) from error

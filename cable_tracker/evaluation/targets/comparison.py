@@ -271,11 +271,11 @@ def markdown_table(results: Sequence[RunFigures], methods: Sequence[str], note: 
         f"# How well targets are followed\n\n{note}\n\n{table_markdown(overall)}\n\n"
         f"Success by scenario [%]:\n\n{table_markdown(by_scenario)}\n"
     )
-    refusals = _words_on_refusals(results)
+    refusals = _refusal_notes(results)
     return "\n".join([text, *refusals, ""]) if refusals else text
 
 
-def _words_on_refusals(results: Sequence[RunFigures]) -> list[str]:
+def _refusal_notes(results: Sequence[RunFigures]) -> list[str]:
     """Return a line for each method and scenario in which frames were refused."""
     refused: dict[tuple[str, str], list[str]] = {}
     for each in results:

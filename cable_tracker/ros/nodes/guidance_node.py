@@ -23,7 +23,7 @@ from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_status_array, report_status
-from cable_tracker.sequences.messages.headers import has_room_for, make_header, stamp_of
+from cable_tracker.sequences.messages.headers import is_representable, make_header, stamp_of
 from cable_tracker.sequences.node_topics import TrackerTopics
 from cable_tracker.tracking.parameter_table import ParameterSet
 from cable_tracker.tracking.status import DISABLED, REFUSED, WARMING_UP
@@ -167,7 +167,7 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         stamp = stamp_of(message.header)
         # No message could bear another time, and the tracker has refused such a frame. No command
         # answers it: it counts as silence.
-        if has_room_for(stamp):
+        if is_representable(stamp):
             self._last_state = now
             self._states.append((stamp, bool(message.position), now))
         if not self._own.lockstep:

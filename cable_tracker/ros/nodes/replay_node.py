@@ -324,14 +324,14 @@ class ReplayNode(ProcessNode):
         """Send one frame while paused."""
         if not self._paused or self._next is None:
             response.success = False
-            response.message = self._words_on_end() if self._paused else "not paused"
+            response.message = self._end_message() if self._paused else "not paused"
             return response
         self._steps += 1
         response.success = True
         response.message = f"frame {self._next.index + self._steps - 1}"
         return response
 
-    def _words_on_end(self) -> str:
+    def _end_message(self) -> str:
         return "at the end" if self._damage is None else str(self._damage)
 
     def on_restart(self, request: Message, response: Message) -> Message:

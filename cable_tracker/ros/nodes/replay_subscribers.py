@@ -106,7 +106,7 @@ class ReplaySubscribers:
         waited = time.monotonic() - self._waits_since
         if waited < min(PATIENCE, self._own.answer_timeout):
             return
-        missing = self._words_on_missing()
+        missing = self._missing_message()
         if self._own.lockstep and waited > self._own.answer_timeout:
             raise RosError(missing)
         self._node.get_logger().warning(
@@ -115,11 +115,11 @@ class ReplaySubscribers:
             throttle_duration_sec=WARNING_PAUSE,
         )
 
-    def _words_on_missing(self) -> str:
+    def _missing_message(self) -> str:
         """Say which subscriber, or in lockstep which answer, is waited for, and what to do."""
         if not self._image.get_subscription_count():
             return (
-                f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}; is"
+                f"no node subscribes to {self._image.topic_name}{self._other_topics_message()}; is"
                 " the tracker running, and is its image_transport that of this recording?"
             )
         unheard = self._instruments.unheard() if self._instruments is not None else []
@@ -132,7 +132,7 @@ class ReplaySubscribers:
             )
         return f"images are subscribed to, but no node publishes {self._state.topic_name}"
 
-    def _words_on_other_topics(self) -> str:
+    def _other_topics_message(self) -> str:
         """Name the topics on which images are awaited and none come."""
         own = self._image.topic_name
         kinds = {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.errors import RosError, one_line
-from cable_tracker.ros.missing_ros import words_on_missing_ros
+from cable_tracker.ros.missing_ros import missing_ros_message
 
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -67,7 +67,7 @@ def made_node(make: Callable[[Context], NodeType], context: Context) -> NodeType
         return make(context)
     except ImportError as error:
         # Of a topic's messages, which are looked up by the name of their type.
-        words = words_on_missing_ros(error)
+        words = missing_ros_message(error)
         if not words:
             raise
         raise RosError(words) from error

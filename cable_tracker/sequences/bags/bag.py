@@ -34,7 +34,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import DEFAULT_FRAME_ID, Frame, missing_image
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import is_told, stamp_or_received
+from cable_tracker.sequences.messages.headers import is_given, stamp_or_received
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.messages.serialised_images import MessageHeader, read_header
 from cable_tracker.sequences.source_base import ChosenRecording, Source, damage
@@ -256,7 +256,7 @@ class BagSource(Source):
         with closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
                 header = self._header(message)
-                if header is not None and is_told(header.stamp):
+                if header is not None and is_given(header.stamp):
                     ahead = header.stamp - message.time
                 elif ahead is None:
                     ahead = self._first_ahead()
@@ -271,7 +271,7 @@ class BagSource(Source):
         # Reading the frames will meet the damage, and says so.
         with suppress(RecordingError), closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
-                if (header := self._header(message)) is not None and is_told(header.stamp):
+                if (header := self._header(message)) is not None and is_given(header.stamp):
                     return header.stamp - message.time
         return 0
 

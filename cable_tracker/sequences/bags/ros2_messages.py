@@ -10,7 +10,7 @@ from cable_tracker.sequences.bags.instrument_source import InstrumentMessage, In
 from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, TOPICS, Instrument
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import is_told, make_header, stamp_of
+from cable_tracker.sequences.messages.headers import is_given, make_header, stamp_of
 from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
 
 
@@ -41,7 +41,7 @@ def as_ros2(given: InstrumentMessage) -> Message:
         header = make_header(factory, given.stamp, "")
         number = float(message.data)
         return factory.make(type_name, header=header, max_range=MOST_ALTITUDE, range=number)
-    if not is_told(stamp_of(message.header)):
+    if not is_given(stamp_of(message.header)):
         message.header = make_header(factory, given.stamp, str(message.header.frame_id))
     is_range = given.instrument is Instrument.ALTITUDE
     if hasattr(message, "K") or (is_range and not hasattr(message, "variance")):

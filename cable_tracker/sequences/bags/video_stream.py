@@ -19,7 +19,7 @@ from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps
 from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.frame import DEFAULT_FRAME_ID
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import is_told, nanoseconds_of
+from cable_tracker.sequences.messages.headers import is_given, nanoseconds_of
 from cable_tracker.sequences.pictures.picture_header import MAX_PIXELS
 
 DEFINITIONS = {
@@ -105,8 +105,9 @@ def read_packet(message: Message, received: int) -> Packet:
     coding = str(coding).split(";")[0].strip().lower()
     data = np.asarray(message.data, np.uint8).tobytes()
     count = int(getattr(message, "pts", 0))
-    told = nanoseconds_of(time)
-    stamp = told if is_told(told) else received
+    stamp = nanoseconds_of(time)
+    if not is_given(stamp):
+        stamp = received
     return Packet(stamp, str(frame_id) or DEFAULT_FRAME_ID, coding, data, received, count)
 
 

@@ -7,26 +7,26 @@ from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.stamps import NANOSECONDS
 
 _SECONDS = 2**31
-"""So many seconds before and after zero a message has room for."""
+"""A message can represent this many seconds before and after zero."""
 
 
-def has_room_for(stamp: int) -> bool:
-    """Tell whether a message has room for a time [ns].
+def is_representable(stamp: int) -> bool:
+    """Tell whether the fields of a message can hold a time [ns].
 
-    Headers may come with a later one: their nanoseconds may be more than a second.
+    Headers that are received may hold a later one: their nanoseconds may exceed a second.
     """
     return -_SECONDS <= stamp // NANOSECONDS < _SECONDS
 
 
 def check_stamp(stamp: int) -> None:
-    """Check that a message has room for a time [ns].
+    """Check that the fields of a message can hold a time [ns].
 
     Raises
     ------
     FrameError
-        It has none.
+        They cannot.
     """
-    if not has_room_for(stamp):
+    if not is_representable(stamp):
         raise FrameError(
             f"the stamp {stamp / NANOSECONDS:.3f} s is none that a message has room for; check the"
             " clock of the camera"
@@ -39,7 +39,7 @@ def make_time(factory: MessageFactory, stamp: int) -> Message:
     Raises
     ------
     FrameError
-        The time is none that a message has room for.
+        The fields of the message cannot hold the time.
     """
     check_stamp(stamp)
     return factory.make(
@@ -62,13 +62,13 @@ def stamp_of(header: Message) -> int:
     return nanoseconds_of(header.stamp)
 
 
-def is_told(stamp: int) -> bool:
-    """Tell whether a recorded stamp [ns] says a time: 0 does not, nor what no message can say."""
-    return bool(stamp) and has_room_for(stamp)
+def is_given(stamp: int) -> bool:
+    """Tell whether a recorded stamp [ns] is a time: neither 0 nor what no message can hold."""
+    return bool(stamp) and is_representable(stamp)
 
 
 def stamp_or_received(message: Message, received: int) -> int:
-    """Return the stamp of a message's header [ns]; where it says none, when it was received."""
+    """Return the stamp of a message's header [ns], or the time of reception where it gives none."""
     header = getattr(message, "header", None)
     stamp = stamp_of(header) if header is not None else 0
-    return stamp if is_told(stamp) else received
+    return stamp if is_given(stamp) else received

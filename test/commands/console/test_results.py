@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.commands.console.results import event_notes, folder_beside, metres_told
+from cable_tracker.commands.console.results import event_notes, folder_beside, metres_note
 from cable_tracker.sequences.tables.estimates import EstimateRow, RowMetres
 
 STATE, METRES = CableState(1.0, 0.1, 20.0, 0.0), RowMetres(0.1, 0.0, 0.01, 0.01)
@@ -27,21 +27,21 @@ def test_of_many_new_starts_the_first_are_told():
 
 
 def test_claims_in_metres_are_counted():
-    assert metres_told([LOST, KNOWN, KNOWN]) == "metres for 2 of 2 claims"
+    assert metres_note([LOST, KNOWN, KNOWN]) == "metres for 2 of 2 claims"
 
 
 def test_the_one_reason_for_no_metres_is_told():
-    assert metres_told([LOST, NO_ALTITUDE, NO_ALTITUDE]) == "no metres: no altitude (2 claims)"
+    assert metres_note([LOST, NO_ALTITUDE, NO_ALTITUDE]) == "no metres: no altitude (2 claims)"
 
 
 def test_of_several_reasons_each_is_counted():
-    assert metres_told([KNOWN, STALE, NO_ALTITUDE, NO_ALTITUDE]) == (
+    assert metres_note([KNOWN, STALE, NO_ALTITUDE, NO_ALTITUDE]) == (
         "metres for 1 of 4 claims; no metres: no altitude (2), stale altitude (1)"
     )
 
 
 def test_without_a_claim_there_is_nothing_to_tell():
-    assert metres_told([LOST]) == ""
+    assert metres_note([LOST]) == ""
 
 
 def test_results_of_a_bag_folder_are_named_after_it(tmp_path):
