@@ -208,7 +208,7 @@ def run_survey(
 
     with alone_in(root), noting_finished_tasks(root, finished):
         outcomes = run_folder_tasks(tasks, root, cluster, resume=resume, advance=advance)
-        return _put_together(output, outcomes, datum, paths)
+        return _merge_and_write(output, outcomes, datum, paths)
 
 
 def _origins_in(root: Path) -> dict[str, Origin]:
@@ -240,7 +240,7 @@ def _usual_datum(origins: Iterable[Origin]) -> tuple[float, float] | None:
     return counts.most_common(1)[0][0] if counts else None
 
 
-def _put_together(
+def _merge_and_write(
     output: Path,
     outcomes: Sequence[Outcome],
     datum: tuple[float, float] | None,

@@ -160,7 +160,7 @@ def _usual_pause(poses: Poses, disk: Disk) -> float:
     pauses = disk.growing(np.float64)
     for part in disk.blocks(len(poses.stamps), 1):
         pauses.extend(np.diff(poses.stamps[part.start - 1 : part.stop]) / NANOSECONDS)
-    return disk.middle(pauses)
+    return disk.median_in_place(pauses)
 
 
 def _missing_metres(counted: CountedRows, words: list[str]) -> list[str]:

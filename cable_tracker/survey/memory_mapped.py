@@ -85,22 +85,22 @@ class Disk:
         self._maps.add(mapping)
         return np.frombuffer(mapping, dtype)
 
-    def let_go(self) -> None:
-        """Keep no page of any array in memory; the system reads again what is used again."""
+    def release_pages(self) -> None:
+        """Release the pages of all arrays from memory; what is used again is read again."""
         for mapping in tuple(self._maps):
             mapping.madvise(mmap.MADV_DONTNEED)
 
     def blocks(self, count: int, start: int = 0) -> Iterator[slice]:
-        """Yield the blocks of rows from `start` up to `count`; what was used is let go of."""
+        """Yield the blocks of rows from `start` up to `count`; pages of used ones are released."""
         for first in range(start, count, self.block):
             yield slice(first, min(first + self.block, count))
-            self.let_go()
+            self.release_pages()
 
-    def blocks_back(self, count: int, start: int = 0) -> Iterator[slice]:
+    def blocks_reversed(self, count: int, start: int = 0) -> Iterator[slice]:
         """Yield the blocks of rows from the one before `count` back to `start`."""
         for last in range(count, start, -self.block):
             yield slice(max(last - self.block, start), last)
-            self.let_go()
+            self.release_pages()
 
     def filled(
         self, count: int, part: Callable[[slice], AnyArray], dtype: npt.DTypeLike = np.float64
@@ -118,23 +118,23 @@ class Disk:
         chosen = self.growing(np.float64)
         for rows in self.blocks(len(values)):
             chosen.extend(values[rows][kept(rows)])
-        return self.middle(chosen)
+        return self.median_in_place(chosen)
 
-    def middle(self, values: Growing) -> float:
-        """Return the median of at least one value, which are put into another order."""
+    def median_in_place(self, values: GrowingArray) -> float:
+        """Return the median of at least one value; their order is changed."""
         whole = values.rows()
         middle = sorted({(len(whole) - 1) // 2, len(whole) // 2})
         whole.partition(middle)
         found = float(whole[middle].mean())
-        self.let_go()
+        self.release_pages()
         return found
 
-    def growing(self, dtype: npt.DTypeLike) -> Growing:
+    def growing(self, dtype: npt.DTypeLike) -> GrowingArray:
         """Return an array without rows that grows at its end."""
-        return Growing(self, np.zeros((), dtype))
+        return GrowingArray(self, np.zeros((), dtype))
 
 
-class Growing:
+class GrowingArray:
     """Rows that are added one after the other; in memory are those of the last block.
 
     Parameters

@@ -25,18 +25,18 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.survey.frames.forward_pass import ForwardDive
-from cable_tracker.survey.frames.frame_metres import put_profile
+from cable_tracker.survey.frames.frame_metres import write_profile
 from cable_tracker.survey.frames.frame_table import (
     HIDDEN,
     NOT_AGAIN,
     SEEN,
     TRACKING,
     FrameRow,
-    Rows,
 )
 from cable_tracker.survey.frames.visibility import border_step_of, find_beside
 from cable_tracker.survey.routes.profile import LEAST_WEIGHT
 from cable_tracker.survey.routes.route import Course
+from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
 from cable_tracker.survey.smoothing.smoother import SURE_ENOUGH
 
 REACH = 2.0
@@ -77,10 +77,11 @@ def redetect_cable(dive: ForwardDive, course: Course) -> int:
             if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
                 row = int(wanted[number])
                 keyframe = int(course.keyframes.of(np.array([row]))[0])
-                place = row, keyframe
-                found += _look(rows, course, dive.flight, place, frame.image, usual)
+                picture = _picture_of(rows[row], dive.flight, frame.image)
+                if picture is not None:
+                    found += _redetect(rows[row], course.cable, keyframe, picture, usual)
                 if row % dive.disk.block == 0:
-                    dive.disk.let_go()
+                    dive.disk.release_pages()
             if frame.index >= last:
                 break
     except RecordingError:
@@ -123,26 +124,30 @@ def _usual(dive: ForwardDive, course: Course) -> tuple[float, float] | None:
         steps.extend(own[np.isfinite(own)])
     if not len(steps):
         return None
-    return disk.middle(diameters), disk.middle(steps)
+    return disk.median_in_place(diameters), disk.median_in_place(steps)
 
 
-def _look(  # noqa: PLR0917
-    rows: Rows,
-    course: Course,
-    flight: Overflight,
-    place: tuple[int, int],
-    encoded: RawImage | CompressedImage,
+def _redetect(
+    row: FrameRow,
+    cable: SmoothedCable,
+    keyframe: int,
+    picture: tuple[Image, Overflight],
     usual: tuple[float, float],
 ) -> bool:
-    """Look for the cable around its state at a row's keyframe; tell whether it is seen."""
-    number, keyframe = place
-    row, (diameter, border_step) = rows[number], usual
-    picture = _picture_of(row, flight, encoded)
-    if picture is None:
-        return False
-    grey, flight = picture
-    aside, heading = (float(value) for value in course.cable.states[keyframe, :2])
-    sigma = math.sqrt(float(course.cable.covariances[keyframe, 0, 0])) * math.cos(heading)
+    """Look for the cable around its smoothed place at a keyframe; tell whether it is seen.
+
+    Parameters
+    ----------
+    row : FrameRow
+        Row of the picture, which is written.
+    picture : (Image, Overflight)
+        See `_picture_of`.
+    usual : (float, float)
+        Usual diameter [m] and step of the borders.
+    """
+    (grey, flight), (diameter, border_step) = picture, usual
+    aside, heading = (float(value) for value in cable.states[keyframe, :2])
+    sigma = math.sqrt(float(cable.covariances[keyframe, 0, 0])) * math.cos(heading)
     reach = max(REACH * sigma / diameter, LEAST_REACH)
     expected = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
     beside = find_beside(grey, expected, reach)
@@ -150,15 +155,15 @@ def _look(  # noqa: PLR0917
         return False
     shift, clear = beside
     if clear < CLEAR_ENOUGH * border_step:
-        if put_profile(row, flight, grey, expected):
+        if write_profile(row, flight, grey, expected):
             row["again"] = HIDDEN
         return False
     aside -= shift * diameter / math.cos(heading)
     state = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
-    if not put_profile(row, flight, grey, state):
+    if not write_profile(row, flight, grey, state):
         return False
     row["again"] = SEEN
-    _put_cable(row, state, (aside, heading), diameter)
+    _write_cable(row, state, (aside, heading), diameter)
     return True
 
 
@@ -181,7 +186,7 @@ def _picture_of(
     return (grey, flight) if flight.clearance > 0.0 else None
 
 
-def _put_cable(
+def _write_cable(
     row: FrameRow, state: CableState, place: tuple[float, float], diameter: float
 ) -> None:
     aside, heading = place

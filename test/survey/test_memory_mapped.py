@@ -27,7 +27,7 @@ def test_blocks_cover_all_rows_in_both_directions(count, block):
     disk = Disk(block=block)
     rows = np.arange(count)
     assert [k for part in disk.blocks(count) for k in rows[part]] == rows.tolist()
-    back = [rows[part].tolist() for part in disk.blocks_back(count)]
+    back = [rows[part].tolist() for part in disk.blocks_reversed(count)]
     assert [k for part in back[::-1] for k in part] == rows.tolist()
     assert all(0 < len(part) <= block for part in back)
 
@@ -58,7 +58,7 @@ def test_what_was_let_go_of_is_read_again():
     disk = Disk(block=10)
     values = disk.array((5000, 3))
     values[...] = np.arange(15_000).reshape(5000, 3)
-    disk.let_go()
+    disk.release_pages()
     assert (values == np.arange(15_000).reshape(5000, 3)).all()
 
 

@@ -91,7 +91,7 @@ def plain_path(path: Path) -> Path:
 
 
 @lru_cache(maxsize=64)
-def _seen_from(folder: Path, path: Path) -> str | None:
+def _relative_name(folder: Path, path: Path) -> str | None:
     """Return the name of a file as a label file in a folder writes it; None if it is not inside."""
     path, folder = plain_path(path), plain_path(folder)
     inside = path.is_relative_to(folder) and path != folder
@@ -153,7 +153,7 @@ class NumberedNames(FrameNames):
         A label file that lies elsewhere names the recording without its folder; its labels can be
         given as truth all the same.
         """
-        seen = _seen_from(folder, self._recording)
+        seen = _relative_name(folder, self._recording)
         return FrameName(seen or plain_path(self._recording).name, frame)
 
     def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
@@ -180,7 +180,7 @@ class PictureNames(FrameNames):
         """Return the name of a frame; see `FrameNames`."""
         picture = self._pictures[frame]
         elsewhere = f"{plain_path(self._folder).name}/{picture}"
-        return FrameName(_seen_from(folder, self._folder / picture) or elsewhere)
+        return FrameName(_relative_name(folder, self._folder / picture) or elsewhere)
 
     def own_frames(self, labels: Sequence[FrameName], file: Path) -> dict[str, int | None]:
         """Count what stands in a folder with pictures from here; see `FrameNames`."""

@@ -34,7 +34,7 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.source_base import Source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.crossing_search import CrossingSearch
-from cable_tracker.survey.frames.frame_metres import put_metres, put_profile, put_view
+from cable_tracker.survey.frames.frame_metres import write_metres, write_profile, write_view
 from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.trackers import make_tracker
@@ -281,10 +281,10 @@ class _Run:
         flight = self._metres.sight.instruments.overflight(estimate)
         if isinstance(flight, Overflight):
             self._dive.flight = flight
-            put_view(row, flight, estimate)
+            write_view(row, flight, estimate)
         if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
-            put_metres(row, result)
-            put_profile(row, flight, grey, estimate.state)
+            write_metres(row, result)
+            write_profile(row, flight, grey, estimate.state)
             self._crossings.search(flight, grey, estimate)
 
     def _note(self, given: InstrumentMessage) -> None:

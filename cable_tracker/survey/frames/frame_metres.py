@@ -1,4 +1,4 @@
-"""Metres of one picture, as they stand in its row of the table."""
+"""Writes what is measured in one picture into its row of the table."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from cable_tracker.survey.frames.frame_table import FrameRow
 from cable_tracker.survey.frames.visibility import border_profile
 
 
-def put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
-    """Note from where the camera looks, and how far it sees to either side."""
+def write_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
+    """Write where the camera looks, and how far it sees to either side."""
     row["look"] = flight.on_ground(np.zeros((1, 2)))[0, 0]
-    row["half_view"] = 0.5 * _seen_across(flight, float(row["look"]), estimate.image_size)
+    row["half_view"] = 0.5 * _view_width(flight, float(row["look"]), estimate.image_size)
     row["altitude"] = flight.height
     row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
 
 
-def _seen_across(flight: Overflight, look: float, image_size: tuple[int, int]) -> float:
+def _view_width(flight: Overflight, look: float, image_size: tuple[int, int]) -> float:
     """Return the length inside the image of the line at x = `look`, at the cable's height [m].
 
     However the camera is turned about its axis.
@@ -48,8 +48,8 @@ def _seen_across(flight: Overflight, look: float, image_size: tuple[int, int]) -
     return float(max(high - low, 0.0))
 
 
-def put_metres(row: FrameRow, result: CrossTrack) -> None:
-    """Note where the cable is beside the vehicle, and at the place where the camera looks."""
+def write_metres(row: FrameRow, result: CrossTrack) -> None:
+    """Write where the cable is beside the vehicle, and at the place where the camera looks."""
     sigma = result.standard_deviations()
     row["offset"], row["sigma_offset"] = result.offset, sigma[0]
     row["heading"], row["sigma_heading"] = result.heading, sigma[2]
@@ -59,8 +59,8 @@ def put_metres(row: FrameRow, result: CrossTrack) -> None:
     row["heading_variance"] = covariance[1, 1]
 
 
-def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> bool:
-    """Note where along a cable its borders can be seen; False: too little of it is inside."""
+def write_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> bool:
+    """Write where along a cable its borders can be seen; False: too little of it is inside."""
     profile = border_profile(grey, state)
     if profile is None:
         return False

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.survey.memory_mapped import Disk, Growing
+from cable_tracker.survey.memory_mapped import Disk, GrowingArray
 from cable_tracker.tracking import status
 from cable_tracker.tracking.status import TrackingStatus
 
@@ -143,7 +143,7 @@ class FrameTable:
     def __init__(self, disk: Disk) -> None:
         self.reasons = [""]
         self.crossings: list[CrossingObservation] = []
-        self._rows = Growing(disk, EMPTY)
+        self._rows = GrowingArray(disk, EMPTY)
 
     def __len__(self) -> int:
         return len(self._rows)

@@ -285,7 +285,7 @@ def _smoothed_drift(
         means[k] += back @ (means[k + 1] - before_means[k + 1])
         spreads[k] += back @ (spreads[k + 1] - before_spreads[k + 1]) @ back.T
     found = stamps, means[:, 0].copy(), spreads[:, 0, 0].copy()
-    disk.let_go()
+    disk.release_pages()
     return found
 
 

@@ -51,7 +51,7 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
                     pq.ParquetWriter(path, table.schema, compression="zstd")
                 )
             writer.write_table(table)
-            dive.disk.let_go()
+            dive.disk.release_pages()
 
 
 def _table(

@@ -153,7 +153,7 @@ SURE = 2.0
 
 def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Limits) -> list[Event]:
     """Return the events of one route of a dive, by their place."""
-    maker = _Maker(dive, course, route)
+    maker = _EventMaker(dive, course, route)
     events = [
         *_found_and_lost(maker),
         *_hidden(maker, limits),
@@ -164,11 +164,11 @@ def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Lim
         *_crossings(maker),
         *_navigation(maker),
     ]
-    dive.disk.let_go()
+    dive.disk.release_pages()
     return sorted(events, key=lambda event: (event.along, event.kind.value))
 
 
-class _Maker:
+class _EventMaker:
     """Makes events at places of a route; `piece` is the number of its connected piece.
 
     Of the way along the cable the next piece begins where the one before ends.
@@ -183,22 +183,22 @@ class _Maker:
         along = float(np.clip(along, 0.0, route.along[-1]))
         end = along if end is None else float(np.clip(end, along, route.along[-1]))
         x, y = interpolated(along, route.along, route.places).tolist()
-        stamp, frame = self._seen_at(along)
-        end_stamp, end_frame = self._seen_at(end)
+        stamp, frame = self._time_and_frame_at(along)
+        end_stamp, end_frame = self._time_and_frame_at(end)
         return Event(
             kind, along, end, (x, y), stamp, frame, detail, self.dive.name, (), end_stamp, end_frame
         )  # fmt: skip
 
-    def _seen_at(self, along: float) -> tuple[int, int]:
+    def _time_and_frame_at(self, along: float) -> tuple[int, int]:
         """Return time [ns] and number of the frame that shows a place of the route."""
         row = int(self.route.rows[min(round(along / SPACING), len(self.route.along) - 1)])
         rows = self.dive.table.rows
-        seen = int(rows["stamp"][row]), int(rows["frame"][row])
-        self.dive.disk.let_go()
-        return seen
+        found = int(rows["stamp"][row]), int(rows["frame"][row])
+        self.dive.disk.release_pages()
+        return found
 
 
-def _found_and_lost(maker: _Maker) -> list[Event]:
+def _found_and_lost(maker: _EventMaker) -> list[Event]:
     route, cable, disk = maker.route, maker.course.cable, maker.dive.disk
     way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
     end = int(np.searchsorted(cable.piece, maker.piece, "right"))
@@ -264,7 +264,7 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     return found
 
 
-def _hidden(maker: _Maker, limits: Limits) -> list[Event]:
+def _hidden(maker: _EventMaker, limits: Limits) -> list[Event]:
     events = []
     for start, end, was_in_view in hidden_stretches(maker.route, limits.least_burial):
         kind = EventKind.BURIED if was_in_view else EventKind.OUT_OF_VIEW
@@ -277,7 +277,7 @@ def hidden_detail(kind: EventKind, length: float) -> str:
     return f"{HIDDEN_WORDS[kind]} over {length:.1f} m"
 
 
-def _without_metres(maker: _Maker) -> list[Event]:
+def _without_metres(maker: _EventMaker) -> list[Event]:
     """Return where the tracker claims the cable, but no instrument tells where that is."""
     route, table = maker.route, maker.dive.table
 
@@ -290,7 +290,7 @@ def _without_metres(maker: _Maker) -> list[Event]:
     return _stretches(maker, EventKind.NO_METRES, route.unjudged(), LEAST_LOST, words)
 
 
-def _widths(maker: _Maker) -> list[Event]:
+def _widths(maker: _EventMaker) -> list[Event]:
     route = maker.route
     diameters = np.where(route.visible(), route.diameters, np.nan)
     known = np.isfinite(diameters)
@@ -315,7 +315,7 @@ def _widths(maker: _Maker) -> list[Event]:
     return _stretches(maker, EventKind.WIDTH, odd, LEAST_WIDTH_WAY, words)
 
 
-def _bends(maker: _Maker, limits: Limits) -> list[Event]:
+def _bends(maker: _EventMaker, limits: Limits) -> list[Event]:
     route = maker.route
     sharp = (np.abs(route.bends) - SURE * route.bend_sigmas) * limits.bend_radius > 1.0
 
@@ -325,7 +325,7 @@ def _bends(maker: _Maker, limits: Limits) -> list[Event]:
     return _stretches(maker, EventKind.BEND, sharp, 0.0, words)
 
 
-def _asides(maker: _Maker, limits: Limits) -> list[Event]:
+def _asides(maker: _EventMaker, limits: Limits) -> list[Event]:
     asides = np.abs(maker.route.asides)
 
     def words(stretch: slice) -> str:
@@ -335,7 +335,11 @@ def _asides(maker: _Maker, limits: Limits) -> list[Event]:
 
 
 def _stretches(
-    maker: _Maker, kind: EventKind, mask: BoolArray, least: float, words: Callable[[slice], str]
+    maker: _EventMaker,
+    kind: EventKind,
+    mask: BoolArray,
+    least: float,
+    words: Callable[[slice], str],
 ) -> list[Event]:
     """Return an event for each run of a mask over the route's points, from a length on [m]."""
     along = maker.route.along
@@ -346,7 +350,7 @@ def _stretches(
     ]
 
 
-def _crossings(maker: _Maker) -> list[Event]:
+def _crossings(maker: _EventMaker) -> list[Event]:
     events = []
     for each in find_crossings(maker.dive, maker.course, maker.route.start, maker.piece):
         if 0.0 <= each.along <= maker.route.along[-1]:
@@ -356,7 +360,7 @@ def _crossings(maker: _Maker) -> list[Event]:
     return events
 
 
-def _navigation(maker: _Maker) -> list[Event]:
+def _navigation(maker: _EventMaker) -> list[Event]:
     route = maker.route
     reach = round(JUMP_REACH * NANOSECONDS)
     earliest, latest = int(route.stamps.min()) - reach, int(route.stamps.max()) + reach

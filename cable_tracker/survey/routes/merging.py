@@ -131,7 +131,7 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
 def _departed(axis: _Axis, placed: PlacedRoute) -> list[PlacedRoute]:
     """Return the stretches on which a dive has left an axis, with their events."""
     route = placed.route
-    away = ~_of_one_cable(axis, route, *_seen_from(axis.places, route.places))
+    away = ~_of_one_cable(axis, route, *_along_and_aside(axis.places, route.places))
     return [
         _stretch(placed, slice(first, last))
         for first, last in true_runs(away)
@@ -165,8 +165,8 @@ def _directions(axis: FloatArray) -> FloatArray:
     return directions
 
 
-def _seen_from(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return for a route (M, 2) the way along an axis and the distance to its left, in points, [m].
+def _along_and_aside(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return for the points of a route (M, 2) how far along an axis [points] and to its left [m].
 
     Places beyond its ends have a way below 0 or above N - 1. Where the axis crosses itself, the
     branch counts that runs as the route does.
@@ -209,7 +209,7 @@ def _nearest(
 
 def _overlap(axis: _Axis, route: DiveRoute) -> float:
     """Return the longest way at a stretch that a route shares with an axis [m]."""
-    way, aside = _seen_from(axis.places, route.places)
+    way, aside = _along_and_aside(axis.places, route.places)
     shared = (way >= 0) & (way <= len(axis.places) - 1) & _of_one_cable(axis, route, way, aside)
     return max((last - first for first, last in true_runs(shared)), default=0) * SPACING
 
@@ -223,7 +223,7 @@ def _nearest_points(axis: _Axis, way: FloatArray) -> IndexArray:
 def _in_reach(axis: _Axis, route: DiveRoute, way: FloatArray, aside: FloatArray) -> BoolArray:
     """Tell which points of a route (N,) are not too far from an axis for one cable.
 
-    `way` and `aside` are those of `_seen_from`.
+    `way` and `aside` are those of `_along_and_aside`.
     """
     sigmas = np.hypot(route.total_sigmas, axis.sigmas[_nearest_points(axis, way)])
     in_reach: BoolArray = np.abs(aside) <= np.maximum(REACH, SIGMAS * sigmas)
@@ -243,7 +243,7 @@ def _prolonged(axis: _Axis, route: DiveRoute) -> tuple[_Axis, int]:
 
     And how many points that is before its beginning.
     """
-    way, aside = _seen_from(axis.places, route.places)
+    way, aside = _along_and_aside(axis.places, route.places)
     places, sigmas, in_reach = (
         route.places, route.total_sigmas, _in_reach(axis, route, way, aside)
     )  # fmt: skip
@@ -272,7 +272,7 @@ def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
     """
     route, is_axis = placed.route, begin is not None
     if begin is None:
-        all_way, aside = _seen_from(axis.places, route.places)
+        all_way, aside = _along_and_aside(axis.places, route.places)
     else:
         # Not looked for: a cable that crosses itself comes near to itself.
         count = len(route.along)
@@ -315,7 +315,7 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     normal = np.column_stack((-directions[:, 1], directions[:, 0]))
     places = axis + mean.asides[:, None] * normal
     recordings = [each.recording for each in beside]
-    seen_by = _seen_by(recordings, asides)
+    coverage = _coverage(recordings, asides)
     merged = MergedRoute(
         along=np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T)))),
         places=places,
@@ -324,9 +324,9 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
         visible=_mean([each.visible for each in beside]),
         diameters=_mean([each.diameters for each in beside]),
         asides=_mean([each.vehicle for each in beside]),
-        dives=np.sum(list(seen_by.values()), axis=0, dtype=np.float64),
+        dives=np.sum(list(coverage.values()), axis=0, dtype=np.float64),
         events=(),
-        recordings=tuple(seen_by),
+        recordings=tuple(coverage),
     )
     apart = (mean.counts > 1) & (mean.excess > DISAGREEMENT)
     disagreements = _disagreements(merged, apart, asides, recordings)
@@ -356,16 +356,16 @@ def _weighted_mean(asides: FloatArray, variances: FloatArray) -> _WeightedMean:
     return _WeightedMean(mean, sigma, count, excess)
 
 
-def _seen_by(recordings: Sequence[str], asides: FloatArray) -> dict[str, BoolArray]:
+def _coverage(recordings: Sequence[str], asides: FloatArray) -> dict[str, BoolArray]:
     """Return for each dive at which points of an axis (N,) one of its routes counts.
 
     A dive may have gone along the same cable twice.
     """
-    seen_by: dict[str, BoolArray] = {}
+    coverage: dict[str, BoolArray] = {}
     for recording, aside in zip(recordings, asides, strict=True):
-        seen = seen_by.get(recording, np.zeros(len(aside), np.bool_))
-        seen_by[recording] = seen | np.isfinite(aside)
-    return seen_by
+        seen = coverage.get(recording, np.zeros(len(aside), np.bool_))
+        coverage[recording] = seen | np.isfinite(aside)
+    return coverage
 
 
 def _mean(columns: Sequence[FloatArray]) -> FloatArray:

@@ -82,10 +82,10 @@ def make_profile(dive: SmoothedDive, piece: slice, wanted: FloatArray) -> Profil
     """
     cable, rows, disk, first = dive.cable, dive.rows, dive.disk, float(wanted[0])
     count = max(1, int(np.ceil((float(wanted[-1]) - first) / PROFILE_SPACING)))
-    telling = disk.growing(np.int64)
+    judged = disk.growing(np.int64)
     for part, owner in dive.row_blocks(piece):
-        telling.extend(part.start + _telling(cable, rows[part], owner))
-    used = telling.rows()
+        judged.extend(part.start + _judged_rows(cable, rows[part], owner))
+    used = judged.rows()
     total, number = disk.array(count), disk.array(count, np.int64)
     for start in range(0, len(used), TOGETHER):
         some = used[start : start + TOGETHER]
@@ -101,24 +101,24 @@ def make_profile(dive: SmoothedDive, piece: slice, wanted: FloatArray) -> Profil
             counts = np.bincount(index - low)
             total[low : low + len(counts)] += np.bincount(index - low, scores[fine])
             number[low : low + len(counts)] += counts
-        disk.let_go()
+        disk.release_pages()
     with np.errstate(invalid="ignore", divide="ignore"):
         seen = np.where(number > 0, total / number, np.nan)
     in_view = _mostly(disk, first, count, _in_view(dive, piece))
     return Profile(0.0, seen, in_view, _mostly(disk, first, count, _withheld(dive, piece)))
 
 
-def _telling(cable: SmoothedCable, rows: Rows, owner: IndexArray) -> IndexArray:
-    """Return the rows (of keyframes `owner`, (K,)) that say how the cable is seen."""
+def _judged_rows(cable: SmoothedCable, rows: Rows, owner: IndexArray) -> IndexArray:
+    """Return the rows (of keyframes `owner`, (K,)) whose profile judges this cable."""
     used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
     keyframe = owner[used]
     off = np.abs(rows["aside"][used] - cable.states[keyframe, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[keyframe, 0, 0]) + 0.05
-    # What is claimed of something else tells nothing about the cable.
-    tells = (off <= allowed) & (cable.weights[keyframe] > LEAST_WEIGHT)
-    tells |= rows["again"][used] == HIDDEN
-    telling: IndexArray = used[tells]
-    return telling
+    # What is claimed of something else says nothing about the cable.
+    counts = (off <= allowed) & (cable.weights[keyframe] > LEAST_WEIGHT)
+    counts |= rows["again"][used] == HIDDEN
+    judged: IndexArray = used[counts]
+    return judged
 
 
 def _in_view(dive: SmoothedDive, piece: slice) -> Iterator[tuple[FloatArray, BoolArray]]:

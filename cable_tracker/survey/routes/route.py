@@ -125,7 +125,7 @@ def _with_margin(dive: SmoothedDive, piece: slice, claimed: _Claimed) -> slice:
         far: IndexArray = np.flatnonzero(np.hypot(*apart.T) > BEYOND) + part.start
         return far
 
-    for part in dive.disk.blocks_back(claimed.first, start):
+    for part in dive.disk.blocks_reversed(claimed.first, start):
         if len(far := away(part, claimed.first)):
             start = int(far[-1]) + 1
             break
@@ -184,7 +184,7 @@ class _Piece:
             asides=found[:, 7],
             profile=make_profile(self._dive, self._own, wanted),
         )
-        disk.let_go()
+        disk.release_pages()
         return route
 
     def _at_places(self) -> tuple[FloatArray, IndexArray]:

@@ -99,7 +99,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     claims, covariances = disk.array((count, 2)), disk.array((count, 3))
     diameters, border_steps = disk.array(count), disk.array(count)
     for part in disk.blocks(count):
-        _put_claims(
+        _write_claims(
             rows, places, (first[part], last[part]),
             (claims[part], covariances[part], diameters[part], border_steps[part]),
         )  # fmt: skip
@@ -152,7 +152,7 @@ def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexAr
     return first, last
 
 
-def _put_claims(
+def _write_claims(
     rows: Rows,
     places: FloatArray,
     bounds: tuple[IndexArray, IndexArray],

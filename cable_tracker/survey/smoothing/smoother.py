@@ -99,7 +99,7 @@ def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> Smooth
             noise = _noise(keyframes.covariances[part], cable.scales, usual)
             noise *= inflation[part, None]
             filter_forwards(keyframes, noise, part.start, cable)
-        for part in disk.blocks_back(count) if way_back else ():
+        for part in disk.blocks_reversed(count) if way_back else ():
             smooth_backwards(keyframes, part.start, part.stop, cable)
         cable = _with_new_weights(keyframes, cable, usual, disk)
     return cable
