@@ -41,7 +41,7 @@ class CableSight(Sight[CableVehicleParameters]):
     calibration : Calibration or None
         Calibration given by the user, which overrides messages; None: use messages.
     texture_pause : float
-        Between two looks at the sea bed's texture, see `MotionAiding` [s].
+        Least time between two comparisons of texture, see `MotionAiding` [s].
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class CableSight(Sight[CableVehicleParameters]):
     @property
     def texture_motion(self) -> TextureMotion | None:
         """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
-        return self._aiding.seen
+        return self._aiding.texture_motion
 
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before.

@@ -47,9 +47,10 @@ the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference widt
 
 
 class MotionAiding:
-    """Makes the prediction for each frame, and watches whether it is any good.
+    """Predicts the motion to each frame from odometry, and decides whether the filter may use it.
 
-    The sea bed's texture decides. Where there is none, odometry has to prove itself by the cable.
+    The motion of the sea bed's texture decides. Where there is too little texture, predictions are
+    compared with how the filter sees the cable move.
 
     Parameters
     ----------
@@ -58,9 +59,9 @@ class MotionAiding:
     odometry : Odometry
         Twists of base_link.
     texture_pause : float
-        Between two looks at the sea bed's texture while it agrees with odometry, and between two
-        computations of what is unknown of a prediction [s]; 0: in every frame. Where the texture
-        has ceased to agree, every frame is looked at.
+        Least time between two comparisons of the sea bed's texture while it agrees with odometry,
+        and between two computations of a prediction's covariance [s]; 0: in every frame. Once the
+        texture has ceased to agree, every frame is compared.
 
     Attributes
     ----------
@@ -79,15 +80,15 @@ class MotionAiding:
         self._gate = AgreementGate()
         self._texture = SeaBedTexture()
         self._texture_gate = TextureGate()
-        self._seen: TextureMotion | None = None
+        self._texture_motion: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
         self.unaided: Unaided | None = NO_FRAME
 
     @property
-    def seen(self) -> TextureMotion | None:
+    def texture_motion(self) -> TextureMotion | None:
         """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
-        return self._seen
+        return self._texture_motion
 
     def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return the motion from the frame before to a frame; None: do not use any.
@@ -109,47 +110,47 @@ class MotionAiding:
             self._texture.before = image
             self.unaided = self._odometry.missing if self._before is not None else FIRST_FRAME
             return None
-        # A refusal is told, not raised: the frame is tracked without aid.
+        # Errors end no frame: it is tracked without aid.
         try:
             return self._checked_motion(stamp, image)
         except MetricError as error:
             why = str(error)
         except REFUSALS as refusal:
             why = f"the vehicle's motion cannot be compared with the image: {one_line(refusal)}"
-        self._seen = self._predicted = None
+        self._texture_motion = self._predicted = None
         self.unaided = Unaided(why)
         return None
 
     def forget_picture(self) -> None:
-        """Compare the next frame with none: those between have not been looked at."""
+        """Do not compare the next frame: pictures between have been passed over."""
         self._texture = SeaBedTexture()
-        self._seen = self._predicted = None
+        self._texture_motion = self._predicted = None
 
     def _checked_motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return what odometry predicts, unless the sea bed or the cable speaks against it."""
-        rests = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
-        prediction = self._predict(stamp, rests)
+        pauses = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
+        prediction = self._predict(stamp, pauses)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None
-        seen = self._look(stamp, image, predicted, rests)
-        self._seen = seen
-        if predicted is not None and seen is not None and seen.agrees:
-            predicted = _widened(predicted, seen.excess, image.shape[1])
+        motion = self._compare_texture(stamp, image, predicted, pauses)
+        self._texture_motion = motion
+        if predicted is not None and motion is not None and motion.agrees:
+            predicted = _widened(predicted, motion.excess, image.shape[1])
         self._predicted = predicted
         self.unaided = prediction if isinstance(prediction, Unaided) else self._doubt()
         return predicted if self.unaided is None else None
 
-    def _look(
-        self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
+    def _compare_texture(
+        self, stamp: int, image: Image, predicted: PlaneMotion | None, pauses: bool
     ) -> TextureMotion | None:
-        """Compare a frame with the one before, or keep the verdict of a moment ago."""
-        before = self._seen
-        if rests and predicted is not None and self._texture_gate.verdict and before is not None:
+        """Compare a frame's texture with that of the one before, or keep the last result."""
+        before = self._texture_motion
+        if pauses and predicted is not None and self._texture_gate.verdict and before is not None:
             self._texture.before = image
             return before
         self._texture_due = stamp + self._texture_pause
-        seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)
-        self._texture_gate.take(seen)
-        return seen
+        motion = self._texture.compare(image, predicted.mapping if predicted is not None else None)
+        self._texture_gate.take(motion)
+        return motion
 
     def _doubt(self) -> Unaided | None:
         verdict = self._texture_gate.verdict
@@ -157,8 +158,8 @@ class MotionAiding:
             return self._gate.doubt
         return None if verdict else TEXTURE_DISAGREES
 
-    def _predict(self, stamp: int, rests: bool) -> PlaneMotion | Unaided:
-        """Predict; while the look at the texture rests, what is unknown is as it was."""
+    def _predict(self, stamp: int, pauses: bool) -> PlaneMotion | Unaided:
+        """Predict the motion; while comparisons pause, with the covariance of the last one."""
         before = self._before
         if before is None:
             return FIRST_FRAME
@@ -169,7 +170,7 @@ class MotionAiding:
         if isinstance(flight, Withheld):
             return Unaided(str(flight))
         mapping = homography(flight, change)
-        if rests and self._sigmas is not None and self._sigmas[0] >= change.seconds:
+        if pauses and self._sigmas is not None and self._sigmas[0] >= change.seconds:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])
         covariance = prediction_covariance(before.state.to_array(), flight, change)
         frames = change.seconds * REFERENCE_RATE
@@ -187,9 +188,9 @@ class MotionAiding:
             self._gate.interrupt()
             return
         expected = move_states(before.state.to_array()[None, :], predicted.mapping)[0]
-        seen = wrap_state(estimate.state.to_array(), float(expected[1]))
+        observed = wrap_state(estimate.state.to_array(), float(expected[1]))
         self._gate.compare(
-            seen[:CHECKED] - expected[:CHECKED],
+            observed[:CHECKED] - expected[:CHECKED],
             predicted.place_sigmas[:CHECKED] ** 2,
             np.diag(estimate.covariance)[:CHECKED],
         )

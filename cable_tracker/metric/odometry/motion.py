@@ -93,8 +93,8 @@ class PoseChange:
     seconds: float
 
     @property
-    def knows_way(self) -> bool:
-        """Whether all velocities behind it were measured."""
+    def has_translation(self) -> bool:
+        """Whether the translation is known: all velocities that it comes from were measured."""
         return bool((self._sigmas()[:3] <= UNKNOWN_SPEED).all())
 
     @property
@@ -193,15 +193,16 @@ def moved_between(
 ) -> PoseChange | Unaided:
     """Return how base_link moved between two times [ns], or why that is not known.
 
-    Its turn is known then, its way perhaps not. A turn that odometry does not measure about all
-    axes is that of the gyroscope, if there is one.
+    Of what is returned the rotation is known, the translation perhaps not (see
+    `PoseChange.has_translation`). A turn that odometry does not measure about all axes is that of
+    the gyroscope, if there is one.
     """
     moved = odometry.motion(start, end)
     if isinstance(moved, PoseChange) and moved.measured_turns == 3:
         return moved
     turned = gyroscope.motion(start, end)
     if isinstance(turned, PoseChange):
-        if isinstance(moved, PoseChange) and moved.knows_way:
+        if isinstance(moved, PoseChange) and moved.has_translation:
             return odometry.turned_by(gyroscope, start, end)
         return turned
     if isinstance(moved, PoseChange) and moved.measured_turns:

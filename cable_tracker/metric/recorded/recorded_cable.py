@@ -46,7 +46,7 @@ class Pauses:
     calibration : int
         Interval between two calibrations [ns].
     texture : float
-        Interval between two looks at the sea bed's texture while it agrees with odometry [s].
+        Least time between two comparisons of texture, see `MotionAiding` [s].
     """
 
     readings: int = 0

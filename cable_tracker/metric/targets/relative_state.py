@@ -175,8 +175,8 @@ class RelativeState:
         covariance = transition @ self.covariance @ transition.T + added
         return replace(self, mean=mean, covariance=covariance, unseen=self.unseen + dt)
 
-    def seen_from(self, rotation: FloatArray, translation: FloatArray) -> RelativeState:
-        """Return the belief as seen from where the camera has moved to.
+    def after_motion(self, rotation: FloatArray, translation: FloatArray) -> RelativeState:
+        """Return the belief relative to the pose that the camera has moved to.
 
         What the camera's own way changes of bearing and elevation depends on the range: sightings
         from several places make it known (parallax).

@@ -161,7 +161,7 @@ class TargetRange:
         moved : PoseChange or Unaided
             Motion of the vehicle since the frame before, see `moved_between`.
         """
-        self._age(estimate.stamp, moved)
+        self._predict(estimate.stamp, moved)
         if not estimate.is_claimed:
             none = Withheld(Reason.NO_TARGET, "the frame shows none")
             return TargetMetres(none, none)
@@ -170,10 +170,10 @@ class TargetRange:
         ray = line_of_sight(estimate, camera)
         if isinstance(ray, Withheld):
             return TargetMetres(ray, ray)
-        self._see(sighting_of(estimate, camera, ray))
-        return TargetMetres(ray, self._told())
+        self._update(sighting_of(estimate, camera, ray))
+        return TargetMetres(ray, self._relative_state())
 
-    def _age(self, stamp: int, moved: PoseChange | Unaided) -> None:
+    def _predict(self, stamp: int, moved: PoseChange | Unaided) -> None:
         seconds = (stamp - self._stamp) / NANOSECONDS
         self._stamp = stamp
         if self._state is None:
@@ -184,11 +184,11 @@ class TargetRange:
         state = self._state
         if not isinstance(moved, Unaided) and self._parameters.motion_aid:
             turn, arm, axes = moved.rotation, self._mounting.position, state.axes
-            way = moved.translation + turn @ arm - arm if moved.knows_way else np.zeros(3)
-            state = state.seen_from(axes.T @ turn @ axes, axes.T @ way)
+            way = moved.translation + turn @ arm - arm if moved.has_translation else np.zeros(3)
+            state = state.after_motion(axes.T @ turn @ axes, axes.T @ way)
         self._state = state.predicted(seconds)
 
-    def _see(self, seen: TargetSighting) -> None:
+    def _update(self, seen: TargetSighting) -> None:
         if self._state is not None:
             self._state = self._state.updated(seen)
         elif seen.is_whole and seen.angular_size > 0.0:
@@ -196,7 +196,7 @@ class TargetRange:
             begun = begin_relative_state(seen, size) if size else begin_without_size(seen)
             self._state = replace(begun, axes=self._mounting.body_rotation)
 
-    def _told(self) -> RelativeState | Withheld:
+    def _relative_state(self) -> RelativeState | Withheld:
         state = self._state
         if state is None:
             return Withheld(Reason.RANGE_UNKNOWN, "the target has not been seen as a whole yet")

@@ -190,7 +190,7 @@ class TestWithTexture:
     def test_sound_odometry_is_used_at_once(self, drive, bottom):
         used = self.driven(drive, bottom, Drive.SWAY, 4)
         assert [motion is not None for motion in used] == [False, True, True, True]
-        assert drive.aiding.seen.error < 0.3
+        assert drive.aiding.texture_motion.error < 0.3
 
     def test_no_picture_is_looked_at_before_odometry_has_come_but_the_last_is_kept(
         self, drive, bottom, monkeypatch
@@ -203,7 +203,7 @@ class TestWithTexture:
         # Twists of before, late on the way: the first frame after them is compared already.
         (used,) = self.driven(drive, bottom, Drive.SWAY, 1, first=3)
         assert used is not None
-        assert drive.aiding.seen.error < 0.3
+        assert drive.aiding.texture_motion.error < 0.3
 
     @pytest.mark.parametrize("said", [-Drive.SWAY, 1.0])
     def test_wrong_odometry_is_never_used_and_told(self, drive, bottom, said):
@@ -252,4 +252,4 @@ class TestWithTexture:
         assert drive.aiding.motion(late, bottom(0)) is None
         used = self.driven(drive, bottom, Drive.SWAY, 2, first=4)
         assert all(motion is not None for motion in used)
-        assert drive.aiding.seen.error < 0.3
+        assert drive.aiding.texture_motion.error < 0.3

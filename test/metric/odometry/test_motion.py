@@ -161,14 +161,14 @@ class TestMovedBetween:
         for stamp in range(0, 3 * FRAME, FRAME):
             vehicle.gyroscope.add_turn(stamp, np.array([0.0, 0.0, 0.5 + 1e-9 * stamp]))
         turned = vehicle.between(0, FRAME)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert not isinstance(turned, Unaided) and not turned.has_translation
         assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
         for stamp in range(0, 3 * FRAME, FRAME):
             vehicle.odometry.add(
                 stamp, np.array([1.0 + 1e-9 * stamp, 0.0, 0.0, 0.0, 0.0, 0.0]), np.eye(6)
             )
         moved = vehicle.between(0, FRAME)
-        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert not isinstance(moved, Unaided) and moved.has_translation
         assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
 
     @staticmethod
@@ -190,7 +190,7 @@ class TestMovedBetween:
         vehicle = self.with_odometry(turn=variance)
         self.turns(vehicle)
         moved = vehicle.between(0, FRAME)
-        assert not isinstance(moved, Unaided) and moved.knows_way
+        assert not isinstance(moved, Unaided) and moved.has_translation
         assert moved.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
         assert moved.translation[0] == pytest.approx(0.04, rel=0.1)
         assert np.diag(moved.covariance).max() < 1.0
@@ -201,7 +201,7 @@ class TestMovedBetween:
         for stamp in range(0, 3 * FRAME, FRAME // 4):
             vehicle.gyroscope.add_turn(stamp, np.array([0.0, 0.0, 3.0 + 1e-12 * stamp]))
         change = vehicle.between(0, 2 * FRAME)
-        assert change.knows_way
+        assert change.has_translation
         angle = 3.0 * 2 * FRAME / 1e9
         radius = (1.0 + 1e-9 * FRAME) / 3.0
         circle = [radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0]
@@ -215,12 +215,12 @@ class TestMovedBetween:
         vehicle = self.with_odometry(way=UNKNOWN_VARIANCE, turn=UNKNOWN_VARIANCE)
         self.turns(vehicle)
         turned = vehicle.between(0, FRAME)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert not isinstance(turned, Unaided) and not turned.has_translation
         assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_that_does_not_know_its_way_tells_its_turn(self):
         turned = self.with_odometry(way=UNKNOWN_VARIANCE, angular=0.5).between(0, FRAME)
-        assert not isinstance(turned, Unaided) and not turned.knows_way
+        assert not isinstance(turned, Unaided) and not turned.has_translation
         assert turned.rotation[1, 0] == pytest.approx(0.5 * 0.04, rel=0.1)
 
     def test_odometry_in_a_plane_tells_its_yaw_where_there_is_no_gyroscope(self):

@@ -78,7 +78,7 @@ def test_a_target_that_leaves_and_is_not_seen_for_hours_has_a_range_still():
     for number in range(100):
         state = state.predicted(DT).updated(sighting(0.0, 5.0 * math.exp(0.5 * DT * number)))
     for _ in range(1_000):
-        state = state.seen_from(np.eye(3), np.array([0.1, 0.0, 0.0])).predicted(10.0)
+        state = state.after_motion(np.eye(3), np.array([0.1, 0.0, 0.0])).predicted(10.0)
     assert math.isfinite(state.range)
     assert np.isfinite(state.position_covariance()).all()
     assert state.range_sigma > state.range
