@@ -85,7 +85,7 @@ def convert(  # noqa: PLR0917
         is_in_place = recording.path.resolve().is_relative_to(output.resolve())
         if is_in_place:
             _refuse_a_part(recording.path, output)
-        with _told_that_all_is_kept() if is_in_place else nullcontext():
+        with _noting_that_nothing_is_changed() if is_in_place else nullcontext():
             written = write_bag(
                 output,
                 counted(recording.frames(), progress),
@@ -103,7 +103,7 @@ def convert(  # noqa: PLR0917
     if instruments is not None:
         print_notes(source, instruments.remarks())
     if written.gain > 1.0:
-        print_notes(source, [_words_on(written.gain)])
+        print_notes(source, [_gain_note(written.gain)])
     skipped = f" ({written.skipped} that cannot be decoded left out)" if written.skipped else ""
     console.print(f"{written.count} frames{skipped}: {output}", soft_wrap=True)
     if written.damage is not None:
@@ -127,8 +127,8 @@ def _refuse_a_part(path: Path, output: Path) -> None:
 
 
 @contextmanager
-def _told_that_all_is_kept() -> Iterator[None]:
-    """Say of a recording that cannot be converted in its own place that it is as it was."""
+def _noting_that_nothing_is_changed() -> Iterator[None]:
+    """Add to an error that the recording, which was to be replaced, is unchanged."""
     try:
         yield
     except RecordingError as error:
@@ -144,7 +144,7 @@ def _every_tenth(recording: Source) -> Iterator[Frame]:
     return recording.chosen_frames(lambda _stamp: next(numbers) % LOOK_EVERY == 0)
 
 
-def _words_on(gain: float) -> str:
+def _gain_note(gain: float) -> str:
     return (
         "its pictures have more than 8 bits and use less than 1/8 of that range: for 8 bits the"
         f" levels of all frames were multiplied by {gain:g}; leave out --format, which keeps the"

@@ -181,8 +181,8 @@ def _states(result: SurveyResult) -> str:
     """Return how many recordings were kept from an earlier survey and how many failed, if any."""
     counts = Counter(outcome.state for outcome in result.outcomes)
     words = {TaskState.KEPT: "kept from before", TaskState.FAILED: "failed"}
-    told = [f"{counts[state]} {word}" for state, word in words.items() if counts[state]]
-    return f" ({', '.join(told)})" if told else ""
+    parts = [f"{counts[state]} {word}" for state, word in words.items() if counts[state]]
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def _print(result: SurveyResult, output: Path, seconds: float) -> None:

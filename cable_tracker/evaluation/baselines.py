@@ -123,7 +123,7 @@ class DetectorTracker:
             self._forget(TrackingStatus.INITIALISING)
         self._frame = frame
         self._predict(step.dt, frame.size[0])
-        found = self._look(image)
+        found = self._detect_and_update(image)
         self._count(found is not None)
         return self._estimate(found, step.event)
 
@@ -142,7 +142,7 @@ class DetectorTracker:
         elif self._filter is not None:
             self._filter = self._filter.predicted(dt)
 
-    def _look(self, image: Image) -> Detection | None:
+    def _detect_and_update(self, image: Image) -> Detection | None:
         """Find the cable in the frame and correct the belief by it."""
         claimed = self._status is TrackingStatus.TRACKING
         region = self._region(self._filter) if claimed and self._filter is not None else None

@@ -22,8 +22,8 @@ from cable_tracker.evaluation.targets.metrics import (
     centred,
     claimed_in_view,
     claimed_while_absent,
-    keeps_its_own,
     returns_found,
+    share_on_own_target,
     success,
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
@@ -228,7 +228,7 @@ def figures_of(claims: Sequence[EvaluatedClaim]) -> tuple[float, ...]:
         # What is hidden behind its twin has its box where the twin is: that claim is no error.
         float("nan") if has_twin else claimed_while_absent(claims),
         mean(found),
-        keeps_its_own(claims) if has_twin else float("nan"),
+        share_on_own_target(claims) if has_twin else float("nan"),
         float(np.median([claim.ms for claim in claims])),
     )
 

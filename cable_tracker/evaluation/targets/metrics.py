@@ -101,7 +101,7 @@ def returns_found(claims: Sequence[EvaluatedClaim]) -> list[bool]:
     return found
 
 
-def keeps_its_own(claims: Sequence[EvaluatedClaim]) -> float:
+def share_on_own_target(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of the last frames whose box is the target's rather than its twin's."""
     last = [c for c in claims[-OWN_FRAMES:] if c.truth and c.twin]
     return mean([overlap(c.truth, c.claim) > overlap(c.twin, c.claim) for c in last])

@@ -28,7 +28,7 @@ from cable_tracker.printable import printable
 from cable_tracker.sequences.tables.estimates import format_stamp
 
 AUTOSAVE_DELAY = 1.0
-"""Seconds between an edit and its being kept safe, at most."""
+"""Longest time between an edit and the autosave [s]."""
 
 T = TypeVar("T")
 
@@ -42,20 +42,20 @@ class LabelServer:
     workspace : Workspace
         The recording and its labels.
     channels : Channels
-        Ways for pictures.
-    reader, thinker : Executor
-        Threads that read frames, and that find cables in them.
+        Channels that send pictures to browsers.
+    reader, proposer : Executor
+        Threads that read frames, and that propose labels.
     """
 
     workspace: Workspace
     channels: Channels = field(default_factory=Channels)
     reader: Executor = field(default_factory=lambda: ThreadPoolExecutor(1, "frames"))
-    thinker: Executor = field(default_factory=lambda: ThreadPoolExecutor(1, "proposals"))
+    proposer: Executor = field(default_factory=lambda: ThreadPoolExecutor(1, "proposals"))
     _timer: asyncio.TimerHandle | None = None
 
     def run(self, listening: Listening, started: Callable[[], None]) -> None:
         """Serve the window until a signal ends it."""
-        stop_listening = self.workspace.listen(self._keep_safe_soon)
+        stop_listening = self.workspace.listen(self._schedule_autosave)
         try:
             serve(
                 lambda: LabelPage(self).build(),
@@ -68,15 +68,15 @@ class LabelServer:
         finally:
             stop_listening()
             self.workspace.stopped.set()
-            for executor in (self.reader, self.thinker):
+            for executor in (self.reader, self.proposer):
                 executor.shutdown(wait=False, cancel_futures=True)
             self.workspace.autosave()
 
-    def _keep_safe_soon(self, _changes: Changes | None) -> None:
+    def _schedule_autosave(self, _changes: Changes | None) -> None:
         if self._timer is None and core.loop is not None:
-            self._timer = core.loop.call_later(AUTOSAVE_DELAY, self._keep_safe)
+            self._timer = core.loop.call_later(AUTOSAVE_DELAY, self._autosave)
 
-    def _keep_safe(self) -> None:
+    def _autosave(self) -> None:
         self._timer = None
         self.workspace.autosave()
 
@@ -248,7 +248,7 @@ class LabelPage:
             label = _label_of(event.args["label"])
         except (CableTrackerError, ValueError) as error:
             self._editor.say(str(error), "error")
-            self._workspace.tell({frame: document.labels.get(frame)})
+            self._workspace.notify({frame: document.labels.get(frame)})
             return
         merges = bool(event.args["merges"])
         self._workspace.change(frame, label, merges=merges)
@@ -312,7 +312,7 @@ class LabelPage:
         labels = dict(self._workspace.document.labels)
         try:
             found = await self._read(
-                self._server.thinker,
+                self._server.proposer,
                 self._workspace.propose,
                 frame,
                 labels,
@@ -410,7 +410,7 @@ class LabelPage:
             return await loop.run_in_executor(executor, function, *arguments)
         finally:
             if self._workspace.count != before:
-                self._workspace.tell({})
+                self._workspace.notify({})
 
 
 def _label_of(said: Mapping[str, object] | None) -> FrameLabel | None:

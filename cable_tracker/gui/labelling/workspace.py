@@ -177,7 +177,7 @@ class Workspace:
         self._listeners.add(listener)
         return lambda: self._listeners.discard(listener)
 
-    def tell(self, changes: Changes | None) -> None:
+    def notify(self, changes: Changes | None) -> None:
         """Tell all listeners."""
         for listener in tuple(self._listeners):
             listener(changes)
@@ -261,24 +261,24 @@ class Workspace:
     def change(self, frame: int, label: FrameLabel | None, *, merges: bool = False) -> None:
         """Label a frame; see `LabelDocument.change`. The label is of the time that it has now."""
         changes = self.document.change(frame, {frame: label}, merges=merges)
-        self.tell({frame: label, **changes})
+        self.notify({frame: label, **changes})
 
     def undo(self) -> tuple[int, Changes] | None:
         """Take the last step back; see `LabelDocument.undo`."""
-        return self._tell_step(self.document.undo())
+        return self._notify_step(self.document.undo())
 
     def redo(self) -> tuple[int, Changes] | None:
         """Do again what was taken back; see `LabelDocument.redo`."""
-        return self._tell_step(self.document.redo())
+        return self._notify_step(self.document.redo())
 
-    def _tell_step(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
+    def _notify_step(self, step: tuple[int, Changes] | None) -> tuple[int, Changes] | None:
         if step is not None:
-            self.tell(step[1])
+            self.notify(step[1])
         return step
 
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
         """Fill gaps between key frames."""
-        self.tell(self.document.interpolate(frame, wanted))
+        self.notify(self.document.interpolate(frame, wanted))
 
     def save(self, *, overwrite: bool = False) -> None:
         """Write the labels into their file, and forget the autosaved ones.
@@ -314,7 +314,7 @@ class Workspace:
         autosave_path(file.path).unlink(missing_ok=True)
         self._owns_autosave = False
         self.trouble = ""
-        self.tell({})
+        self.notify({})
 
     def _stamped_labels(self) -> dict[int, FrameLabel]:
         """Return the labels with their times, as far as they are known."""
@@ -338,7 +338,7 @@ class Workspace:
         if self.trouble:
             raise OutputError(f"{self.trouble}; save the labels elsewhere before you open others")
         self._open(path)
-        self.tell(None)
+        self.notify(None)
 
     def resume(self) -> None:
         """Take up the unsaved labels of an earlier run."""
@@ -347,14 +347,14 @@ class Workspace:
             self._known |= stamps_of(self.autosaved)
             self.autosaved = None
             self._owns_autosave = True
-            self.tell(None)
+            self.notify(None)
 
     def discard(self) -> None:
         """Forget the unsaved labels of an earlier run."""
         if self.autosaved is not None:
             self.autosaved = None
             autosave_path(self.path).unlink(missing_ok=True)
-            self.tell(None)
+            self.notify(None)
 
     def autosave(self) -> None:
         """Save changed labels beside the label file; without changes, remove what was saved so.
@@ -375,4 +375,4 @@ class Workspace:
             trouble = f"unsaved labels cannot be kept in {path} ({one_line(error)})"
         if trouble != self.trouble:
             self.trouble = trouble
-            self.tell({})
+            self.notify({})

@@ -51,7 +51,7 @@ class TrackedRecording:
         """Show the first frame without tracking it: there may be code to compile before that."""
         frame = self._frames.frame(0)
         with suppress(FrameError):
-            self.tracker.look(frame)
+            self.tracker.decode(frame)
         self._publish(self._snapshot(frame, WARMING_UP))
 
     def go_to(self, target: int, is_interrupted: Callable[[bool], bool]) -> bool:
@@ -123,7 +123,7 @@ class TrackedRecording:
             # A frame that is refused belongs to the run too: one can go back to it and on from it.
             self._memory.note(frame.index, self.tracker)
         try:
-            self.tracker.look(frame)
+            self.tracker.decode(frame)
             if not self.is_enabled:
                 self._publish(self._snapshot(frame, DISABLED))
                 return

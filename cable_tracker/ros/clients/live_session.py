@@ -47,7 +47,7 @@ from cable_tracker.tracking.status import DISABLED
 ANSWER_TIMEOUT = 30.0
 """Longest time for the answer of a service [s]; a node that is gone is seen on the graph."""
 
-LOOK_PERIOD = 0.5
+UPDATE_PERIOD = 0.5
 """Interval between two checks that the node is still there [s]."""
 
 STALL = 2.0
@@ -109,7 +109,7 @@ class LiveSession(Session):
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
         topic = node_topics.DIAGNOSTICS
         subscription(self._node, topic, self._health.take, qos.RESULTS, name=topic.global_name)
-        self._node.create_timer(LOOK_PERIOD, self._look)
+        self._node.create_timer(UPDATE_PERIOD, self._update_connection)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="live session", daemon=True)
@@ -221,14 +221,14 @@ class LiveSession(Session):
     def _spin(self) -> None:
         try:
             while self._context.ok():
-                self._turn()
+                self._spin_once()
         except ExternalShutdownException:
             pass  # `close` has shut the context down.
         finally:
             self._executor.shutdown()
 
-    def _turn(self) -> None:
-        """Handle what is next; an error of one message must not end the watching of the others."""
+    def _spin_once(self) -> None:
+        """Run the next callback; an error with one message must not stop the others."""
         try:
             self._executor.spin_once(timeout_sec=0.1)
         except ExternalShutdownException:
@@ -256,8 +256,8 @@ class LiveSession(Session):
         self._silent_since = time.monotonic()
         self._publish(snapshot)
 
-    def _look(self) -> None:
-        """See whether the node is there, and what its topics are called now."""
+    def _update_connection(self) -> None:
+        """Find the node's topics on the graph, which may have changed, and listen to them."""
         self._frames.hand_on_what_is_due()
         topics = find_topics(self._node, self.name, self._frames.TOPICS)
         self._others = self._other_trackers()

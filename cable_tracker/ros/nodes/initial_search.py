@@ -78,11 +78,11 @@ class InitialSearch:
         return self._given
 
     def stop(self) -> None:
-        """Seek no more: the filter has found a cable by itself, or was told where one is."""
+        """Seek no more: the filter has found a cable by itself, or was given where one is."""
         self.is_seeking = False
 
-    def look(self, picture: Image) -> GivenState | None:
-        """Return where the detector sees a cable, and seek no more; None where it sees none.
+    def detect(self, picture: Image) -> GivenState | None:
+        """Return the prior of a detected cable, and seek no more; None where none is detected.
 
         Call it while `is_seeking`.
 

@@ -61,7 +61,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         endpoints: WatchedEndpoints,
     ) -> None:
         super().__init__(node, parameters, CableSight, CABLE_INSTRUMENTS, AWAITED)
-        self._is_mounting_told = False
+        self._is_mounting_checked = False
         self._result: CrossTrack | Withheld = NO_FRAME
         self._stand_in = ""
         self._publishers = {
@@ -98,30 +98,30 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         self._sight.observe(estimate)
 
     def publish(self, header: Message, estimate: CableEstimate) -> None:
-        """Publish the cable of an estimate in metres, if it can be told."""
+        """Publish the cable of an estimate in metres, if it is known."""
         before, result = self._result, self._sight.measure(estimate)
         self._result = result
-        self._tell_of_stand_in(estimate.stamp)
+        self._warn_of_stand_in(estimate.stamp)
         if isinstance(result, Withheld):
             news = newly_withheld(before, result)
             if news is not None:
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
-        self._tell_of_mounting()
+        self._warn_of_mounting()
         makers = cross_track_messages(MESSAGES, header, self.base_frame, result)
         publish_wanted(self._publishers, makers, *makers)
 
-    def _tell_of_stand_in(self, stamp: int) -> None:
+    def _warn_of_stand_in(self, stamp: int) -> None:
         """Warn where `fixed_altitude` begins to stand in: metres may jump then."""
         before, self._stand_in = self._stand_in, self._sight.instruments.stand_in_at(stamp)
         if self._stand_in and not before:
             self._node.get_logger().warning(self._stand_in, throttle_duration_sec=WARNING_PAUSE)
 
-    def _tell_of_mounting(self) -> None:
+    def _warn_of_mounting(self) -> None:
         """Warn with the first `cross_track` of a camera whose mounting was not given."""
-        if self._is_mounting_told:
+        if self._is_mounting_checked:
             return
-        self._is_mounting_told = True
+        self._is_mounting_checked = True
         defaults = CableVehicleParameters()
         if all(
             getattr(self._parameters, name) == getattr(defaults, name)

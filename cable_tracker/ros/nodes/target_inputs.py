@@ -61,7 +61,7 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
         """Return what a frame's estimates are in metres; once for each frame."""
         before, self._results = self._results, self._sight.take(estimates)
         for number, result in enumerate(self._results):
-            self._tell(before[number] if number < len(before) else None, result)
+            self._log_reason(before[number] if number < len(before) else None, result)
         return self._results
 
     def figures(self, number: int) -> dict[str, str]:
@@ -80,8 +80,8 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
         """Why turns were not taken out of the last frame; None if they were."""
         return self._sight.unaided
 
-    def _tell(self, before: TargetMetres | None, result: TargetMetres) -> None:
-        """Say once why there are no metres. That no target is claimed is said elsewhere."""
+    def _log_reason(self, before: TargetMetres | None, result: TargetMetres) -> None:
+        """Log once why there are no metres, unless it is that no target is claimed."""
         news = newly_withheld(None if before is None else before.relative, result.relative)
         if news is not None:
             self._node.get_logger().info(

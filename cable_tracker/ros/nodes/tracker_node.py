@@ -131,7 +131,7 @@ class TrackerNode(CameraNode):
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
-        seen = self._search.look(picture) if self._search.is_seeking else None
+        seen = self._search.detect(picture) if self._search.is_seeking else None
         if seen is not None:
             self._tracker.initialise(seen)
         estimate = self._tracker.process(picture, stamp, self._instruments.motion(stamp, picture))

@@ -55,7 +55,7 @@ def run_node(
         remove_dead_segments()
         context = started_context(sys.argv if arguments is None else arguments)
     except CableTrackerError as error:
-        return _tell(error)
+        return _print_error(error)
     node: ProcessNode | None = None
     executor = SingleThreadedExecutor(context=context)
     try:
@@ -66,10 +66,10 @@ def run_node(
             gc.freeze()
             _spin(node, executor, stop)
     except CableTrackerError as error:
-        return _tell(error)
+        return _print_error(error)
     except ParameterException as error:
         # Of rclpy's own parameters, such as use_sim_time; those of our tables raise ParameterError.
-        return _tell(ParameterError(one_line(error)))
+        return _print_error(ParameterError(one_line(error)))
     except ExternalShutdownException:
         pass  # The context was shut down from elsewhere; that is an orderly end.
     finally:
@@ -89,7 +89,7 @@ def arguments_without_ros(arguments: Sequence[str] | None) -> list[str]:
         return []  # They cannot even be parsed, which is told when ROS starts.
 
 
-def _tell(error: CableTrackerError) -> int:
+def _print_error(error: CableTrackerError) -> int:
     print(f"error: {error}", file=sys.stderr)
     return EXIT_USER_ERROR
 

@@ -6,9 +6,9 @@ from cable_tracker.evaluation.targets.metrics import (
     EvaluatedClaim,
     claimed_in_view,
     claimed_while_absent,
-    keeps_its_own,
     overlap,
     returns_found,
+    share_on_own_target,
     success,
 )
 
@@ -48,8 +48,8 @@ def test_a_return_is_found_within_fifteen_frames_or_not():
 
 
 def test_the_own_target_is_the_one_that_the_box_overlaps_more():
-    assert keeps_its_own(judged((HERE, BESIDE), twin=FAR)) == 1.0
-    assert keeps_its_own(judged((HERE, FAR), twin=FAR)) == 0.0
+    assert share_on_own_target(judged((HERE, BESIDE), twin=FAR)) == 1.0
+    assert share_on_own_target(judged((HERE, FAR), twin=FAR)) == 0.0
 
 
 def test_a_return_is_found_in_time_by_frames_and_before_the_next_absence():

@@ -34,7 +34,7 @@ def workspace(start):
 
 
 def edit(workspace, frame=0, label=LABEL):
-    workspace.tell(workspace.document.change(frame, {frame: label}))
+    workspace.notify(workspace.document.change(frame, {frame: label}))
 
 
 def test_labels_go_beside_the_recording(folder, video):

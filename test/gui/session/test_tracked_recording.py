@@ -42,7 +42,7 @@ class Path:
     def initialise(self, start):
         self.way = (start,)
 
-    def look(self, frame):
+    def decode(self, frame):
         if frame.index == REFUSED_FRAME:
             raise FrameError("no picture")
 

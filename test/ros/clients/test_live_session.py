@@ -186,7 +186,7 @@ def test_a_name_without_topics_is_what_is_left_of_a_node(world, session):
     world.add(Node("tracker", context=world.context, namespace=world.namespace))
     watcher = world.me
     world.spin(lambda: ("tracker", world.namespace) in watcher.get_node_names_and_namespaces())
-    world.pass_time(2.0 * live_session.LOOK_PERIOD)
+    world.pass_time(2.0 * live_session.UPDATE_PERIOD)
     assert f"no node {world.namespace}/tracker" in session.trouble
 
 

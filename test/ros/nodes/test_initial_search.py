@@ -48,8 +48,8 @@ def test_a_detector_is_asked_until_it_sees_a_cable(
 ) -> None:
     search = InitialSearch(name)
     assert search.restart() is None
-    assert search.look(BLANK) is None
-    prior = search.look(strip())
+    assert search.detect(BLANK) is None
+    prior = search.detect(strip())
     assert prior is not None
     assert prior.state.distance == pytest.approx(truth.distance, abs=6.0)
     assert prior.state.angle == pytest.approx(truth.angle, abs=0.1)
@@ -57,7 +57,7 @@ def test_a_detector_is_asked_until_it_sees_a_cable(
     assert not search.is_seeking
     search.restart()
     assert search.is_seeking
-    assert search.look(strip()) is not None
+    assert search.detect(strip()) is not None
 
 
 @pytest.mark.parametrize("name", DETECTORS)
@@ -67,11 +67,11 @@ def test_a_detector_looks_for_the_widths_that_it_is_limited_to(
     narrow, wide = PairLimits(4.0, truth.width / 2, 0.2), PairLimits(4.0, 2 * truth.width, 0.2)
     search = InitialSearch(name, narrow)
     search.restart()
-    found = search.look(strip())
+    found = search.detect(strip())
     assert found is None or found.state.width <= truth.width / 2
     search.limit(wide)
     search.restart()
-    assert search.look(strip()).state.width == pytest.approx(truth.width, abs=6.0)
+    assert search.detect(strip()).state.width == pytest.approx(truth.width, abs=6.0)
 
 
 def test_what_was_found_otherwise_is_not_sought_any_more() -> None:

@@ -131,7 +131,7 @@ class SessionTracker(ABC):
     def _configure_tracker(self, parameters: ParameterSet) -> None:
         """Let the tracker go on with other parameters."""
 
-    def look(self, frame: Frame) -> None:
+    def decode(self, frame: Frame) -> None:
         """Decode a frame, which is shown from now on.
 
         Raises
@@ -151,7 +151,7 @@ class SessionTracker(ABC):
 
     @abstractmethod
     def follow(self, frame: Frame, number: int) -> AnySnapshot:
-        """Track the frame that was looked at last; its snapshot gets a number.
+        """Track the frame that was decoded last; return its snapshot with a number.
 
         Raises
         ------

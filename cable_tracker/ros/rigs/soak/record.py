@@ -103,7 +103,7 @@ class SoakRecord:
         self.faults[fault] += 1
         self._recent.append(fault)
 
-    def look_at_memory(self, sample: MemorySample) -> None:
+    def add_memory(self, sample: MemorySample) -> None:
         """Keep a sample, with the faults since the one before."""
         self.memory.append(replace(sample, faults="; ".join(self._recent)))
         self._recent.clear()

@@ -288,7 +288,7 @@ class SoakRig:
             self.camera.spin_until(lambda: self.camera.answers > answers, 0.2)
         self.settle()
 
-    def look_at_memory(self) -> None:
+    def sample_memory(self) -> None:
         """Note now and then how much memory the tracker takes."""
         now = time.monotonic()
         if now < self._next_memory or not self._running:
@@ -297,4 +297,4 @@ class SoakRig:
         private, shared = read_memory(self.tracker.pid)
         frames = self.camera.answers - self._answers_before
         sample = MemorySample(self.minutes(), frames, self._processes, private, shared)
-        self.record.look_at_memory(sample)
+        self.record.add_memory(sample)

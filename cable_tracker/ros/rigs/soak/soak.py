@@ -93,7 +93,7 @@ def _lockstep(rig: SoakRig) -> None:
                 rig.restart_tracker(f"no good frame was answered after: {fault.value}")
         elif not rig.good_frame():
             rig.restart_tracker("a frame was not answered")
-        rig.look_at_memory()
+        rig.sample_memory()
 
 
 def _full_rate(rig: SoakRig) -> None:

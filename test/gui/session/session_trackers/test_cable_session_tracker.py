@@ -40,7 +40,7 @@ def first_snapshot(tracker, source):
     tracker.reset()
     tracker.begin()
     frame = next(source.frames())
-    tracker.look(frame)
+    tracker.decode(frame)
     return tracker.follow(frame, 1)
 
 

@@ -18,21 +18,21 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 def test_one_that_is_remembered_does_not_keep_the_picture_of_its_frame():
     tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    tracker.look(frame)
+    tracker.decode(frame)
     remembered = tracker.copy()
     assert remembered.show(frame, 1, "").image.shape[:2] == STAND_IN_SIZE[::-1]
     assert tracker.show(frame, 1, "").image.shape[:2] == (600, 800)
-    remembered.look(frame)
+    remembered.decode(frame)
     assert remembered.follow(frame, 2).image.shape[:2] == (600, 800)
 
 
 def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
     tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    tracker.look(frame)
+    tracker.decode(frame)
     bad = replace(frame, index=1, image=replace(frame.image, encoding="nv12"))
     with pytest.raises(FrameError, match="nv12"):
-        tracker.look(bad)
+        tracker.decode(bad)
     shown = tracker.show(bad, 2, "REFUSED").image
     assert shown.shape[:2] == (600, 800)
     assert (shown == DARK).all()
@@ -41,7 +41,7 @@ def test_of_a_frame_that_cannot_be_decoded_the_picture_before_is_not_shown():
 def test_a_box_is_checked_against_the_last_picture_that_could_be_decoded():
     tracker = TargetSessionTracker("wait", TargetParameters(), BoxTruth(), None)
     frame = Frame(0, 1_000_000_000, raw_from_array(np.zeros((600, 800, 3), np.uint8), "bgr8"))
-    tracker.look(frame)
+    tracker.decode(frame)
     with pytest.raises(FrameError):
-        tracker.look(replace(frame, image=replace(frame.image, encoding="nv12")))
+        tracker.decode(replace(frame, image=replace(frame.image, encoding="nv12")))
     tracker.initialise(TargetStart.from_box(600, 400, 700, 500))

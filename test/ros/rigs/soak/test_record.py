@@ -75,7 +75,7 @@ def test_a_sample_of_memory_names_the_faults_since_the_one_before():
     record.inject("overload")
     record.inject("no pixels")
     for _ in range(2):
-        record.look_at_memory(MemorySample(0.1, 1, 1, 100.0, 1.0))
+        record.add_memory(MemorySample(0.1, 1, 1, 100.0, 1.0))
     assert [sample.faults for sample in record.memory] == ["overload; no pixels", ""]
     assert record.faults == {"overload": 1, "no pixels": 1}
 
