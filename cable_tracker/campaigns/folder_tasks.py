@@ -35,7 +35,7 @@ class FolderTask(Protocol):
         ...
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
-        """Do it, and write all results into a folder, which exists; tell of the progress."""
+        """Run the task, write all results into an existing folder, and report the progress."""
         ...
 
     def is_own_name(self, name: str) -> bool:

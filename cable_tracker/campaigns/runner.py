@@ -48,7 +48,7 @@ class ResultTask(Protocol[Result_co]):
     """Unit of work of one worker, with a result. It is pickled to other processes."""
 
     def run(self, advance: Advance) -> Result_co:
-        """Do it; `advance` is to be told how many more frames are done."""
+        """Run the task; calls `advance` with the number of further frames done."""
         ...
 
 

@@ -163,7 +163,7 @@ def _instruments(recording: Source, choice: InstrumentChoice) -> InstrumentSourc
 
 
 def _vehicle_file(recording: Source) -> bytes | None:
-    """Return what the `vehicle.yaml` of a recording holds; None if it has none."""
+    """Return the content of a recording's `vehicle.yaml`; None if it has none."""
     path = own_vehicle_file(recording.path)
     try:
         return path.read_bytes() if path.is_file() else None

@@ -192,7 +192,7 @@ def _cable_campaign(
     start: Start,
     filters: tuple[ConfiguredFilter, ...],
 ) -> Campaign:
-    """Return what is judged of cables: the methods that are named, or else the usual ones."""
+    """Return the cable trackers to judge: the methods that are named, or else the usual ones."""
     usual = ("default",) if filters else tuple(METHODS)
     return Campaign(
         methods=tuple(dict.fromkeys(methods or usual)),

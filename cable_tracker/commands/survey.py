@@ -152,7 +152,7 @@ def parse_datum(text: str | None) -> tuple[float, float] | None:
 
 
 def _check_output(recordings: Sequence[Path], output: Path, resume: bool, force: bool) -> None:
-    """See that nothing but an earlier survey is written over, and that only if it is wanted."""
+    """Refuse to write over anything but an earlier survey, and over that unless it is wanted."""
     results = (output / RECORDINGS).resolve()
     for path in recordings:
         if path.resolve().is_relative_to(results):

@@ -51,6 +51,6 @@ class LabelledRecording(ChosenRecording):
             ) from error
 
     def files(self) -> list[Path]:
-        """Return what it is read from: files or a folder, and the labels."""
+        """Return the paths that it is read from: files or a folder, and the labels."""
         labels = [] if self.truth is None else [self.truth]
         return [*recording_files(self.path), *labels]

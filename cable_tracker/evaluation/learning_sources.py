@@ -160,7 +160,7 @@ class FrameTally:
     harder: int = 0
 
     def words(self) -> str:
-        """Say how many there are."""
+        """Return the counts in words."""
         copies = f" and {self.harder} harder copies of them" if self.harder else ""
         return f"{self.recorded} frames{copies}"
 

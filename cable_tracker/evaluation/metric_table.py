@@ -1,4 +1,4 @@
-"""The one table of numbers about a run: what the reports show and the CSV files hold."""
+"""The table of all metrics of a run: names, labels and units for reports and CSV files."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ class MethodRun:
         sheet.add(draw, frame.index, words, status_colour(status))
 
     def result(self, sequence: str) -> RunResult:
-        """Return what came of it, once at least one frame has been processed."""
+        """Return the result of the run, once at least one frame has been processed."""
         trace = trace_of(self._outcomes)
         metrics = run_metrics(trace, started_at_random=self._start is Start.RANDOM)
         return RunResult(

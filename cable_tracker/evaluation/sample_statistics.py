@@ -25,12 +25,12 @@ def median(values: Sample) -> float:
 
 
 def percentage(part: float, whole: float) -> float:
-    """Return how much a part is of the whole [%]."""
+    """Return the share of a part in the whole [%]."""
     return 100.0 * part / whole if whole else math.nan
 
 
 def percentages(parts: FloatArray, wholes: FloatArray) -> FloatArray:
-    """Return how much parts are of wholes [%], counts of one shape."""
+    """Return the shares of parts in wholes [%], counts of one shape."""
     return np.where(wholes > 0.0, 100.0 * parts / np.maximum(wholes, 1.0), math.nan)
 
 

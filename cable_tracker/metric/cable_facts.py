@@ -17,7 +17,7 @@ NO_METRES_KEY = "no_metres"
 
 
 def row_metres(known: CrossTrack) -> RowMetres:
-    """Return what tables and reports say of a cable in metres."""
+    """Return a cable's metres for tables and reports."""
     sigma = known.standard_deviations()
     return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
 

@@ -314,7 +314,7 @@ def _model_of(name: str) -> DistortionModel:
 
 
 def _fault_of(calibration: Calibration) -> str:
-    """Return what is wrong with a calibration; empty if nothing is."""
+    """Return the fault of a calibration in words; empty if it has none."""
     numbers = (*calibration.focal, *calibration.centre, *calibration.coefficients)
     # Written so that NaN counts as too large.
     if not (np.abs(numbers) <= LARGEST_NUMBER).all():

@@ -106,7 +106,7 @@ class CrossTrack:
     depth: float
 
     def standard_deviations(self) -> FloatArray:
-        """Return those of offset, offset_ahead, heading, diameter, shape (4,)."""
+        """Return the standard deviations of offset, offset_ahead, heading, diameter, shape (4,)."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     def at_foot(self) -> tuple[float, FloatArray]:

@@ -77,7 +77,7 @@ class History:
         self._values.clear()
 
     def at(self, stamp: int) -> Reading | None:
-        """Return what was measured at a time [ns], interpolated; None before the first.
+        """Return the measurement at a time [ns], interpolated; None before the first.
 
         After the last measurement its value is held, and `age` says for how long.
         """
@@ -96,7 +96,7 @@ class History:
         return Reading(value, 0.0, nearest / NANOSECONDS)
 
     def around(self, stamp: int) -> list[FloatArray]:
-        """Return what `at` interpolates between: one measurement or two, shape (k,) each."""
+        """Return the one or two measurements that `at` interpolates between, shape (k,) each."""
         after = bisect_right(self._stamps, stamp)
         if after and self._stamps[after - 1] == stamp:
             return [self._values[after - 1]]

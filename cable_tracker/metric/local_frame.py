@@ -43,7 +43,7 @@ class LocalFrame:
         return np.column_stack((east, north))
 
     def distances(self, latitude: FloatArray, longitude: FloatArray) -> FloatArray:
-        """Return how far from the origin places are over the earth, shape (N,) [m]."""
+        """Return the distances of places from the origin over the earth, shape (N,) [m]."""
         count = len(latitude)
         origin = np.full(count, self.longitude), np.full(count, self.latitude)
         return np.asarray(Geod(ellps="WGS84").inv(*origin, longitude, latitude)[2])

@@ -1,4 +1,4 @@
-"""How instruments, cross track, and bearing and place of a target stand in ROS messages.
+"""ROS messages of instruments, of cross track, and of a target's bearing and position.
 
 Those of rclpy or of rosbags, of ROS 2 or ROS 1.
 """
@@ -145,7 +145,7 @@ def make_cross_track(
 def cross_track_messages(
     factory: MessageFactory, header: Message, base_frame: str, known: CrossTrack
 ) -> MessageMakers:
-    """Return what makes the messages about a cable in metres: beside the vehicle, and ahead.
+    """Return makers of the messages about a cable in metres: beside the vehicle, and ahead.
 
     They are of the time of a frame's header, in the vehicle's frame of that name.
     """
@@ -170,7 +170,7 @@ def relative_messages(
     known: TargetMetres,
     camera_place: FloatArray,
 ) -> MessageMakers:
-    """Return what makes the messages about a target in metres: bearing and place, if known.
+    """Return makers of the messages about a target in metres: bearing and position, if known.
 
     Parameters
     ----------

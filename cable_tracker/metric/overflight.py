@@ -1,4 +1,4 @@
-"""A camera over the plane of a cable, and where what it sees lies there."""
+"""A camera over the plane of a cable, and the projection of image points onto that plane."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Overflight:
         return float(self.height + (self.attitude.rotation @ self.mounting.position)[2])
 
     def ground_to_image(self) -> FloatArray:
-        """Return what takes the ground, seen from above, to the image, shape (3, 3).
+        """Return the homography from the ground, seen from above, to the image, shape (3, 3).
 
         The ground from above, at the cable's height, is an image frame in metres: x to the right, y
         ahead, in the level frame. The third number that a point gets is its depth before the

@@ -30,7 +30,7 @@ def mounting_of(parameters: CableVehicleParameters | TargetVehicleParameters) ->
 
 
 def metric_settings(parameters: CableVehicleParameters) -> MetricSettings:
-    """Return how cables are to be measured."""
+    """Return the settings of a `CrossTrackMeter`."""
     return MetricSettings(mounting_of(parameters), parameters.look_ahead, parameters.cable_height)
 
 

@@ -1,4 +1,4 @@
-"""What every sight can do: a node's inputs and a recording hand instruments to it."""
+"""Base of the classes that collect instruments, from a node's topics or from a recording."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VehicleParameters = TypeVar(
 
 
 class Sight(ABC, Generic[VehicleParameters]):
-    """Keeps what instruments have said so far, and the calibration that counts.
+    """Collects the messages of instruments so far, and the calibration in force.
 
     A subclass calls this constructor when it can take a calibration.
 

@@ -1,4 +1,4 @@
-"""Why there are no metres: a reason with a name, and words for a person."""
+"""Reasons for missing metres: each with a name, and words for a person."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def is_given_at_start(node: Node, name: str) -> bool:
 
 
 def those_in(kind: type[ParameterSet], values: Mapping[str, object]) -> dict[str, object]:
-    """Return those of some values, by name, that are parameters of a kind of set."""
+    """Return the entries of `values` whose names are parameters of a parameter set."""
     own = {spec.name for spec in parameter_table(kind)}
     return {name: value for name, value in values.items() if name in own}
 

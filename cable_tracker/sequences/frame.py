@@ -59,7 +59,7 @@ class CompressedImage:
 
 
 def missing_image(reason: str, *, compressed: bool = False) -> RawImage | CompressedImage:
-    """Return what stands for an image of which a recording gives nothing, and says why."""
+    """Return a placeholder for an image that is missing from a recording, with the reason."""
     nothing = memoryview(b"")
     return (
         CompressedImage("", nothing, missing=reason)

@@ -154,7 +154,7 @@ class Source(ABC):
         return frames
 
     def frame_name(self, index: int) -> str:
-        """Return how to call a frame in a message."""
+        """Return the name of a frame for messages to the user."""
         return f"frame {index}"
 
     @abstractmethod

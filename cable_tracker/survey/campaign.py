@@ -130,7 +130,7 @@ def holds_survey(output: Path) -> bool:
 
 
 def names_of(paths: Sequence[Path], earlier: Mapping[str, Path] | None = None) -> list[str]:
-    """Return what recordings are called: as their files, with the folder before where two agree.
+    """Return the names of recordings: those of their files, after the folder's where two agree.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def run_survey(
 
 
 def _origins_in(root: Path) -> dict[str, Origin]:
-    """Return of what the earlier results in a folder are, as far as they say so, by their names."""
+    """Return the origins of earlier results in a folder by their names, where they are given."""
     if not root.is_dir():
         return {}
     found = {

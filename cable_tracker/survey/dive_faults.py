@@ -164,7 +164,7 @@ def _usual_pause(poses: Poses, disk: Disk) -> float:
 
 
 def _missing_metres(counted: CountedRows, words: list[str]) -> list[str]:
-    """Say in what share of the claims there are no metres; a reason has its number's words.
+    """Describe in which share of the claims there are no metres, by reason; `words` by its number.
 
     Metres are not computed in every picture: the share is that of the claims in which they were.
     """

@@ -71,7 +71,7 @@ class Disk:
         return tempfile.TemporaryFile(dir=self.folder)
 
     def mapped(self, file: IO[bytes], dtype: npt.DTypeLike) -> AnyArray:
-        """Return what a file holds as an array that can be written, shape (N,).
+        """Return the content of a file as a writable array, shape (N,).
 
         Raises
         ------
@@ -184,7 +184,7 @@ class GrowingArray:
         self._newest = np.full(self._disk.block, self._empty)
 
     def rows(self) -> AnyArray:
-        """Return all rows, shape (N,); what is written into them stays."""
+        """Return all rows, shape (N,), as a view that can be written."""
         if self._file is None:
             return self._newest[: self._used]
         if self._used:
@@ -204,7 +204,7 @@ def interpolated_locally(wanted: FloatArray, places: FloatArray, values: FloatAr
 
 
 def surroundings(places: FloatArray | IndexArray, wanted: FloatArray | IndexArray) -> slice:
-    """Return which of at least two places (N,) that grow lie around all wanted ones (M,)."""
+    """Return the slice of at least two ascending places (N,) around all wanted ones (M,)."""
     if not len(wanted):
         return slice(0, 2)
     first = int(np.searchsorted(places, wanted.min())) - 1

@@ -1,4 +1,4 @@
-"""From one recording to its routes and events, and to a folder that holds them."""
+"""Survey of one recording: its routes and events, and the folder that holds them."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float,
 
 
 def middle_fix(fixes: FloatArray) -> tuple[float, float]:
-    """Return that of some fixes to which most others are near.
+    """Return the fix to which most others are near.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def survey_recording(
 ) -> SurveyedDive:
     """Track a recording, smooth it, find its events, and write all of it into a new folder.
 
-    `advance` is told of every frame, `name` is what the dive is called in what is written.
+    `advance` is called with every frame; `name` is the dive's name in the results.
 
     Raises
     ------

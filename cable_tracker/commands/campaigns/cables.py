@@ -134,7 +134,7 @@ def evaluate_cables(
 
 
 def _descriptions(campaign: Campaign) -> dict[str, str]:
-    """Return what each method of a campaign is, by its name."""
+    """Return the description of each method of a campaign by its name."""
     tuned = dict.fromkeys(
         (each.name for each in campaign.filters), "particle filter with parameters of yours"
     )

@@ -48,7 +48,7 @@ class StopSignals:
         sys.unraisablehook = self._report_unraisable
 
     def arrived(self) -> None:
-        """Say that `Stopped` has unwound the command: it is not raised again."""
+        """Note that `Stopped` has unwound the command: it is not raised again."""
         signal.setitimer(signal.ITIMER_REAL, 0)
 
     def _stop(self, signal_number: int, _frame: FrameType | None) -> None:

@@ -99,7 +99,7 @@ def print_table(
 
 
 def print_note(text: str) -> None:
-    """Say on stderr what the user should know."""
+    """Print a note for the user on stderr."""
     messages.print(f"note: {text}", soft_wrap=True)
 
 

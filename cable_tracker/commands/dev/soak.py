@@ -85,7 +85,7 @@ def soak(  # noqa: PLR0917
 
 
 def _pictures(size: tuple[int, int], seed: int, *, target: bool) -> list[Frame]:
-    """Return what the tracker is shown: a cable in grey, or a target in colour."""
+    """Return the frames for the tracker: a cable in grey, or a target in colour."""
     if not target:
         settings = SimulationSettings(frame_count=FRAMES, image_size=size, seed=seed)
         return list(islice(simulate(settings), FRAMES))

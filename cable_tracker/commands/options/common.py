@@ -137,7 +137,7 @@ def chosen_instruments(
     odometry: str | None,
     fix: str | None = NO_TOPIC,
 ) -> InstrumentChoice:
-    """Return which topics the user named for the instruments; None: found by their type."""
+    """Return the topics that the user named for the instruments; None: found by their type."""
     named = (camera_info, altitude, imu, odometry, fix)
     pairs = zip(Instrument, named, strict=True)
     return InstrumentChoice({instrument: topic for instrument, topic in pairs if topic is not None})

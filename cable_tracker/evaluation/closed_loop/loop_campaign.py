@@ -1,4 +1,4 @@
-"""Many closed loops side by side: seeds and methods, and what came of them in one table."""
+"""Many closed loops side by side: seeds and methods, and their outcomes in one table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of a closed loop: the vehicle's way over the cable, and its error over time."""
+"""Plots of a closed loop: the vehicle's trajectory over the cable, and its error over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of a vehicle that followed a cable by the tracker's word: table and judgement."""
+"""Closed loops of a vehicle that follows a cable by the tracker's output: rows and summary."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ def summarise_loop(
 
 
 def _losses(rows: Sequence[LoopRow]) -> list[float]:
-    """Return how long the controller did not follow, each time after the first sight [s]."""
+    """Return the durations for which the controller did not follow, after it first did [s]."""
     losses, since = [], None
     has_followed = False
     for row in rows:

@@ -173,7 +173,7 @@ def _mean_cell(metric: str, runs: Sequence[RunResult]) -> str:
 
 
 def _note(row: AblationRow) -> str:
-    """Say what a row is, and which values it has that `default` has not."""
+    """Describe a row, with the values that differ from `default`."""
     usual = preset(DEFAULT).as_mapping()
     changes = [
         f"`{name}` = {_value(value)}"

@@ -133,7 +133,7 @@ class AidedMethod:
 def _odometry_messages(
     vehicle: SimulatedVehicle, fault: OdometryFault, rng: np.random.Generator
 ) -> list[tuple[int, Spoken]]:
-    """Return what odometry with a fault says, each with the time at which it comes [ns]."""
+    """Return the messages of odometry with a fault, each with its time of arrival [ns]."""
     twists = np.array([reading.twist for reading in vehicle.odometry])
     said = zip(*faulty(vehicle.odometry_stamps, twists, fault, rng), strict=True)
     return [

@@ -54,7 +54,7 @@ ExperimentMaker: TypeAlias = Callable[[tuple[int, ...], int | None], Experiment]
 
 
 def _of_scenarios(make: Callable[..., Experiment], names: Sequence[str]) -> ExperimentMaker:
-    """Return what makes an experiment on scenarios."""
+    """Return a function that makes an experiment on some scenarios."""
     return lambda seeds, limit: make(seeds, sequences=simulated_sequences(names, limit))
 
 

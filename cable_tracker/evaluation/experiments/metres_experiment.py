@@ -166,7 +166,7 @@ def _row(name: str, runs: Sequence[FloatArray]) -> tuple[str, ...]:
 
 
 def _numbers(errors: FloatArray) -> tuple[float, ...]:
-    """Return what stands in a row from `with metres` on, for the errors (N, 6) of one run."""
+    """Return the columns from `with metres` on, for the errors (N, 6) of one run."""
     known = errors[np.isfinite(errors).all(axis=1)]
     held = known[known[:, ON_CABLE] > 0.0]
     inside = np.abs(known) <= 2.0

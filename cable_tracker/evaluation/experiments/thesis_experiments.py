@@ -154,7 +154,7 @@ class ReinitialisationExperiment(CampaignExperiment):
         title: str,
         file_name: str,
     ) -> ResultTable:
-        """Tell how those starts went that are counted."""
+        """Return the table of the starts that are counted."""
         names = (*((s, s) for s in sequences_of(results)), ("all", None))
         rows = []
         for name, sequence in names:
@@ -225,7 +225,7 @@ class _SpeedSetting:
 
 
 def speed_sequence(limit: int | None = None) -> ScenarioSequence:
-    """Return what the speed is measured on; `limit`: number of frames used, None: all."""
+    """Return the sequence to measure speed on; `limit`: number of frames used, None: all."""
     return ScenarioSequence("S3", min(SPEED_FRAMES, limit or SPEED_FRAMES))
 
 

@@ -48,7 +48,7 @@ class StartStatistics:
 
 
 def start_statistics(trace: Trace) -> StartStatistics:
-    """Tell how the first `START_FRAMES` frames that show a cable went."""
+    """Return the statistics of the first `START_FRAMES` frames that show a cable."""
     visible = np.flatnonzero(trace.visible)
     if not len(visible):
         return StartStatistics(None, math.nan, math.nan)

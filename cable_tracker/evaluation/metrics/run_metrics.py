@@ -69,7 +69,7 @@ def _claims(trace: Trace) -> dict[str, float]:
 
 
 def _losses(trace: Trace) -> dict[str, float]:
-    """Tell how much of a visible cable was lost, silence included, and how soon it was found."""
+    """Return the metrics of losses, silence included, and of recoveries."""
     visible = trace.visible
     losses = loss_episodes(trace)
     recoveries = [loss.seconds for loss in losses if loss.recovered]
@@ -126,7 +126,7 @@ def _episodes_of_recording(trace: Trace) -> list[LossEpisode]:
 
 
 def _start(trace: Trace) -> dict[str, float]:
-    """Tell how a start without knowledge of the cable went."""
+    """Return the metrics of a start without knowledge of the cable."""
     start = start_statistics(trace)
     known = start.outcome is not None
     return {
@@ -140,7 +140,7 @@ _NO_START = dict.fromkeys(("start_right", "start_wrong", "frames_to_right"), mat
 
 
 def _returns(trace: Trace) -> dict[str, float]:
-    """Tell how often a cable that came back into view was found again, and how soon."""
+    """Return how often and how soon a cable that came back into view was found again."""
     times = return_times(trace)
     known = [seconds for seconds in times if not math.isnan(seconds)]
     return {

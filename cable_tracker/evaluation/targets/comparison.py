@@ -152,7 +152,7 @@ class TargetMethodRun:
             self.claims.append(EvaluatedClaim(frame.truth, claim, frame.twin, ms, self._number))
 
     def result(self, sequence: str, seed: int) -> RunFigures:
-        """Return what came of it, once there is a frame that counts."""
+        """Return the figures of the run, once there is a frame that counts."""
         return RunFigures(sequence, seed, self._name, figures_of(self.claims), self.refusal)
 
     def _claim(self, image: Image, frame: TargetEvaluationFrame) -> Box | None:

@@ -1,4 +1,4 @@
-"""Figures about one run: what was claimed of a target, frame by frame, against the truth."""
+"""Metrics of one run: claimed boxes of a target against the true ones, frame by frame."""
 
 from __future__ import annotations
 

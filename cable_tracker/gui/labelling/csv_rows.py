@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 def read_rows(path: Path, header: Sequence[str], parse: Callable[[list[str]], T]) -> list[T]:
-    """Return what the rows below the header say; nothing if there is no file.
+    """Return the parsed rows below the header of a CSV file; empty if there is no file.
 
     Parameters
     ----------

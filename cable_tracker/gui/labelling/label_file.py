@@ -151,7 +151,7 @@ def format_label_file(
 
 
 def digest(path: Path) -> str | None:
-    """Return what tells whether a label file or its flags have changed; None if there are none.
+    """Return a digest of a label file and its flags; None if there are none.
 
     Raises
     ------

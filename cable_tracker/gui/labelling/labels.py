@@ -201,7 +201,7 @@ def gap_at(labels: Labels, frame: int) -> Gap | None:
 
 
 def stretches_at(labels: Labels, frames: Iterable[int]) -> list[Gap]:
-    """Return what lies between neighbouring key frames, of all that some frames lie in or end.
+    """Return the stretches between neighbouring key frames that contain or end at some frames.
 
     Before the first key frame and after the last a frame without a label stands for one.
     """

@@ -403,7 +403,7 @@ class LabelPage:
         dialog.open()
 
     async def _read(self, executor: Executor, function: Callable[..., T], *arguments: object) -> T:
-        """Do what reads frames in another thread. All hear of it if the recording ends earlier."""
+        """Call a function that reads frames in another thread, and notify all if the end is met."""
         loop = asyncio.get_running_loop()
         before = self._workspace.count
         try:

@@ -145,7 +145,7 @@ class Workspace:
         return labels if labels != content.labels else None
 
     def autosaved_words(self) -> str:
-        """Return what the user should know of the unsaved labels of an earlier run."""
+        """Describe the unsaved labels of an earlier run to the user."""
         kept = autosave_path(self.path)
         count = len(self.autosaved or {})
         try:
@@ -173,12 +173,12 @@ class Workspace:
         return self.document.labels != self._content.labels
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Tell a listener of every change; returns the function that ends it."""
+        """Call a listener with every change; returns the function that ends it."""
         self._listeners.add(listener)
         return lambda: self._listeners.discard(listener)
 
     def notify(self, changes: Changes | None) -> None:
-        """Tell all listeners."""
+        """Call all listeners with what has changed."""
         for listener in tuple(self._listeners):
             listener(changes)
 
@@ -233,7 +233,7 @@ class Workspace:
         return damage
 
     def missing_stamps(self, frames: Iterable[int]) -> list[int]:
-        """Return those frames whose times must be read.
+        """Return the frames whose times must be read.
 
         Those that stand in a file serve for new labels, too, if no frame read here has another one.
         """

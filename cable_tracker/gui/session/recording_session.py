@@ -301,7 +301,7 @@ def _make_tracker(
     parameters: ParameterSet,
     vehicle: RecordedVehicle,
 ) -> SessionTracker:
-    """Return what follows what the parameters are for.
+    """Return a tracker of a cable or of a target, by the kind of parameters.
 
     Instruments tell metres of a cable, and turns of the camera for a target.
     """

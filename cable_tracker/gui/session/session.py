@@ -51,7 +51,7 @@ class Session(ABC):
         return self._latest
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Tell a listener of every snapshot from now on; returns the function that ends it."""
+        """Call a listener with every snapshot from now on; returns the function that ends it."""
         with self._listening:
             self._listeners.append(listener)
 

@@ -1,4 +1,4 @@
-"""A thread that does what others ask of it, and something of its own between."""
+"""A thread that runs calls from other threads, and periodic work of its own between them."""
 
 from __future__ import annotations
 

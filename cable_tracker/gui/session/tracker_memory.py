@@ -1,4 +1,4 @@
-"""Memory of what a tracker believed at earlier frames, so that one can go back to them."""
+"""Copies of a tracker at earlier frames, so that one can go back to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Knowledge of a page about its subject: a cable, or a target with an outline."""
+"""Properties of what a page shows: a cable, or a target with an outline."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ class Subject:
     groups: Groups
 
     def references(self) -> dict[str, dict[str, ParameterValue]]:
-        """Return what values can be compared with: the presets, by name."""
+        """Return the presets by name, with which the values in force can be compared."""
         return {name: each.as_mapping() for name, each in self.kind.presets.items()}
 
     def session_table(self, *, is_live: bool) -> Sequence[ParameterSpec]:
-        """Return what can be changed while it runs."""
+        """Return the parameters that can be changed while the session runs."""
         return (*self.kind.table, *self.kind.runtime) if is_live else self.kind.table
 
 

@@ -117,7 +117,7 @@ def _apart(words: str, speed: float) -> float:
 
 
 def command_player(player: RecordingSession, name: str, value: object = None) -> None:
-    """Do what a key or a button of the transport bar says; other names do nothing."""
+    """Run the command of a key or a button of the transport bar; other names do nothing."""
     steps = {"forward": 1, "back": -1, "leap": LEAP, "leap_back": -LEAP}
     if name in steps:
         player.step(steps[name])

@@ -61,11 +61,11 @@ class FormDialog(ABC):
         self.dialog.open()
 
     def refuse(self, words: str) -> None:
-        """Say why it cannot be done."""
+        """Show why the action failed."""
         self._refusal.set_text(printable(words))
 
     async def submit(self) -> None:
-        """Do it, and close if it could be done."""
+        """Run the dialog's action, and close the dialog if it succeeded."""
         await self._attempt(self.do)
 
     async def _attempt(self, action: Callable[[], Awaitable[None]]) -> None:
@@ -78,7 +78,7 @@ class FormDialog(ABC):
 
     @abstractmethod
     async def do(self) -> None:
-        """Do it.
+        """Run the dialog's action.
 
         Raises
         ------

@@ -162,7 +162,7 @@ def make_packet(
 
 
 def without_picture(snapshot: AnySnapshot, reason: str) -> AnySnapshot:
-    """Return what is shown of a frame that cannot be packed: its status, and why."""
+    """Return the snapshot to show of a frame that cannot be packed: its status, and why."""
     place, row = (snapshot.number, snapshot.frame, stand_in()), snapshot.row
     facts = (row.frame, row.stamp, row.status)
     if isinstance(snapshot, TargetSnapshot):

@@ -1,4 +1,4 @@
-"""Pictures on their way to browsers: the newest one, and none before the last has been drawn."""
+"""Channel of pictures to browsers: the newest one, once the last has been drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One picture for the browser: a description in JSON and what belongs to it, in one message.
+"""One picture for the browser: a description in JSON and its binary sections, in one message.
 
 Image and overlay come together, so that what is drawn on a picture is always of that picture. The
 browser's half is `browser/packet.js`.

@@ -127,7 +127,7 @@ class MotionAiding:
         self._texture_motion = self._predicted = None
 
     def _checked_motion(self, stamp: int, image: Image) -> PlaneMotion | None:
-        """Return what odometry predicts, unless the sea bed or the cable speaks against it."""
+        """Return the motion by odometry, unless the sea bed or the cable contradicts it."""
         pauses = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
         prediction = self._predict(stamp, pauses)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None

@@ -1,4 +1,4 @@
-"""How what lies on the sea bed moves in the image when the camera moves.
+"""Motion of the sea bed in the image when the camera moves, as a homography.
 
 Two images of a plane differ by a homography. The lens is taken as a pinhole here: over the motion
 from one frame to the next, its distortion is nearly the same before and after.
@@ -26,7 +26,7 @@ LEAST_CLEARANCE = 0.1
 
 
 def homography(flight: Overflight, change: PoseChange) -> FloatArray:
-    """Return what takes points of the earlier image to the later one, shape (3, 3).
+    """Return the homography from points of the earlier image to the later one, shape (3, 3).
 
     For points of the image frame [px] that lie in the plane of the cable.
     """
@@ -73,7 +73,7 @@ def move_states(states: FloatArray, mapping: FloatArray) -> FloatArray:
 
 
 def prediction_covariance(state: FloatArray, flight: Overflight, change: PoseChange) -> FloatArray:
-    """Return how unsure odometry and altitude leave a cable that has moved, shape (4, 4).
+    """Return the covariance that odometry and altitude give a predicted cable, shape (4, 4).
 
     Of d, alpha, w, beta [px, rad]. Sigma points of the pose change's covariance and of the height
     are carried through the homography.

@@ -1,4 +1,4 @@
-"""How far a vehicle has moved between two times, from the twists that its odometry stated."""
+"""Motion of a vehicle between two times, integrated from the twists of its odometry."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Odometry:
         self.add(stamp, np.concatenate((np.zeros(3), rates)), TURNS_ALONE)
 
     def motion(self, start: int, end: int) -> PoseChange | Unaided:
-        """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
+        """Return the vehicle's motion from one time to a later one [ns], or why it is not known.
 
         The twist is interpolated between its stamps, and held for a moment after the last.
         """
@@ -191,7 +191,7 @@ class Odometry:
 def moved_between(
     odometry: Odometry, gyroscope: Odometry, start: int, end: int
 ) -> PoseChange | Unaided:
-    """Return how base_link moved between two times [ns], or why that is not known.
+    """Return the motion of base_link between two times [ns], or why it is not known.
 
     Of what is returned the rotation is known, the translation perhaps not (see
     `PoseChange.has_translation`). A turn that odometry does not measure about all axes is that of

@@ -1,4 +1,4 @@
-"""Whether the sea bed moves in the image as odometry has it.
+"""Compares the sea bed's motion in the image with the one that odometry predicts.
 
 Corners of the sea bed's texture in the picture before are found again in this one, and compared
 with where the predicted homography takes them. This asks neither the cable nor the filter, so that

@@ -1,4 +1,4 @@
-"""Metres, and the vehicle's motion for the filter, from what was recorded beside the pictures.
+"""Metres, and the vehicle's motion for the filter, from the recorded instruments.
 
 The same as the tracker node does with what it hears, except that a recording knows the future: what
 instruments said shortly after a frame is known when the frame is tracked, so that their
@@ -163,7 +163,7 @@ class RecordedVehicle:
         return self.has_instruments or bool(self.vehicle.said)
 
     def metres(self, pauses: Pauses = Pauses()) -> RecordedCableSight | None:
-        """Return what turns estimates into metres, or says why not; None where none are wanted."""
+        """Return a converter of estimates to metres; None where no metres are wanted."""
         return RecordedCableSight(self.vehicle, self.source, pauses) if self.wants_metres else None
 
 

@@ -1,4 +1,4 @@
-"""What was recorded beside pictures, handed on in step with the frames that are followed."""
+"""Recorded messages of instruments, handed on in step with the frames that are tracked."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class RecordedInstruments(Generic[AnySight]):
         return other
 
     def advance(self, frame: Frame) -> list[InstrumentMessage]:
-        """Take what the instruments said up to a frame and shortly after it, and return it."""
+        """Take and return the messages of instruments up to a frame and shortly after it."""
         taken = list(self._feed.up_to(frame))
         for message in taken:
             self.sight.take_message(message.instrument, message.stamp, message.message)

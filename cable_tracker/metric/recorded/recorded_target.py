@@ -1,4 +1,4 @@
-"""Bearing and range of a target, and turns of the camera, from what was recorded beside pictures.
+"""Bearing and range of a target, and the camera's rotation, from the recorded instruments.
 
 The same as the target tracker's node does with what it hears.
 """
@@ -52,7 +52,7 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
 def recorded_target(
     described: RecordedVehicle, target_size: float = 0.0
 ) -> RecordedInstruments[TargetSight]:
-    """Return what hands instruments of a recording to a `TargetSight`, in step with the frames.
+    """Return the instruments of a recording, handed to a `TargetSight` in step with the frames.
 
     Parameters
     ----------

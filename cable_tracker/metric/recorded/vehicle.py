@@ -1,4 +1,4 @@
-"""Knowledge of a vehicle before its recording is tracked: mounting, calibration, doubts.
+"""Description of a vehicle, known before its recording is tracked: mounting, calibration, sigmas.
 
 It comes from the bag's `/tf_static`, and from a file `vehicle.yaml` that wins over it: parameters
 by name as the tracker node reads them, and the calibration under the names that ROS' camera

@@ -58,7 +58,7 @@ class TargetMetres:
 def turn_of_picture(
     camera: CameraModel, mounting: Mounting, rotation: FloatArray
 ) -> CameraMotion | None:
-    """Return what a turn of the vehicle does to what the camera sees; the same at all distances.
+    """Return the motion of the image by a turn of the vehicle; the same at all distances.
 
     None of a turn that takes what was seen out of view: see `CameraMotion.keeps_picture`.
 
@@ -106,7 +106,7 @@ def solid_angle_of_pixel(camera: CameraModel, point: FloatArray) -> float:
 
 
 def sighting_of(estimate: TargetEstimate, camera: CameraModel, ray: FloatArray) -> TargetSighting:
-    """Return what a frame says of size, bearing and elevation from where the camera looks.
+    """Return the target's angular size, and bearing and elevation from the optical axis.
 
     About the axes of base_link what lies straight below would have no bearing.
     """

@@ -1,4 +1,4 @@
-"""From frame to frame: turns of the camera for the filter, and metres of what it has found.
+"""Collects instruments: the camera's rotation for the filter, and metres of the target.
 
 The same for a node that hears instruments and for a recording that holds them.
 """
@@ -99,7 +99,7 @@ class TargetSight(Sight[TargetVehicleParameters]):
             self._odometry.add(stamp, *read_twist(message, LEAST_SIGMAS))
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
-        """Return what turns of the vehicle did to the picture since the frame before.
+        """Return the image motion by turns of the vehicle since the frame before.
 
         None where they are not known. Call it for each frame, before the filter looks at it.
 
@@ -129,7 +129,7 @@ class TargetSight(Sight[TargetVehicleParameters]):
         return None
 
     def take(self, estimates: Sequence[TargetEstimate]) -> list[TargetMetres]:
-        """Return what a frame's estimates are in metres; once for each frame."""
+        """Convert the estimates of a frame to metres; call it once for each frame."""
         self._before = estimates[0].stamp
         return [
             each.take(estimate, camera_for(self._calibration, estimate.image_size), self._moved)

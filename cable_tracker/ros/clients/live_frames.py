@@ -1,4 +1,4 @@
-"""Puts together what a tracker node says of the same frame."""
+"""Joins the messages of a tracker node about the same frame into snapshots."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ class _Parts:
         return 0 if self.image is None else self.image.data.nbytes
 
     def facts(self) -> dict[str, str]:
-        """Return what the report says by name; nothing without one."""
+        """Return the facts of the report by name; empty without a report."""
         return {} if self.report is None else report_facts(self.report)
 
     def status(self) -> str:
-        """Return what the report says; without one, what follows from a claim in the state."""
+        """Return the report's status; without a report, one that follows from the state."""
         told = "" if self.report is None else report_status(self.report)
         is_claimed = len(self.messages[node_topics.STATE].position) > 0
         return told or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
@@ -83,7 +83,7 @@ class LiveFrames:
         self._unstamped: RawImage | CompressedImage | None = None
 
     def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:
-        """Take what the camera sent.
+        """Take a picture of the camera.
 
         Of a picture without a stamp the node speaks with the time at which it came: the newest one
         is shown with what comes next.
@@ -123,7 +123,7 @@ class LiveFrames:
             self._parts.popitem(last=False)
 
     def hand_on_what_is_due(self) -> None:
-        """Hand on the newest frame that is ready; those before it are given up."""
+        """Hand on the newest frame that is ready; those before it are dropped."""
         now = time.monotonic()
         ready = [stamp for stamp, parts in self._parts.items() if self._will_do(parts, now)]
         if not ready:

@@ -92,7 +92,7 @@ def _is_among(name: str, endpoints: list[TopicEndpointInfo]) -> bool:
 
 
 def _unlikeness_to_contour(name: str) -> tuple[bool, bool]:
-    """Return what sorts polygons, the contour first.
+    """Return the sort key of a polygon topic: the contour comes first.
 
     The box is another one. Either may be remapped, so that the name of the other tells it.
     """

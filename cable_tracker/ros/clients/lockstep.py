@@ -1,4 +1,4 @@
-"""A recording on its way through a tracker's process, frame by frame, in lockstep over DDS."""
+"""Tracks a recording with a tracker in another process, frame by frame in lockstep over DDS."""
 
 from __future__ import annotations
 

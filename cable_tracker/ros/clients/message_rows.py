@@ -1,4 +1,4 @@
-"""Rows of the tables of estimates, made from what a tracker node says of a frame."""
+"""Rows of the tables of estimates, made from the messages of a tracker node about a frame."""
 
 from __future__ import annotations
 

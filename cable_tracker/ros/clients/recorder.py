@@ -100,7 +100,7 @@ class Recorder(Node):  # type: ignore[misc]
         return True
 
     def _health(self) -> TrackerHealth:
-        """Return what the latest diagnostics tell; nothing before the first."""
+        """Return the trackers' state by the latest diagnostics; empty before the first."""
         health, diagnostics = TrackerHealth(), self._queues[node_topics.DIAGNOSTICS]
         if diagnostics:
             kind = message_class(node_topics.DIAGNOSTICS.type_name)

@@ -1,4 +1,4 @@
-"""What diagnostics tell of trackers: their status, and who listens to them."""
+"""State of trackers by their diagnostics: status, warm-up, and number of subscribers."""
 
 from __future__ import annotations
 

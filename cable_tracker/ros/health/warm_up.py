@@ -62,7 +62,7 @@ class WarmUp:
         return time.monotonic() - self._begin
 
     def abandon(self) -> None:
-        """Tell that the variant is needed no more: unless it runs already, it never will."""
+        """Cancel the warm-up unless it is running: the variant is not needed any more."""
         self._abandoned = True
 
     def finish(self) -> None:

@@ -19,7 +19,7 @@ USED = frozenset(status.value for status in TrackingStatus)
 
 
 def announced_topics(topics: TrackerTopics, report: Message) -> list[NodeTopic]:
-    """Return those of a tracker's topics that speak of a frame, by its report.
+    """Return the topics on which a tracker publishes about a frame, by the frame's report.
 
     Of several targets those of the first.
     """

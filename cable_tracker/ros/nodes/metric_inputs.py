@@ -131,7 +131,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
             self._node.get_logger().warning(MOUNTING_NOT_GIVEN)
 
     def diagnostics(self) -> dict[str, str]:
-        """Return what diagnostics say about metres, with units in the keys."""
+        """Return the key-value pairs of diagnostics about metres, with units in the keys."""
         result, unaided = self._result, self._sight.unaided
         known = result if isinstance(result, CrossTrack) else None
         return {

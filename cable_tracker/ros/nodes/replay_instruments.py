@@ -1,4 +1,4 @@
-"""The part of the replay node that sends what else a bag holds: the vehicle's instruments.
+"""The part of the replay node that sends the messages of the vehicle's instruments.
 
 Everything is sent as it was recorded, in step with the frames: before a frame, what was received up
 to it and shortly after it, as `metric.instrument_feed` hands it out. So the tracker node gives the

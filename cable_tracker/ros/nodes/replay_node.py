@@ -308,7 +308,7 @@ class ReplayNode(ProcessNode):
         return self._last.have_arrived()
 
     def report(self) -> str:
-        """Say what was sent."""
+        """Return how many frames were sent, in words."""
         seconds = time.monotonic() - self._started
         return f"sent {self._sent} frames of {self._source.path} in {seconds:.1f} s"
 
@@ -347,7 +347,7 @@ class ReplayNode(ProcessNode):
         return response
 
     def destroy_node(self) -> None:
-        """Say what was sent, close the recording and destroy the node."""
+        """Log how many frames were sent, close the recording and destroy the node."""
         self.get_logger().info(self.report())
         if self._instruments is not None:
             for remark in self._instruments.remarks():

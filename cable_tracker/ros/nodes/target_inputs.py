@@ -54,18 +54,18 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
             self._results = []
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
-        """Return what turns of the vehicle did to the picture; see `TargetSight`."""
+        """Return the image motion by turns of the vehicle; see `TargetSight.camera_motion`."""
         return self._sight.camera_motion(stamp, image_size)
 
     def take(self, estimates: Sequence[TargetEstimate]) -> Sequence[TargetMetres]:
-        """Return what a frame's estimates are in metres; once for each frame."""
+        """Convert the estimates of a frame to metres; call it once for each frame."""
         before, self._results = self._results, self._sight.take(estimates)
         for number, result in enumerate(self._results):
             self._log_reason(before[number] if number < len(before) else None, result)
         return self._results
 
     def figures(self, number: int) -> dict[str, str]:
-        """Return what diagnostics say of the metres of a target, with units in the keys."""
+        """Return the key-value pairs of diagnostics about a target's metres, units in the keys."""
         result = self._results[number] if number < len(self._results) else None
         relative = result.relative if result is not None else None
         known = relative if isinstance(relative, RelativeState) else None

@@ -168,7 +168,7 @@ class TargetTrackerNode(CameraNode):
         return FrameResult(status_of(estimates), "; ".join(events), rest)
 
     def _take_marks(self, size: tuple[int, int]) -> None:
-        """Hand on what is marked, if a frame of this size can hold it."""
+        """Start the trackers at the marks that came, if a frame of this size can hold them."""
         marks = self._starts | self._marks
         self._starts, self._marks = {}, {}
         for number, start in sorted(marks.items()):

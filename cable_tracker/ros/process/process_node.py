@@ -39,7 +39,7 @@ class ProcessNode(Node):  # type: ignore[misc]
         return WAKE_UP
 
     def work(self) -> None:
-        """Do what is due outside callbacks; called at least every 0.1 s."""
+        """Do the work that is due outside callbacks; called at least every 0.1 s."""
 
 
 def run_node(
@@ -81,7 +81,7 @@ def run_node(
 
 
 def arguments_without_ros(arguments: Sequence[str] | None) -> list[str]:
-    """Return what ROS does not understand of the arguments, which a node has no use for."""
+    """Return the arguments that are not ROS arguments: a node accepts none."""
     given = list(arguments) if arguments is not None else sys.argv
     try:
         return [str(argument) for argument in remove_ros_args(given)[1:]]

@@ -58,7 +58,7 @@ class MethodTracker:
         return
 
     def configure(self, parameters: TrackerParameters) -> None:
-        """Take note of other parameters; a changed seed waits for the next reset."""
+        """Use other parameters; a changed seed takes effect with the next reset."""
         self._parameters = parameters
 
     def reset(self) -> None:

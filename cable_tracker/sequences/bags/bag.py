@@ -139,7 +139,7 @@ class _RecordedTruth:
     is_whole: bool = True
 
     def notes(self) -> list[str]:
-        """Return what the user should be told about it."""
+        """Return notes for the user about the ground truth."""
         notes = []
         if self.unreadable:
             notes.append(unreadable_note(self.topic, self.unreadable, self.reason))
@@ -264,7 +264,7 @@ class BagSource(Source):
                 yield _StoredPicture(message, message.time + ahead, frame_id or DEFAULT_FRAME_ID)
 
     def _first_ahead(self) -> int:
-        """Return what the first stamp is ahead of its reception [ns]; 0 if there is none.
+        """Return the first stamp minus its time of reception [ns]; 0 if there is none.
 
         The clocks of the camera and the recorder may differ by years.
         """

@@ -1,4 +1,4 @@
-"""How much a bag may ask for, enforced where rosbags trusts the sizes that it states.
+"""Limits of unpacked sizes, enforced where rosbags trusts the sizes that a bag states.
 
 A few kilobytes can unpack to gigabytes. A bag that does is refused before it takes memory or disk.
 """
@@ -177,7 +177,7 @@ def check_folder(path: Path) -> None:
 
 
 def room_to_unpack() -> int:
-    """Return how much may be unpacked into temporary files [bytes]."""
+    """Return the space for unpacking into temporary files [bytes]."""
     return int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)
 
 

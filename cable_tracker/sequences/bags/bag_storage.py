@@ -1,4 +1,4 @@
-"""What every reader of a bag offers, intact or damaged: topics, and serialised messages.
+"""Interface of the readers of bags, intact or damaged: topics, and serialised messages.
 
 Nodes know it too, which read no bags: what unpacks bags and videos takes long to import.
 """

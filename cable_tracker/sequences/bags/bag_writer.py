@@ -66,7 +66,7 @@ def kept_vehicle(path: Path) -> bytes | None:
 
 
 def kept_notes(path: Path) -> list[str]:
-    """Return what to say of a bag that is replaced by one without a `vehicle.yaml` of its own."""
+    """Return a note if the `vehicle.yaml` of a bag that is replaced is kept; else none."""
     if kept_vehicle(path) is None:
         return []
     return [f"its {VEHICLE_FILE} was kept; remove it if the new bag is of another vehicle"]

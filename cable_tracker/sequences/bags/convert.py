@@ -63,7 +63,7 @@ def _bytes_of(levels: Image, gain: float) -> Image:
 
 
 def gain_of(frames: Iterable[Frame]) -> float:
-    """Return what the levels of a whole recording are multiplied by before 8 bits are made of them.
+    """Return the gain of a whole recording's levels before they are reduced to 8 bits.
 
     One factor for all frames, so that the brightness of one can be compared with that of the next:
     1, unless all frames have more than 8 bits and use less than 1/8 of that range, as those of a

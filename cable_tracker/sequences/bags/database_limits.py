@@ -1,4 +1,4 @@
-"""What a bag's database may hold: plain tables, no larger than its file.
+"""Checks that a bag's database holds plain tables, no larger than its file.
 
 SQLite runs queries that a database holds, and they need not end. One that holds any is refused
 before it takes time or memory.

@@ -99,7 +99,7 @@ def refuse_named_topics(path: Path, choice: InstrumentChoice | None) -> None:
 
 
 def _options(instrument: Instrument) -> str:
-    """Return what a user names a topic with."""
+    """Return the command line option and the node parameter that name a topic."""
     name = instrument.value
     return f"--{name.replace('_', '-')}-topic (node: {name}_topic)"
 

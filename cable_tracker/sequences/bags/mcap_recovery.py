@@ -59,7 +59,7 @@ def is_closed(path: Path) -> bool:
 
 
 def profile_of(path: Path) -> str:
-    """Return what an mcap says it holds, "ros1" or "ros2"; empty: it says nothing."""
+    """Return the profile that an mcap states, "ros1" or "ros2"; empty: it states none."""
     with path.open("rb") as file:
         start, profile = file.read(_START.size), file.read(_LONGEST_PROFILE)
     if len(start) < _START.size:

@@ -71,6 +71,6 @@ def deserialise_cdr(data: bytes, msgtype: str) -> object:
 
 
 def _unpacked_size(data: bytes) -> int:
-    """Return what a zstd frame says of its size, or the most that is unpacked if it is silent."""
+    """Return the unpacked size that a zstd frame states; if it states none, the largest allowed."""
     size = zstandard.frame_content_size(data)
     return size if size >= 0 else LARGEST_UNPACKED

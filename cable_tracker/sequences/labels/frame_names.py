@@ -1,4 +1,4 @@
-"""How a file of labels calls the frames of a recording."""
+"""Names of a recording's frames in label files."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _relative_name(folder: Path, path: Path) -> str | None:
 
 
 def _files_of(folder: Path, filenames: Iterable[str], file: Path) -> set[str]:
-    """Return which files, as a file of labels names them, may be of a folder.
+    """Return the file names in a label file that may belong to a folder of pictures.
 
     A label names its file relative to the folder of the label file, or to another one if either
     has been moved. Those of another folder are left out where others are of this one, and where
@@ -133,7 +133,7 @@ def _files_of(folder: Path, filenames: Iterable[str], file: Path) -> set[str]:
 
 
 def _nearness(parent: PurePath, file: Path, folder: Path) -> int:
-    """Tell how surely a folder, as a label names it, is a folder of a recording."""
+    """Return how surely a folder named in a label is the recording's folder, as a rank."""
     real = os.path.realpath(folder)
     if os.path.realpath(file.parent / parent) == real:
         return _IN_FOLDER

@@ -358,7 +358,7 @@ class SequenceFileSource(Source):
         return tuple(self._entries)
 
     def frame_name(self, index: int) -> str:
-        """Return how to call a frame in a message."""
+        """Return the name of a frame for messages to the user."""
         return f"frame {index} ({self._entries[index]})"
 
     def _read(self, start: int) -> Generator[Frame]:

@@ -212,7 +212,7 @@ def target_messages(
     ms: float,
     metres: Callable[[], Mapping[str, str]],
 ) -> MessageMakers:
-    """Return what makes the messages about a frame that was used, but for its overlay.
+    """Return makers of the messages about a frame that was used, but for its overlay.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def target_messages(
 def messages_without_target(
     factory: MessageFactory, header: Message, status: str, reason: str
 ) -> MessageMakers:
-    """Return what makes the messages about a frame without an estimate, by status and reason."""
+    """Return makers of the messages about a frame without an estimate, by status and reason."""
     return {
         node_topics.STATE: lambda: make_target_state(factory, header, None),
         node_topics.TARGET_REPORT: lambda: make_report(factory, header, status, {"event": reason}),

@@ -50,7 +50,7 @@ def encode_jpeg(picture: Image, quality: int = OVERLAY_QUALITY) -> CompressedIma
 
 
 def after_jpeg(picture: Image, quality: int) -> Image:
-    """Return what JPEG of a quality, 0..100, leaves of a grey picture, uint8, shape (H, W)."""
+    """Return a grey picture, uint8, shape (H, W), after JPEG compression of a quality, 0..100."""
     data = np.frombuffer(jpeg_bytes(picture, quality), np.uint8)
     return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
 

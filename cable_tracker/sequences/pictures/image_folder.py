@@ -102,7 +102,7 @@ class ImageFolderSource(Source):
         self.note = self._gap_note
 
     def frame_name(self, index: int) -> str:
-        """Return how to call a frame in a message."""
+        """Return the name of a frame for messages to the user."""
         return f"frame {index} ({self.pictures[index].name})"
 
     def _read(self, start: int) -> Generator[Frame]:

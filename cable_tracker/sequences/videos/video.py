@@ -46,7 +46,7 @@ TIMES_NOTE = (
 
 
 def _frame_count(path: Path, container: InputContainer) -> int | None:
-    """Return how many frames a video has as its header says; None where that does not count."""
+    """Return the number of frames by a video's header; None where the header is not reliable."""
     if path.suffix.lower() not in _COUNTED_SUFFIXES:
         return None
     stream = container.streams.video[0]

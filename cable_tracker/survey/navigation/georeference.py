@@ -1,4 +1,4 @@
-"""Lays a dive on the earth by its fixes, and takes out how odometry drifts."""
+"""Georeferences a dive by its fixes, and corrects the drift of odometry."""
 
 from __future__ import annotations
 

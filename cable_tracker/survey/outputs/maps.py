@@ -72,7 +72,7 @@ class SurveyMap:
     folder: Path | None = None
 
     def coordinates(self, places: FloatArray) -> FloatArray:
-        """Return what stands in a file for places (N, 2) [m]: longitude, latitude, or x, y."""
+        """Return the coordinates in files of places (N, 2) [m]: longitude, latitude, or x, y."""
         if self.frame is None:
             return np.round(places, MILLIMETRES)
         degrees = self.frame.to_degrees(places)[:, ::-1]

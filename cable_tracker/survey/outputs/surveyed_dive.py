@@ -60,7 +60,7 @@ class SurveyedDive:
 
 
 class Origin(NamedTuple):
-    """What the results of a recording are of.
+    """Origin of the results of a recording.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ def read_surveyed(folder: Path) -> SurveyedDive:
 
 
 def read_origin(folder: Path) -> Origin | None:
-    """Return what the results in a folder are of; None where they do not say so, or are damaged."""
+    """Return the origin of the results in a folder; None where it is not given, or damaged."""
     try:
         content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         recording, datum = content["recording"], content["datum"]

@@ -1,4 +1,4 @@
-"""A cable as one dive has it: its way, and what can be seen of it."""
+"""Route of the cable as one dive has it, with the cable's visibility along it."""
 
 from __future__ import annotations
 

@@ -273,7 +273,7 @@ def _hidden(maker: _EventMaker, limits: Limits) -> list[Event]:
 
 
 def hidden_detail(kind: EventKind, length: float) -> str:
-    """Say of a stretch on which the cable is hidden over what length that is so [m]."""
+    """Describe a stretch of a length [m] on which the cable is hidden."""
     return f"{HIDDEN_WORDS[kind]} over {length:.1f} m"
 
 

@@ -1,4 +1,4 @@
-"""Routes of dives in a common frame, and what becomes of those over one cable."""
+"""Routes of dives in a common frame, and the route merged from those over one cable."""
 
 from __future__ import annotations
 

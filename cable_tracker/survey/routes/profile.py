@@ -1,4 +1,4 @@
-"""What pictures showed of each place along a route: whether the cable is to be seen there."""
+"""Visibility of the cable along a route, from the profiles of the pictures."""
 
 from __future__ import annotations
 

@@ -188,7 +188,7 @@ class _Piece:
         return route
 
     def _at_places(self) -> tuple[FloatArray, IndexArray]:
-        """Return what `_columns` says at the wanted places (N, C), and keyframes (N,).
+        """Return the `_columns` at the wanted places (N, C), and keyframes (N,).
 
         They are the first keyframes at or beyond the wanted places, along the cable.
 

@@ -87,7 +87,7 @@ def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArra
 
 @compiled
 def _transition(before: FloatArray, moved: FloatArray) -> FloatArray:
-    """Return how small changes of y, h, kappa go on from one look line to the next, (3, 3)."""
+    """Return the transition matrix of changes of y, h, kappa to the next look line, (3, 3)."""
     way = moved[3]
     slope = math.cos(moved[1] - before[2] * way)
     move = np.zeros((3, 3))
@@ -102,7 +102,7 @@ def _transition(before: FloatArray, moved: FloatArray) -> FloatArray:
 
 @compiled
 def _bending(way: float, bend: float) -> FloatArray:
-    """Return what a curvature that changes at random adds over a way, (3, 3)."""
+    """Return the process noise of a randomly changing curvature over a distance, (3, 3)."""
     size = abs(way)
     fresh = bend * bend * (1.0 - math.exp(-2.0 * size / BEND_LENGTH))
     noise = np.empty((3, 3))

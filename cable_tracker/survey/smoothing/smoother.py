@@ -1,4 +1,4 @@
-"""The way backwards: a cable lies still, so that what comes later tells of what was before.
+"""Smoothing of a dive's claims: a cable lies still, so that later claims inform earlier places.
 
 Where the camera looks, the cable has a place beside the look line, a direction and a curvature.
 From one keyframe to the next the vehicle moves as odometry has it, and the cable goes on as a curve
@@ -78,7 +78,7 @@ deviation of the place from the other claims for that [m]."""
 def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards.
 
-    What is found goes to `disk`.
+    The arrays of the result are allocated by `disk`.
     """
     count = len(keyframes.stamps)
     cable = SmoothedCable(

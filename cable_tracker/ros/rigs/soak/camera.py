@@ -1,4 +1,4 @@
-"""The camera of a soak test: sends frames, hears the answers, and looks at every number in them."""
+"""The camera of a soak test: sends frames, and checks that the answers hold finite numbers."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ class SoakRecord:
         return largest
 
     def check_growth(self) -> None:
-        """Note it where memory has grown by more than is promised."""
+        """Record a breach if memory has grown by more than is promised."""
         growth = self.growth()
         if growth > LARGEST_GROWTH:
             self.broken(f"the memory of a tracker grew by {growth:.1f} MB after its warm-up")

@@ -154,11 +154,11 @@ class SoakRig:
         return COMPRESSED_CHANGES if self.frames.compressed else CHANGES
 
     def minutes(self) -> float:
-        """Return how long it has lasted."""
+        """Return the time since the beginning of the test."""
         return (time.monotonic() - self._began) / 60.0
 
     def share(self) -> float:
-        """Return how much of it is over, 0 to 1 or more."""
+        """Return the elapsed share of the test's duration, 0 to 1 or more."""
         share = self.minutes() / self.settings.minutes
         if self.settings.frames:
             share = max(share, self.record.answered / self.settings.frames)
