@@ -146,7 +146,7 @@ def watch(
     apply: Callable[[Mapping[str, object]], None],
     validate: Callable[[Mapping[str, object]], object] = lambda values: None,
 ) -> None:
-    """React to changes at runtime; a value that its row of the table refuses changes nothing.
+    """Apply changes at runtime; one with a value that its row of the table refuses changes nothing.
 
     Parameters
     ----------
@@ -160,45 +160,58 @@ def watch(
         Called with the changed values by name before anything is changed; raises `ParameterError`
         to refuse all of them.
     """
-    specs = {spec.name: spec for spec in table}
+    changes = _RuntimeChanges(node, table, apply, validate)
+    node.add_pre_set_parameters_callback(changes.coerce)
+    node.add_on_set_parameters_callback(changes.check)
+    node.add_post_set_parameters_callback(changes.take)
 
-    def watched(parameters: Sequence[Parameter]) -> dict[str, object]:
-        return {
-            parameter.name: parameter.value for parameter in parameters if parameter.name in specs
-        }
 
-    def coerce(parameters: list[Parameter]) -> list[Parameter]:
-        return [_coerced(parameter, specs) for parameter in parameters]
+class _RuntimeChanges:
+    """Callbacks of rclpy before, at and after a change of parameters; see `watch`."""
 
-    before: dict[str, object] = {}
+    def __init__(
+        self,
+        node: Node,
+        table: Iterable[ParameterSpec],
+        apply: Callable[[Mapping[str, object]], None],
+        validate: Callable[[Mapping[str, object]], object],
+    ) -> None:
+        self._node = node
+        self._specs = {spec.name: spec for spec in table}
+        self._apply, self._validate = apply, validate
+        self._before: dict[str, object] = {}
 
-    def check(parameters: list[Parameter]) -> SetParametersResult:
-        values = watched(parameters)
+    def coerce(self, parameters: list[Parameter]) -> list[Parameter]:
+        """Return the parameters with values of their own types, where they can be converted."""
+        return [_coerced(parameter, self._specs) for parameter in parameters]
+
+    def check(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Accept or refuse a change, and keep the values from before it."""
+        values = self._watched(parameters)
         try:
             for name, value in values.items():
-                specs[name].coerce(value)
-            validate(values)
+                self._specs[name].coerce(value)
+            self._validate(values)
         except ParameterError as error:
             reason = _with_advice(str(error), len(values))
             return SetParametersResult(successful=False, reason=reason)
-        before.clear()
-        before.update({name: node.get_parameter(name).value for name in values})
+        self._before = {name: self._node.get_parameter(name).value for name in values}
         return SetParametersResult(successful=True)
 
-    def take(parameters: list[Parameter]) -> None:
-        values = watched(parameters)
+    def take(self, parameters: list[Parameter]) -> None:
+        """Log and apply a change that was accepted."""
+        values = self._watched(parameters)
         changes = [
-            f"{name} {before[name]} -> {value}"
+            f"{name} {self._before[name]} -> {value}"
             for name, value in values.items()
-            if value != before[name]
+            if value != self._before[name]
         ]
         if changes:
-            node.get_logger().info(f"parameters changed: {', '.join(changes)}")
-        apply(values)
+            self._node.get_logger().info(f"parameters changed: {', '.join(changes)}")
+        self._apply(values)
 
-    node.add_pre_set_parameters_callback(coerce)
-    node.add_on_set_parameters_callback(check)
-    node.add_post_set_parameters_callback(take)
+    def _watched(self, parameters: Sequence[Parameter]) -> dict[str, object]:
+        return {each.name: each.value for each in parameters if each.name in self._specs}
 
 
 def _with_advice(reason: str, count: int) -> str:
