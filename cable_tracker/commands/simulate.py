@@ -160,25 +160,25 @@ def simulate_command(  # noqa: PLR0917
         raise typer.Exit(_run_live(output, seed, image_size, rate))
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
-    written = _Written(
+    destination = _Destination(
         output, output_format or SimulationFormat.BAG, storage or StorageFormat.MCAP, force
     )
     if target is not None:
         _check_target(target, frames, rate, image_size, seed)
         simulated = simulate_target(target, seed, frames, rate=rate, size=image_size)
-        _write_target(written, simulated, frames)
+        _write_target(destination, simulated, frames)
     elif survey is not None:
         usual = usual_survey(survey, seed, cable_seed or 0)
-        _write_survey(written, replace(usual, rate=rate, image_size=image_size))
+        _write_survey(destination, replace(usual, rate=rate, image_size=image_size))
     elif scenario is not None:
-        _write_cable(written, _scenario_frames(scenario, seed, image_size, photographs), seed)
+        _write_cable(destination, _scenario_frames(scenario, seed, image_size, photographs), seed)
     else:
         overgrown = CLUTTER if clutter is None else clutter
         lens = NO_DISTORTION if distortion is None else _parse_distortion(distortion)
         settings = SimulationSettings(
             frames, rate, image_size, overgrown, distortion=lens, seed=seed
         )
-        _write_cable(written, _own_frames(settings), seed)
+        _write_cable(destination, _own_frames(settings), seed)
 
 
 def _parse_distortion(text: str) -> Distortion:
@@ -220,7 +220,7 @@ def _check_effects(kind: str, options: Mapping[str, object]) -> None:
 
 
 def _check_photographs(kind: str, photographs: Path | None) -> None:
-    """See that photographs only cover what they can."""
+    """Refuse photographs for anything but the bottom of a scenario."""
     if photographs is None or kind == "--scenario":
         return
     if kind:
@@ -231,8 +231,8 @@ def _check_photographs(kind: str, photographs: Path | None) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Written:
-    """What is written.
+class _Destination:
+    """Where and in which format the frames are written.
 
     Attributes
     ----------
@@ -294,13 +294,13 @@ def _own_frames(settings: SimulationSettings) -> _CableFrames:
     return _CableFrames(settings.frame_count, simulate(settings), (dive, settings.rate))
 
 
-def _write_cable(written: _Written, cable: _CableFrames, seed: int) -> None:
+def _write_cable(destination: _Destination, cable: _CableFrames, seed: int) -> None:
     """Write the frames of a cable, with their truth."""
-    folder, storage, force = written.folder, written.storage, written.force
+    folder, storage, force = destination.folder, destination.storage, destination.force
     kept = kept_notes(folder) if force and cable.dive is None else []
     with progress_bar("simulating", cable.count) as progress:
         frames = counted(cable.frames, progress)
-        if written.kind is SimulationFormat.SEQUENCE:
+        if destination.kind is SimulationFormat.SEQUENCE:
             count = write_sequence(folder, frames, overwrite=force)
         elif cable.dive is None:
             count = write_bag(folder, frames, storage=storage, overwrite=force).count
@@ -317,38 +317,40 @@ def _write_cable(written: _Written, cable: _CableFrames, seed: int) -> None:
 def _check_target(
     scenario: str, frames: int, rate: float, image_size: tuple[int, int], seed: int
 ) -> None:
-    """Refuse what no target can be simulated with."""
+    """Refuse values with which no target can be simulated."""
     find_target_scenario(scenario)
     check_size(image_size)
     check_seed(seed)
     check_frames(frames, rate)
 
 
-def _write_target(written: _Written, simulated: Iterable[TargetFrame], frames: int) -> None:
+def _write_target(destination: _Destination, simulated: Iterable[TargetFrame], frames: int) -> None:
     """Write the frames of a target's scenario, with its boxes."""
-    folder, force = written.folder, written.force
+    folder, force = destination.folder, destination.force
     kept = kept_notes(folder) if force else []
     with progress_bar("simulating", frames) as progress:
         labelled = labelled_frames(counted(simulated, progress))
-        if written.kind is SimulationFormat.BAG:
-            count = write_target_bag(folder, labelled, storage=written.storage, overwrite=force)
+        if destination.kind is SimulationFormat.BAG:
+            count = write_target_bag(folder, labelled, storage=destination.storage, overwrite=force)
         else:
             count = write_target_pictures(folder, labelled, overwrite=force)
     print_notes(folder, kept)
     console.print(f"{count} frames: {folder}", soft_wrap=True)
 
 
-def _write_survey(written: _Written, settings: SurveyDiveSettings) -> None:
+def _write_survey(destination: _Destination, settings: SurveyDiveSettings) -> None:
     """Let a vehicle inspect a cable, and write everything that its bag holds."""
     with progress_bar("simulating, in m", round(settings.length)) as progress:
         dive = write_survey_bag(
-            written.folder,
+            destination.folder,
             settings,
-            storage=written.storage,
-            overwrite=written.force,
+            storage=destination.storage,
+            overwrite=destination.force,
             advance=lambda way: advance_to(progress, way),
         )
-    console.print(f"{dive.frames} frames, {dive.seconds:.0f} s: {written.folder}", soft_wrap=True)
+    console.print(
+        f"{dive.frames} frames, {dive.seconds:.0f} s: {destination.folder}", soft_wrap=True
+    )
 
 
 def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate: float) -> int:
