@@ -7,11 +7,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from cable_tracker.atomic_output import output_file
-from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.borders.response_table import is_table
 from cable_tracker.commands.console.terminal import console, counted, progress_bar, say_left_out
 from cable_tracker.commands.options.campaigns import seeds_from
@@ -29,14 +27,13 @@ from cable_tracker.commands.options.common import (
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.evaluation_sequences import frames_in_all
 from cable_tracker.evaluation.learning_sources import (
-    FrameTally,
+    FrameCounter,
     LearningPlan,
-    count_frames,
     describe_origin,
     labelled_recording,
     simulated_dives,
-    total_of,
 )
 from cable_tracker.followed_kinds import CABLE
 from cable_tracker.sequences.source_base import ChosenRecording
@@ -121,8 +118,7 @@ def learn(  # noqa: PLR0917
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
     say_left_out(left_out)
-    elsewhere, changes = np.random.default_rng(parameters.seed).spawn(2)
-    counts, tally = ResponseCounts(elsewhere), FrameTally()
+    counter = FrameCounter(parameters, plan)
     damages: list[RecordingError] = []
     with ExitStack() as stack:
         for path in paths:
@@ -130,22 +126,22 @@ def learn(  # noqa: PLR0917
             recording = stack.enter_context(open_recording(chosen))
             sequences.append(labelled_recording(recording, plan))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
-        progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
+        total = frames_in_all(sequence.frame_count for sequence in sequences)
+        progress = stack.enter_context(progress_bar("learning", total))
         for sequence in sequences:
-            shown = counted(sequence.frames(), progress)
             try:
-                count_frames(counts, sequence, shown, parameters, plan, tally=tally, rng=changes)
+                counter.count(sequence, counted(sequence.frames(), progress))
             except RecordingError as damage:
                 damages.append(damage)
-        if damages and not counts.frames:
+        if damages and not counter.counts.frames:
             raise damages[0]
-        table = counts.table(
+        table = counter.counts.table(
             describe_origin(scenarios, numbers, paths, truth, plan, left_out=left_out)
         )
         table.save(file)
     console.print(
-        f"{tally.words()}, {counts.border_points} points on borders,"
-        f" {counts.background_points} elsewhere",
+        f"{counter.words()}, {counter.counts.border_points} points on borders,"
+        f" {counter.counts.background_points} elsewhere",
         soft_wrap=True,
     )
     console.print(f"learnt from {table.source}: {output}", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""Sources of `cable-tracker learn`: labelled recordings and simulated dives."""
+"""Recordings and simulated dives that response tables are learnt from, and their counting."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
+from cable_tracker.arrays import Image
 from cable_tracker.cable.learning.response_counts import ResponseCounts
 from cable_tracker.cable.measure.picture.working_image import working_image_for
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.evaluation_sequences import (
     SimulatedSequence,
     WorldSequence,
     available_sequences,
-    frames_in_all,
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -139,76 +140,70 @@ def labelled_recording(recording: Source, plan: LearningPlan) -> LabelledSequenc
     )
 
 
-def total_of(sequences: Iterable[LabelledSequence]) -> int | None:
-    """Return the number of all frames; None if it is unknown of one."""
-    return frames_in_all(sequence.frame_count for sequence in sequences)
+class FrameCounter:
+    """Counts responses of the border filter in labelled frames, as the tracker sees them.
 
-
-@dataclass(slots=True)
-class FrameTally:
-    """Number of frames that were counted, kept up where counting breaks off, too.
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        Parameters that the table will be used with; their seed draws where background is counted,
+        and how much harder frames are made.
+    plan : LearningPlan
+        Which frames are counted.
 
     Attributes
     ----------
+    counts : ResponseCounts
+        The responses so far.
     recorded : int
-        Number of labelled frames as they are.
+        Number of labelled frames that were counted as they are.
     harder : int
         Number of harder copies of them.
     """
 
-    recorded: int = 0
-    harder: int = 0
+    def __init__(self, parameters: TrackerParameters, plan: LearningPlan) -> None:
+        elsewhere, self._rng = np.random.default_rng(parameters.seed).spawn(2)
+        self.counts = ResponseCounts(elsewhere)
+        self.recorded = self.harder = 0
+        self._parameters, self._plan = parameters, plan
 
     def words(self) -> str:
-        """Return the counts in words."""
+        """Return the numbers of frames in words."""
         copies = f" and {self.harder} harder copies of them" if self.harder else ""
         return f"{self.recorded} frames{copies}"
 
+    def count(self, sequence: LabelledSequence, frames: Iterable[Frame]) -> None:
+        """Count the labelled and the empty frames of a sequence, every K-th of `frames`.
 
-def count_frames(
-    counts: ResponseCounts,
-    sequence: LabelledSequence,
-    frames: Iterable[Frame],
-    parameters: TrackerParameters,
-    plan: LearningPlan,
-    *,
-    tally: FrameTally,
-    rng: np.random.Generator,
-) -> None:
-    """Count the labelled and the empty ones of every K-th frame, as the tracker sees them.
-
-    Parameters
-    ----------
-    tally : FrameTally
-        Gets how many labelled ones were counted.
-    rng : numpy.random.Generator
-        Draws how much harder frames are made.
-
-    Raises
-    ------
-    FrameError
-        A frame cannot be used and is not to be skipped.
-    """
-    for frame in frames:
-        if frame.index % plan.every or (frame.truth is None and not sequence.unlabelled_is_empty):
-            continue
-        try:
-            image = decode_grey(frame.image)
-            check_frame(image)
-        except FrameError as error:
-            if plan.skip_bad_frames:
+        Raises
+        ------
+        FrameError
+            A frame cannot be used and is not to be skipped.
+        """
+        for frame in frames:
+            is_empty = frame.truth is None
+            if frame.index % self._plan.every or (is_empty and not sequence.unlabelled_is_empty):
                 continue
-            raise FrameError(f"{sequence.name}: frame {frame.index}: {error}") from error
-        if frame.truth is None:
-            counts.add_background(working_image_for(image, parameters))
-            continue
-        polarity = counts.add(working_image_for(image, parameters), frame.truth)
+            try:
+                image = decode_grey(frame.image)
+                check_frame(image)
+            except FrameError as error:
+                if self._plan.skip_bad_frames:
+                    continue
+                raise FrameError(f"{sequence.name}: frame {frame.index}: {error}") from error
+            if frame.truth is None:
+                self.counts.add_background(working_image_for(image, self._parameters))
+            else:
+                self._count_labelled(image, frame.truth)
+
+    def _count_labelled(self, image: Image, truth: CableState) -> None:
+        polarity = self.counts.add(working_image_for(image, self._parameters), truth)
         if polarity is None:
-            continue
-        tally.recorded += 1
-        for _ in range(plan.harder):
-            harder = working_image_for(made_harder(image, frame.truth, rng), parameters)
-            tally.harder += counts.add(harder, frame.truth, polarity) is not None
+            return
+        self.recorded += 1
+        for _ in range(self._plan.harder):
+            harder = working_image_for(made_harder(image, truth, self._rng), self._parameters)
+            self.harder += self.counts.add(harder, truth, polarity) is not None
 
 
 def describe_origin(
