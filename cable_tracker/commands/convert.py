@@ -41,8 +41,8 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import own_boxes
 from cable_tracker.sequences.source_base import ChosenRecording, Source
 
-LOOK_EVERY = 10
-"""Of so many frames one is looked at for the levels of a recording."""
+LEVEL_STRIDE = 10
+"""Stride of the frames from which the levels of a recording are taken."""
 
 
 def convert(  # noqa: PLR0917
@@ -91,7 +91,7 @@ def convert(  # noqa: PLR0917
                 counted(recording.frames(), progress),
                 storage=storage,
                 image_format=image_format,
-                looked_at=_every_tenth(recording),
+                level_frames=_every_tenth(recording),
                 skip_bad_frames=skip_bad_frames,
                 overwrite=force,
                 carried=() if instruments is None else carried_messages(instruments),
@@ -139,9 +139,9 @@ def _noting_that_nothing_is_changed() -> Iterator[None]:
 
 
 def _every_tenth(recording: Source) -> Iterator[Frame]:
-    """Read some frames of a recording, for a look at their levels."""
+    """Read some frames of a recording, to take its levels from."""
     numbers = count()
-    return recording.chosen_frames(lambda _stamp: next(numbers) % LOOK_EVERY == 0)
+    return recording.chosen_frames(lambda _stamp: next(numbers) % LEVEL_STRIDE == 0)
 
 
 def _gain_note(gain: float) -> str:

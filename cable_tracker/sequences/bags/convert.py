@@ -39,7 +39,7 @@ def in_format(frame: Frame, image_format: ImageFormat, gain: float = 1.0) -> Fra
     Parameters
     ----------
     gain : float
-        What its levels are multiplied by before they are brought to 8 bits; see `gain_of`.
+        Factor of its levels before they are reduced to 8 bits; see `gain_of`.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def _until_damage(frames: Iterable[Frame]) -> Iterator[Frame]:
 
 @dataclass(frozen=True, slots=True)
 class CarriedMessage:
-    """A message besides the frames that is carried along into their bag.
+    """A message that is written into a bag between the frames.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class WrittenBag:
     damage : RecordingError or None
         Damage at which the recording broke off; the bag holds the frames before that.
     gain : float
-        What the levels of its frames were multiplied by; see `gain_of`.
+        Factor of the levels of its frames; see `gain_of`.
     """
 
     count: int
@@ -185,7 +185,7 @@ def write_bag(
     *,
     storage: StorageFormat = StorageFormat.MCAP,
     image_format: ImageFormat = ImageFormat.AS_IS,
-    looked_at: Iterable[Frame] = (),
+    level_frames: Iterable[Frame] = (),
     skip_bad_frames: bool = False,
     overwrite: bool = False,
     carried: Iterable[CarriedMessage] = (),
@@ -201,7 +201,7 @@ def write_bag(
 
     Images that cannot be decoded can be written as they are, but not in another format: there they
     are left out with `skip_bad_frames`, as are frames without any image in all formats. Where
-    their format changes, all get the gain of the frames that are looked at first; see `gain_of`.
+    their format changes, all get the gain of `level_frames`, which are read first; see `gain_of`.
 
     Of a recording that breaks off the frames before that are written. Without `keeps_beginning`
     nothing is: the bag may be to take the place of the recording itself.
@@ -221,7 +221,7 @@ def write_bag(
     damage: RecordingError | None = None
     with BagWriter(path, storage, overwrite=overwrite, vehicle=vehicle) as bag:
         if image_format is not ImageFormat.AS_IS:
-            gain = gain_of(looked_at)
+            gain = gain_of(level_frames)
         try:
             for item in _in_order(frames, carried):
                 if isinstance(item, CarriedMessage):

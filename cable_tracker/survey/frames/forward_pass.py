@@ -174,8 +174,8 @@ def track_forwards(
 ) -> ForwardDive:
     """Track an open recording from its beginning to its end, or to where it breaks off.
 
-    Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
-    goes to `disk`, and bears the `name`.
+    Frames that cannot be used are passed over. `advance` is called with every frame.
+    Arrays are allocated by `disk`; `name` is the dive's name.
 
     Raises
     ------
@@ -187,16 +187,16 @@ def track_forwards(
     dive = ForwardDive(name, disk, recording=recording)
     vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
     dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
-    run = _Run(dive, settings, vehicle)
+    tracker = _ForwardTracker(dive, settings, vehicle)
     try:
-        _run_all(recording, run, advance)
+        _track_all(recording, tracker, advance)
     except RecordingError as error:
         if not len(dive.table):
             raise
         dive.notes.append(str(error))
-    dive.notes += [*vehicle.remarks(), *run.remarks()]
-    if run.passed_over:
-        total = run.passed_over + len(dive.table)
+    dive.notes += [*vehicle.remarks(), *tracker.remarks()]
+    if tracker.passed_over:
+        total = tracker.passed_over + len(dive.table)
         dive.notes.append(
             f"{len(dive.table)} of {total} pictures were tracked, {settings.most_rate:g} a"
             " second: odometry tells what lies between"
@@ -206,19 +206,21 @@ def track_forwards(
     return dive
 
 
-def _run_all(recording: Source, run: _Run, advance: Callable[[int], None]) -> None:
+def _track_all(recording: Source, tracker: _ForwardTracker, advance: Callable[[int], None]) -> None:
     def wanted(stamp: int) -> bool:
         advance(1)
-        return run.wants(stamp)
+        return tracker.wants(stamp)
 
     try:
         for frame in recording.chosen_frames(wanted):
-            run.take(frame)
+            tracker.take(frame)
     finally:
-        run.close()
+        tracker.close()
 
 
-class _Run:
+class _ForwardTracker:
+    """Tracks the frames of a dive, and stores poses, fixes and measurements in it."""
+
     def __init__(
         self, dive: ForwardDive, settings: ForwardSettings, vehicle: RecordedVehicle
     ) -> None:
@@ -252,8 +254,9 @@ class _Run:
         return True
 
     def take(self, frame: Frame) -> None:
+        """Track a frame into a new row of the table, after the messages received before it."""
         for message in self._metres.advance(frame):
-            self._note(message)
+            self._store(message)
         row = self._dive.table.append()
         row["frame"], row["stamp"] = frame.index, frame.stamp
         try:
@@ -274,7 +277,7 @@ class _Run:
         self._measure(row, grey, estimate)
 
     def _measure(self, row: FrameRow, grey: Image, estimate: CableEstimate) -> None:
-        """Say where the cable is in metres, and what can be seen of it."""
+        """Write where the cable is in metres, and where its borders can be seen."""
         result = self._metres.measure(estimate)
         if isinstance(result, Withheld):
             row["reason"] = self._dive.table.reason_number(result.reason.value)
@@ -287,7 +290,7 @@ class _Run:
             write_profile(row, flight, grey, estimate.state)
             self._crossings.search(flight, grey, estimate)
 
-    def _note(self, given: InstrumentMessage) -> None:
+    def _store(self, given: InstrumentMessage) -> None:
         message = given.message
         if given.instrument is Instrument.ODOMETRY:
             if 0 <= given.stamp - self._posed < POSE_PAUSE:

@@ -102,7 +102,7 @@ def test_frames_are_amplified_before_they_are_rounded_and_decoded_once(
             convert, name, lambda image, decode=decode: decoded.append(1) or decode(image)
         )
     frames = deep_frames(4095, 300)
-    write_bag(tmp_path / "bag", frames, image_format=image_format, looked_at=frames[:1])
+    write_bag(tmp_path / "bag", frames, image_format=image_format, level_frames=frames[:1])
     assert len(decoded) == 1 + 2
     one, other = (decode_grey(frame.image) for frame in read(tmp_path / "bag"))
     assert one.max() == pytest.approx(127, abs=3)

@@ -11,7 +11,7 @@ from cable_tracker.survey.frames.forward_pass import (
     UNSAID_FIX_VARIANCE,
     ForwardDive,
     ForwardSettings,
-    _Run,
+    _ForwardTracker,
     read_fix,
     read_pose,
 )
@@ -30,7 +30,7 @@ def run(monkeypatch):
         )
         settings = ForwardSettings(most_rate=most_rate)
         vehicle = RecordedVehicle(VehicleDescription(), None)
-        made = _Run(ForwardDive("dive", DISK), settings, vehicle)
+        made = _ForwardTracker(ForwardDive("dive", DISK), settings, vehicle)
         wanted = [time for time in times if made.wants(round(time * SECOND))]
         assert made.passed_over == len(times) - len(wanted)
         return wanted
