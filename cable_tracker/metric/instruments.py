@@ -13,8 +13,8 @@ from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import UNKNOWN_TILT, Attitude
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.history import History, Reading
-from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.settings import altimeter_of, metric_settings
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
@@ -134,8 +134,8 @@ class Instruments:
             return bool(begins) or not len(self._altitudes)
         return reading.nearest > timeout
 
-    def overflight(self, estimate: CableEstimate) -> Overflight | Withheld:
-        """Return where the camera was over the cable's plane in the frame of an estimate."""
+    def ground_view(self, estimate: CableEstimate) -> GroundView | Withheld:
+        """Return the pose of the camera over the cable's plane in the frame of an estimate."""
         camera = camera_for(self._calibration, estimate.image_size)
         if isinstance(camera, Withheld):
             return camera
@@ -146,7 +146,7 @@ class Instruments:
         if isinstance(altitude, Withheld):
             return altitude
         height = altitude.metres - self._metric.cable_height
-        return Overflight(camera, self._metric.mounting, attitude, height, altitude.sigma)
+        return GroundView(camera, self._metric.mounting, attitude, height, altitude.sigma)
 
     def _stale(self, topic: str, *, is_later: bool) -> str:
         if is_later:

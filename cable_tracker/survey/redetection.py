@@ -19,8 +19,8 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.metric.calibration import camera_for
 from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.homography import move_states
-from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
@@ -65,7 +65,7 @@ def redetect_cable(dive: ForwardDive, course: Course) -> int:
     rows = dive.table.rows
     wanted = _without_claim(dive, course)
     usual = _usual(dive, course)
-    if not len(wanted) or usual is None or dive.flight is None or dive.recording is None:
+    if not len(wanted) or usual is None or dive.view is None or dive.recording is None:
         return 0
     stamps = dive.disk.filled(len(wanted), lambda part: rows["stamp"][wanted[part]], np.int64)
     stamps.sort()
@@ -77,7 +77,7 @@ def redetect_cable(dive: ForwardDive, course: Course) -> int:
             if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
                 row = int(wanted[number])
                 keyframe = int(course.keyframes.of(np.array([row]))[0])
-                picture = _picture_of(rows[row], dive.flight, frame.image)
+                picture = _picture_of(rows[row], dive.view, frame.image)
                 if picture is not None:
                     found += _redetect(rows[row], course.cable, keyframe, picture, usual)
                 if row % dive.disk.block == 0:
@@ -131,7 +131,7 @@ def _redetect(
     row: FrameRow,
     cable: SmoothedCable,
     keyframe: int,
-    picture: tuple[Image, Overflight],
+    picture: tuple[Image, GroundView],
     usual: tuple[float, float],
 ) -> bool:
     """Look for the cable around its smoothed place at a keyframe; tell whether it is seen.
@@ -140,27 +140,27 @@ def _redetect(
     ----------
     row : FrameRow
         Row of the picture, which is written.
-    picture : (Image, Overflight)
+    picture : (Image, GroundView)
         See `_picture_of`.
     usual : (float, float)
         Usual diameter [m] and step of the borders.
     """
-    (grey, flight), (diameter, border_step) = picture, usual
+    (grey, view), (diameter, border_step) = picture, usual
     aside, heading = (float(value) for value in cable.states[keyframe, :2])
     sigma = math.sqrt(float(cable.covariances[keyframe, 0, 0])) * math.cos(heading)
     reach = max(REACH * sigma / diameter, LEAST_REACH)
-    expected = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
+    expected = place_in_image(view, float(row["look"]), (aside, heading), diameter)
     beside = find_beside(grey, expected, reach)
     if beside is None:
         return False
     shift, clear = beside
     if clear < CLEAR_ENOUGH * border_step:
-        if write_profile(row, flight, grey, expected):
+        if write_profile(row, view, grey, expected):
             row["again"] = HIDDEN
         return False
     aside -= shift * diameter / math.cos(heading)
-    state = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
-    if not write_profile(row, flight, grey, state):
+    state = place_in_image(view, float(row["look"]), (aside, heading), diameter)
+    if not write_profile(row, view, grey, state):
         return False
     row["again"] = SEEN
     _write_cable(row, state, (aside, heading), diameter)
@@ -168,22 +168,22 @@ def _redetect(
 
 
 def _picture_of(
-    row: FrameRow, flight: Overflight, encoded: RawImage | CompressedImage
-) -> tuple[Image, Overflight] | None:
-    """Return a row's picture, and the flight when it was taken; None if one of them is of no use.
+    row: FrameRow, view: GroundView, encoded: RawImage | CompressedImage
+) -> tuple[Image, GroundView] | None:
+    """Return a row's picture and its view of the ground; None if one of them is of no use.
 
-    `flight` is that of the last picture of the dive: those before may have had another size.
+    `view` is that of the last picture of the dive: those before may have had another size.
     """
     try:
         grey = decode_grey(encoded)
     except FrameError:
         return None
-    camera = camera_for(flight.camera.calibration, (grey.shape[1], grey.shape[0]))
+    camera = camera_for(view.camera.calibration, (grey.shape[1], grey.shape[0]))
     if isinstance(camera, Withheld):
         return None
-    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
-    flight = replace(flight, camera=camera, attitude=attitude, height=float(row["altitude"]))
-    return (grey, flight) if flight.clearance > 0.0 else None
+    attitude = Attitude(float(row["roll"]), float(row["pitch"]), view.attitude.sigma)
+    view = replace(view, camera=camera, attitude=attitude, height=float(row["altitude"]))
+    return (grey, view) if view.clearance > 0.0 else None
 
 
 def _write_cable(
@@ -202,11 +202,11 @@ def _write_cable(
 
 
 def place_in_image(
-    flight: Overflight, look: float, place: tuple[float, float], diameter: float
+    view: GroundView, look: float, place: tuple[float, float], diameter: float
 ) -> CableState:
     """Return where in the picture a cable is seen that lies beside a look line [m, rad]."""
     aside, heading = place
-    # In the frame of the ground from above, see `Overflight.ground_to_image`.
+    # In the frame of the ground from above, see `GroundView.ground_to_image`.
     distance = -aside * math.cos(heading) + look * math.sin(heading)
-    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), flight.ground_to_image())[0]
+    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), view.ground_to_image())[0]
     return CableState.from_array(seen)

@@ -9,7 +9,7 @@ from survey_dives import DISK, LOOK, Plan, make_dive, poses_of, true_aside
 
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.overflight import Overflight
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.survey.frames.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
@@ -22,7 +22,7 @@ WIDTH, HEIGHT, FOCAL, ALTITUDE, DIAMETER = 320, 240, 300.0, 2.0, 0.16
 CAMERA = CameraModel(
     Calibration((WIDTH, HEIGHT), "plumb_bob", (FOCAL, FOCAL), ((WIDTH - 1) / 2, (HEIGHT - 1) / 2))
 )
-FLIGHT = Overflight(CAMERA, Mounting(x=LOOK), Attitude(0.0, 0.0, 0.0), ALTITUDE, 0.02)
+VIEW = GroundView(CAMERA, Mounting(x=LOOK), Attitude(0.0, 0.0, 0.0), ALTITUDE, 0.02)
 PLAN = Plan(hidden=((15.0, 22.0),))
 DUG_OUT = 20.0
 """The tracker claims the cable from 22 m on, but it can be seen from here."""
@@ -43,7 +43,7 @@ def picture(rng, aside: float, heading: float, seen_from: float) -> np.ndarray:
 def dive():
     """A dive whose pictures show the cable before the tracker has found it again."""
     made = make_dive(PLAN)
-    made.flight = FLIGHT
+    made.view = VIEW
     rows = made.table.rows
     rows["altitude"], rows["roll"], rows["pitch"] = ALTITUDE, 0.0, 0.0
     poses = poses_of(made).at(rows["stamp"])
@@ -113,7 +113,7 @@ def test_pictures_that_had_another_size_are_searched_at_their_own(dive):
             ((WIDTH / 2 - 1) / 2, (HEIGHT / 2 - 1) / 2),
         )
     )
-    dive.flight = replace(FLIGHT, camera=smaller)
+    dive.view = replace(VIEW, camera=smaller)
     way = 0.05 * np.arange(len(dive.table.rows)) + LOOK
     redetect_cable(dive, course)
     dug_out = (way > DUG_OUT + 0.5) & (way < 22.0)
@@ -122,20 +122,18 @@ def test_pictures_that_had_another_size_are_searched_at_their_own(dive):
 
 def test_a_dive_without_metres_is_not_read_again(dive):
     course = course_of(dive)
-    dive.flight = None
+    dive.view = None
     assert redetect_cable(dive, course) == 0
 
 
 @pytest.mark.parametrize("attitude", [(0.0, 0.0), (0.05, -0.1), (-0.2, 0.1)])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, 0.2), (-0.4, -0.5)])
 def test_a_place_on_the_ground_is_where_the_camera_sees_it(attitude, place):
-    flight = Overflight(
-        CAMERA, Mounting(x=LOOK, pitch=1.4), Attitude(*attitude, 0.0), ALTITUDE, 0.02
-    )
-    state = place_in_image(flight, LOOK, place, DIAMETER)
+    view = GroundView(CAMERA, Mounting(x=LOOK, pitch=1.4), Attitude(*attitude, 0.0), ALTITUDE, 0.02)
+    state = place_in_image(view, LOOK, place, DIAMETER)
     foot = state.distance * np.array([math.cos(state.angle), math.sin(state.angle)])
     along = np.array([-math.sin(state.angle), math.cos(state.angle)])
-    points = flight.on_ground(np.array([foot - 30.0 * along, foot + 30.0 * along]))
+    points = view.on_ground(np.array([foot - 30.0 * along, foot + 30.0 * along]))
     aside, heading = place
     off = (points[:, 1] - aside) * math.cos(heading) - (points[:, 0] - LOOK) * math.sin(heading)
     assert off == pytest.approx(0.0, abs=0.01)
@@ -143,8 +141,8 @@ def test_a_place_on_the_ground_is_where_the_camera_sees_it(attitude, place):
 
 def test_a_cable_far_ahead_converges_upwards_and_not_the_other_way_round():
     # The ground below the vehicle's middle lies behind this camera.
-    flight = Overflight(CAMERA, Mounting(x=1.0, pitch=math.radians(25.0)), Attitude(), 1.5, 0.02)
-    look = float(flight.on_ground(np.zeros((1, 2)))[0, 0])
-    state = place_in_image(flight, look, (0.2, 0.1), DIAMETER)
+    view = GroundView(CAMERA, Mounting(x=1.0, pitch=math.radians(25.0)), Attitude(), 1.5, 0.02)
+    look = float(view.on_ground(np.zeros((1, 2)))[0, 0])
+    state = place_in_image(view, look, (0.2, 0.1), DIAMETER)
     assert 0.0 < state.skew < 0.1
     assert state.width > 0.0

@@ -166,13 +166,13 @@ class MotionAiding:
         change = self._odometry.motion(before.stamp, stamp)
         if isinstance(change, Unaided):
             return change
-        flight = self._instruments.overflight(before)
-        if isinstance(flight, Withheld):
-            return Unaided(str(flight))
-        mapping = homography(flight, change)
+        view = self._instruments.ground_view(before)
+        if isinstance(view, Withheld):
+            return Unaided(str(view))
+        mapping = homography(view, change)
         if pauses and self._sigmas is not None and self._sigmas[0] >= change.seconds:
             return PlaneMotion(mapping, change.seconds, self._sigmas[1])
-        covariance = prediction_covariance(before.state.to_array(), flight, change)
+        covariance = prediction_covariance(before.state.to_array(), view, change)
         frames = change.seconds * REFERENCE_RATE
         floor = UNMODELLED * pose_units(pixel_scale(before.image_size[0])) * np.sqrt(frames)
         sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)

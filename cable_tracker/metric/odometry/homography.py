@@ -17,39 +17,39 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
-from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 
 LEAST_CLEARANCE = 0.1
 """Distance of the camera from the plane that is assumed at least [m]."""
 
 
-def homography(flight: Overflight, change: PoseChange) -> FloatArray:
+def homography(view: GroundView, change: PoseChange) -> FloatArray:
     """Return the homography from points of the earlier image to the later one, shape (3, 3).
 
     For points of the image frame [px] that lie in the plane of the cable.
     """
     mapping: FloatArray = _homographies(
-        flight, change.rotation[None], change.translation[None], np.array([flight.height])
+        view, change.rotation[None], change.translation[None], np.array([view.height])
     )[0]
     return mapping
 
 
 def _homographies(
-    flight: Overflight, rotations: FloatArray, translations: FloatArray, heights: FloatArray
+    view: GroundView, rotations: FloatArray, translations: FloatArray, heights: FloatArray
 ) -> FloatArray:
     """Return the homographies (N, 3, 3) of motions (N, 3, 3), (N, 3) at heights (N,)."""
-    rotation, position = flight.mounting.rotation, flight.mounting.position
+    rotation, position = view.mounting.rotation, view.mounting.position
     turned = np.swapaxes(rotations, 1, 2)
     to_later = rotation.T @ turned @ rotation
     arms = np.einsum("nij,nj->ni", turned, position - translations) - position
     shifts = arms @ rotation
-    level = flight.attitude.rotation
+    level = view.attitude.rotation
     down = (level @ rotation).T @ np.array([0.0, 0.0, -1.0])
     clearances = np.maximum(heights + float((level @ position)[2]), LEAST_CLEARANCE)
     planes = to_later + shifts[:, :, None] * down / clearances[:, None, None]
-    matrix = flight.camera.image_matrix
+    matrix = view.camera.image_matrix
     mapped: FloatArray = matrix @ planes @ np.linalg.inv(matrix)
     return mapped / mapped[:, 2:, 2:]
 
@@ -72,7 +72,7 @@ def move_states(states: FloatArray, mapping: FloatArray) -> FloatArray:
     return states_from_borders(Borders(angles, -lines[..., 2]))
 
 
-def prediction_covariance(state: FloatArray, flight: Overflight, change: PoseChange) -> FloatArray:
+def prediction_covariance(state: FloatArray, view: GroundView, change: PoseChange) -> FloatArray:
     """Return the covariance that odometry and altitude give a predicted cable, shape (4, 4).
 
     Of d, alpha, w, beta [px, rad]. Sigma points of the pose change's covariance and of the height
@@ -82,19 +82,19 @@ def prediction_covariance(state: FloatArray, flight: Overflight, change: PoseCha
     ----------
     state : FloatArray
         The cable before, shape (>= 4,).
-    flight, change
+    view, change
         See `homography`.
     """
     covariance = np.zeros((7, 7))
     covariance[:6, :6] = change.covariance
-    covariance[6, 6] = flight.height_sigma**2
+    covariance[6, 6] = view.height_sigma**2
     errors = sigma_points(np.zeros(7), covariance)
     turns = rotations_by(errors[:, 3:6])
     mappings = _homographies(
-        flight,
+        view,
         change.rotation @ turns,
         change.translation + errors[:, :3],
-        flight.height + errors[:, 6],
+        view.height + errors[:, 6],
     )
     moved = move_states(np.tile(state[:POSE_SIZE], (len(errors), 1)), mappings)
     return mean_and_covariance(moved)[1]

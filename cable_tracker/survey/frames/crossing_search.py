@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
-from cable_tracker.metric.overflight import Overflight
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.frame_table import CrossingObservation, FrameTable
 from cable_tracker.tracking.frame_check import SMALLEST_SIDE
@@ -43,7 +43,7 @@ class CrossingSearch:
         self._finder = HoughDetector()
         self._searched = -(2**62)
 
-    def search(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
+    def search(self, view: GroundView, grey: Image, estimate: CableEstimate) -> None:
         """Look for lines across a cable, unless the last picture that was searched is too near."""
         # Where the clock has been set back the next picture is searched.
         if 0 <= estimate.stamp - self._searched < round(CROSSING_STRIDE * NANOSECONDS):
@@ -63,7 +63,7 @@ class CrossingSearch:
             if abs(place[0]) > width / 2 or abs(place[1]) > height / 2:
                 continue
             along = np.array([-normal[1], normal[0]])
-            near, far = flight.on_ground(np.array([place - 5.0 * along, place + 5.0 * along]))
+            near, far = view.on_ground(np.array([place - 5.0 * along, place + 5.0 * along]))
             # Above the horizon there is no ground that a line could lie on.
             if not np.isfinite((near, far)).all():
                 continue

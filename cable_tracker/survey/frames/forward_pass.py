@@ -16,8 +16,8 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.motion import LONGEST_STEP
-from cable_tracker.metric.overflight import Overflight
 from cable_tracker.metric.recorded.recorded_cable import (
     Pauses,
     RecordedCableSight,
@@ -142,7 +142,7 @@ class ForwardDive:
         `FIX_WIDTH` numbers each.
     notes : list of str
         Remarks for the user: missing topics, where the recording broke off.
-    flight : Overflight or None
+    view : GroundView or None
         The camera over the cable, when metres were known last; None if they never were.
     unusable_poses : int
         Number of readings of odometry without a place or an orientation.
@@ -153,7 +153,7 @@ class ForwardDive:
     name: str
     disk: Disk
     notes: list[str] = field(default_factory=list)
-    flight: Overflight | None = None
+    view: GroundView | None = None
     unusable_poses: int = 0
     recording: Source | None = None
     table: FrameTable = field(init=False)
@@ -281,14 +281,14 @@ class _ForwardTracker:
         result = self._metres.measure(estimate)
         if isinstance(result, Withheld):
             row["reason"] = self._dive.table.reason_number(result.reason.value)
-        flight = self._metres.sight.instruments.overflight(estimate)
-        if isinstance(flight, Overflight):
-            self._dive.flight = flight
-            write_view(row, flight, estimate)
-        if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
+        view = self._metres.sight.instruments.ground_view(estimate)
+        if isinstance(view, GroundView):
+            self._dive.view = view
+            write_view(row, view, estimate)
+        if isinstance(result, CrossTrack) and isinstance(view, GroundView):
             write_metres(row, result)
-            write_profile(row, flight, grey, estimate.state)
-            self._crossings.search(flight, grey, estimate)
+            write_profile(row, view, grey, estimate.state)
+            self._crossings.search(view, grey, estimate)
 
     def _store(self, given: InstrumentMessage) -> None:
         message = given.message

@@ -76,8 +76,8 @@ def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
         before = estimate_of(states, index)
         change = odometry.motion(before.stamp, before.stamp + FRAME)
         assert isinstance(change, PoseChange)
-        flight = instruments.overflight(before)
-        moved = move_states(states[index : index + 1], homography(flight, change))[0]
+        view = instruments.ground_view(before)
+        moved = move_states(states[index : index + 1], homography(view, change))[0]
         residuals.append(states[index + 1, :2] - moved[:2])
         steps.append(states[index + 1, :2] - states[index, :2])
     rms, still = (np.sqrt(np.mean(np.square(each), axis=0)) for each in (residuals, steps))

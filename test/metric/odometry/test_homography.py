@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.metric.frames import Attitude, rotations_of
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.homography import (
     PlaneMotion,
     homography,
@@ -17,7 +18,6 @@ from cable_tracker.metric.odometry.homography import (
     prediction_covariance,
 )
 from cable_tracker.metric.odometry.motion import PoseChange, rotations_by
-from cable_tracker.metric.overflight import Overflight
 
 DEGREE = math.pi / 180
 STATES = np.array([[20.0, 0.1, 40.0, 0.03], [-60.0, 1.5, 25.0, -0.02], [0.0, -1.5, 60.0, 0.0]])
@@ -29,14 +29,14 @@ def change_of(translation, turn, covariance=None, seconds=0.04) -> PoseChange:
 
 
 @pytest.fixture
-def overflight(calibrations, camera_of, make_flight):
+def ground_view(calibrations, camera_of, make_flight):
     flight = make_flight()
     camera = camera_of(calibrations["pinhole"])
-    return Overflight(camera, flight.mounting, Attitude(0.03, -0.05), 1.4, 0.02)
+    return GroundView(camera, flight.mounting, Attitude(0.03, -0.05), 1.4, 0.02)
 
 
-def test_without_motion_nothing_moves(overflight):
-    mapping = homography(overflight, change_of([0, 0, 0], [0, 0, 0]))
+def test_without_motion_nothing_moves(ground_view):
+    mapping = homography(ground_view, change_of([0, 0, 0], [0, 0, 0]))
     np.testing.assert_allclose(mapping, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(move_states(STATES, mapping), STATES, atol=1e-9)
 
@@ -59,8 +59,8 @@ def test_a_cable_moves_as_the_camera_sees_it_move(
     level = rotations_of(np.array([[0.02, -0.04, 0.0]]))[0]
     # The vehicle turns and moves; the level frame of before stays the frame of the cable.
     later = _Later(before, level @ change.rotation, level @ change.translation)
-    flight = Overflight(camera, before.mounting, before.attitude, before.altitude.metres, 0.0)
-    moved = move_states(before.seen_by(camera).to_array()[None, :], homography(flight, change))
+    view = GroundView(camera, before.mounting, before.attitude, before.altitude.metres, 0.0)
+    moved = move_states(before.seen_by(camera).to_array()[None, :], homography(view, change))
     expected = later.seen_by(camera).to_array()[None, :]
     chart = states_in_chart(expected, float(moved[0, 1]))[0, :4]
     assert (np.abs(moved[0] - chart) < [0.15, 2e-3, 0.15, 1e-3]).all()
@@ -84,57 +84,55 @@ class _Later:
         return Seen(**fields).seen_by(camera)
 
 
-def test_there_and_back_is_where_it_was(overflight):
+def test_there_and_back_is_where_it_was(ground_view):
     forth = change_of([0.05, 0.02, -0.01], [0.01, -0.02, 0.03])
-    mapping = homography(overflight, forth)
+    mapping = homography(ground_view, forth)
     moved = move_states(STATES, mapping)
     np.testing.assert_allclose(move_states(moved, np.linalg.inv(mapping)), STATES, atol=1e-9)
 
 
-def test_an_angle_goes_on_across_the_wrap(overflight):
-    moved = move_states(STATES, homography(overflight, change_of([0, 0, 0], [0, 0, 0.1])))
+def test_an_angle_goes_on_across_the_wrap(ground_view):
+    moved = move_states(STATES, homography(ground_view, change_of([0, 0, 0], [0, 0, 0.1])))
     # A vehicle that turns to the left sees the cable turn to the right, also beyond pi/2.
     assert (moved[:, 1] < STATES[:, 1]).all()
     assert np.abs(moved[:, 1] - STATES[:, 1]).max() < 0.2
 
 
 class TestPredictionCovariance:
-    def spread(self, overflight, covariance, height_sigma=0.0, translation=(0.02, 0.05, 0.0)):
-        flight = dataclasses.replace(overflight, height_sigma=height_sigma)
-        return prediction_covariance(
-            STATES[0], flight, change_of(translation, [0, 0, 0], covariance)
-        )
+    def spread(self, ground_view, covariance, height_sigma=0.0, translation=(0.02, 0.05, 0.0)):
+        view = dataclasses.replace(ground_view, height_sigma=height_sigma)
+        return prediction_covariance(STATES[0], view, change_of(translation, [0, 0, 0], covariance))
 
-    def test_it_agrees_with_monte_carlo(self, overflight):
+    def test_it_agrees_with_monte_carlo(self, ground_view):
         covariance = np.diag([0.01, 0.02, 0.01, 0.01, 0.01, 0.02]) ** 2
-        spread = self.spread(overflight, covariance, height_sigma=0.1)
+        spread = self.spread(ground_view, covariance, height_sigma=0.1)
         rng = np.random.default_rng(3)
         moved = []
         for noise in rng.standard_normal((800, 7)):
             errors = noise[:6] * np.sqrt(np.diag(covariance))
             change = change_of(np.array([0.02, 0.05, 0.0]) + errors[:3], errors[3:])
-            flight = dataclasses.replace(overflight, height=1.4 + 0.1 * noise[6])
-            moved.append(move_states(STATES[:1], homography(flight, change))[0])
+            view = dataclasses.replace(ground_view, height=1.4 + 0.1 * noise[6])
+            moved.append(move_states(STATES[:1], homography(view, change))[0])
         np.testing.assert_allclose(
             np.sqrt(np.diag(spread)), np.std(moved, axis=0), rtol=0.1, atol=1e-4
         )
 
-    def test_sure_odometry_leaves_nothing_unknown(self, overflight):
-        assert np.abs(self.spread(overflight, np.zeros((6, 6)))).max() < 1e-12
+    def test_sure_odometry_leaves_nothing_unknown(self, ground_view):
+        assert np.abs(self.spread(ground_view, np.zeros((6, 6)))).max() < 1e-12
 
-    def test_an_unsure_altitude_leaves_the_motion_unsure(self, overflight):
-        unsure = self.spread(overflight, np.zeros((6, 6)), height_sigma=0.3)
-        still = self.spread(overflight, np.zeros((6, 6)), height_sigma=0.3, translation=(0, 0, 0))
+    def test_an_unsure_altitude_leaves_the_motion_unsure(self, ground_view):
+        unsure = self.spread(ground_view, np.zeros((6, 6)), height_sigma=0.3)
+        still = self.spread(ground_view, np.zeros((6, 6)), height_sigma=0.3, translation=(0, 0, 0))
         assert unsure[0, 0] > 0.1 > still[0, 0]
 
-    def test_an_unsure_sway_is_one_of_d(self, overflight):
-        spread = self.spread(overflight, np.diag([0, 0.01, 0, 0, 0, 0]) ** 2)
+    def test_an_unsure_sway_is_one_of_d(self, ground_view):
+        spread = self.spread(ground_view, np.diag([0, 0.01, 0, 0, 0, 0]) ** 2)
         assert 1.0 < math.sqrt(spread[0, 0]) < 280.0 * 0.01 / 1.0
         assert math.sqrt(spread[1, 1]) < 1.0 * DEGREE
 
 
-def test_the_aid_of_the_filters_gives_rates_and_their_doubt(overflight):
-    mapping = homography(overflight, change_of([0.0, 0.05, 0.0], [0, 0, 0.01]))
+def test_the_aid_of_the_filters_gives_rates_and_their_doubt(ground_view):
+    mapping = homography(ground_view, change_of([0.0, 0.05, 0.0], [0, 0, 0.01]))
     aid = PlaneMotion(mapping, 0.1, np.array([0.5, 0.01, 0.4, 0.002]))
     states = np.hstack((STATES, np.ones_like(STATES)))
     moved = aid.moved(states)
@@ -143,6 +141,6 @@ def test_the_aid_of_the_filters_gives_rates_and_their_doubt(overflight):
     np.testing.assert_allclose(aid.scales(), [0.5, 0.01, 0.4, 0.002, 5.0, 0.1, 4.0, 0.02])
 
 
-def test_a_camera_in_the_ground_has_still_a_homography(overflight):
-    low = dataclasses.replace(overflight, height=-3.0)
+def test_a_camera_in_the_ground_has_still_a_homography(ground_view):
+    low = dataclasses.replace(ground_view, height=-3.0)
     assert np.isfinite(homography(low, change_of([0.1, 0.0, 0.0], [0, 0, 0]))).all()

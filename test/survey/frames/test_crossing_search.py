@@ -10,12 +10,12 @@ from survey_dives import DISK
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.overflight import Overflight
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.survey.frames.crossing_search import CROSSING_STRIDE, CrossingSearch
 from cable_tracker.survey.frames.frame_table import FrameTable
 
 CAMERA = CameraModel(Calibration((320, 240), "plumb_bob", (300.0, 300.0), (159.5, 119.5)))
-FLIGHT = Overflight(CAMERA, Mounting(), Attitude(), 3.0, 0.02)
+VIEW = GroundView(CAMERA, Mounting(), Attitude(), 3.0, 0.02)
 SECOND = 1_000_000_000
 
 
@@ -37,7 +37,7 @@ BESIDE = (60, -150), (90, 150)
 def search():
     """Search pictures that come with so many seconds between them; return what was seen."""
 
-    def run(*pictures, pause=1.0, back=0.0, flight=FLIGHT):
+    def run(*pictures, pause=1.0, back=0.0, view=VIEW):
         """`back`: by how much the clock is set back after the first picture [s]."""
         table = FrameTable(DISK)
         crossings = CrossingSearch(table)
@@ -48,7 +48,7 @@ def search():
                 state=CableState(0.0, 0.0, 24.0),
                 image_size=grey.shape[::-1],
             )
-            crossings.search(flight, grey, estimate)
+            crossings.search(view, grey, estimate)
         return table.crossings
 
     return run
@@ -80,7 +80,7 @@ def test_a_long_low_picture_is_searched_like_any_other(search):
 
 
 def test_a_line_above_the_horizon_is_none_on_the_ground(search):
-    ahead = replace(FLIGHT, mounting=Mounting(pitch=math.radians(3.0)))
+    ahead = replace(VIEW, mounting=Mounting(pitch=math.radians(3.0)))
     below = (-200, -60), (200, -60)
-    assert len(search(picture(CABLE, below), flight=ahead)) == 1
-    assert search(picture(CABLE, ACROSS), flight=ahead) == []
+    assert len(search(picture(CABLE, below), view=ahead)) == 1
+    assert search(picture(CABLE, ACROSS), view=ahead) == []

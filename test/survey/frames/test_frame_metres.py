@@ -7,7 +7,7 @@ import pytest
 from cable_tracker.metric.calibration import Calibration, CameraModel
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, Mounting
-from cable_tracker.metric.overflight import Overflight
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.survey.frames.frame_metres import write_metres, write_view
 
 CAMERA = CameraModel(Calibration((320, 240), "plumb_bob", (300.0, 300.0), (159.5, 119.5)))
@@ -15,17 +15,17 @@ CAMERA = CameraModel(Calibration((320, 240), "plumb_bob", (300.0, 300.0), (159.5
 
 @pytest.mark.parametrize(("turn", "reach"), [(0.0, 159.5), (90.0, 119.5), (180.0, 159.5)])
 def test_how_far_the_camera_sees_to_either_side_does_not_depend_on_how_it_is_turned(turn, reach):
-    flight = Overflight(CAMERA, Mounting(yaw=math.radians(turn)), Attitude(), 2.0, 0.02)
+    view = GroundView(CAMERA, Mounting(yaw=math.radians(turn)), Attitude(), 2.0, 0.02)
     row = {}
-    write_view(row, flight, SimpleNamespace(image_size=(320, 240)))
+    write_view(row, view, SimpleNamespace(image_size=(320, 240)))
     assert row["half_view"] == pytest.approx(2.0 * reach / 300.0)
 
 
 def test_a_camera_that_looks_ahead_sees_as_far_to_the_side_as_its_middle_row():
-    flight = Overflight(CAMERA, Mounting(pitch=math.radians(50.0)), Attitude(), 2.0, 0.02)
+    view = GroundView(CAMERA, Mounting(pitch=math.radians(50.0)), Attitude(), 2.0, 0.02)
     row = {}
-    write_view(row, flight, SimpleNamespace(image_size=(320, 240)))
-    ends = flight.on_ground(np.array([[-159.5, 0.0], [159.5, 0.0]]))
+    write_view(row, view, SimpleNamespace(image_size=(320, 240)))
+    ends = view.on_ground(np.array([[-159.5, 0.0], [159.5, 0.0]]))
     assert row["half_view"] == pytest.approx(0.5 * (ends[0, 1] - ends[1, 1]))
 
 

@@ -12,7 +12,7 @@ from cable_tracker.metric.frames import Attitude, Mounting
 
 
 @dataclass(frozen=True, slots=True)
-class Overflight:
+class GroundView:
     """A camera over the plane of the cable.
 
     Attributes
