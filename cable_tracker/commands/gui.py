@@ -96,7 +96,7 @@ def gui(  # noqa: PLR0917
     `target_tracker`.
     """
     window = need_gui("tracking.window")
-    desks = need_gui("tracking.desk")
+    shared_sessions = need_gui("tracking.shared_session")
     server = need_gui("web.server")
     requests = need_gui("session.recording_request")
     if ros is not None:
@@ -131,11 +131,11 @@ def gui(  # noqa: PLR0917
         vehicle=vehicle,
     )
     listening = server.listen_on(host, port)
-    desk = desks.TrackingDesk(request, parameters)
+    shared = shared_sessions.SharedSession(request, parameters)
     if ros is not None:
         live = need_ros("clients.live_session")
-        desk.watch(live.LiveTargetSession(ros) if target else live.LiveSession(ros))
+        shared.watch(live.LiveTargetSession(ros) if target else live.LiveSession(ros))
     elif source is not None:
-        desk.open(request)
-        print_notes(source, desk.session.notes)
-    window.serve_tracking_window(desk, listening, started=lambda: announce(listening))
+        shared.open(request)
+        print_notes(source, shared.session.notes)
+    window.serve_tracking_window(shared, listening, started=lambda: announce(listening))

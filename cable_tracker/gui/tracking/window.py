@@ -30,12 +30,6 @@ from cable_tracker.gui.tracking.commands import (
     commands_for,
     speed_words,
 )
-from cable_tracker.gui.tracking.desk import (
-    TrackingDesk,
-    drawn_state,
-    start_at,
-    start_with_box,
-)
 from cable_tracker.gui.tracking.dialogs import (
     CABLE_FIELDS,
     CABLE_START,
@@ -58,6 +52,12 @@ from cable_tracker.gui.tracking.elements import (
     TrackingPicture,
     TransportBar,
 )
+from cable_tracker.gui.tracking.shared_session import (
+    SharedSession,
+    drawn_state,
+    start_at,
+    start_with_box,
+)
 from cable_tracker.gui.web.server import Channels, Listening, serve
 from cable_tracker.tracking.parameter_table import ParameterValue
 
@@ -71,16 +71,16 @@ STYLE = Path(__file__).with_name("window.css").read_text(encoding="utf-8")
 
 
 def serve_tracking_window(
-    desk: TrackingDesk,
+    shared: SharedSession,
     listening: Listening,
     *,
     started: Callable[[], None],
 ) -> None:
-    """Serve the page until a signal ends it, and close the desk then.
+    """Serve the page until a signal ends it, and close the session then.
 
     Parameters
     ----------
-    desk : TrackingDesk
+    shared : SharedSession
         Session and recording that the page shows.
     listening : Listening
         Address to listen on.
@@ -88,17 +88,17 @@ def serve_tracking_window(
         Called when the server has begun to listen.
     """
     channels = Channels()
-    channels.add(desk.feed.channel)
+    channels.add(shared.feed.channel)
     try:
         serve(
-            lambda: TrackingPage(desk).build(),
+            lambda: TrackingPage(shared).build(),
             channels,
             listening,
             "cable tracker",
             started=started,
         )
     finally:
-        desk.close()
+        shared.close()
 
 
 class TrackingPage:
@@ -106,16 +106,16 @@ class TrackingPage:
 
     Parameters
     ----------
-    desk : TrackingDesk
+    shared : SharedSession
         Session and recording that all windows share.
     """
 
-    def __init__(self, desk: TrackingDesk) -> None:
-        self._desk = desk
-        self._version = desk.version
+    def __init__(self, shared: SharedSession) -> None:
+        self._shared = shared
+        self._version = shared.version
         self._values: Mapping[str, ParameterValue] = {}
         self._refusals: dict[str, str] = {}
-        self._reference = next(iter(desk.references))
+        self._reference = next(iter(shared.references))
         self._picture: TrackingPicture | None = None
         self._transport: TransportBar | None = None
         self._numbers: NumberPanel | None = None
@@ -124,17 +124,17 @@ class TrackingPage:
     def build(self) -> None:
         """Put everything on the page."""
         ui.add_css(STYLE)
-        desk = self._desk
-        is_live = desk.session is not None and desk.player is None
-        commands = commands_for(is_player=not is_live, noun=desk.subject.noun)
-        is_target = desk.subject is TARGET
+        shared = self._shared
+        is_live = shared.session is not None and shared.player is None
+        commands = commands_for(is_player=not is_live, noun=shared.subject.noun)
+        is_target = shared.subject is TARGET
         self._open_dialog = OpenDialog(
-            lambda: desk.request, self._open, TARGET_START if is_target else CABLE_START
+            lambda: shared.request, self._open, TARGET_START if is_target else CABLE_START
         )
-        self._save_dialog = SaveDialog(self._text_to_save, desk.subject)
+        self._save_dialog = SaveDialog(self._text_to_save, shared.subject)
         self._start_dialog = (
             NumberDialog(
-                "Start where the target is", TARGET_FIELDS, self._start_with, desk.present_box
+                "Start where the target is", TARGET_FIELDS, self._start_with, shared.present_box
             )
             if is_target
             else NumberDialog(
@@ -144,13 +144,13 @@ class TrackingPage:
                 self._present_cable,
             )
         )
-        shape = "live line" if is_live and not is_target else desk.subject.shape
+        shape = "live line" if is_live and not is_target else shared.subject.shape
         self._help_dialog = HelpDialog(commands, POINTER_HELP[shape])
         self._build_head(is_live)
         self._panels = ui.element("main").classes("ct-desk" + (" ct-live" if is_live else ""))
         with self._panels:
-            if desk.session is not None:
-                self._build_panels(desk.session)
+            if shared.session is not None:
+                self._build_panels(shared.session)
             else:
                 ui.label("No recording is open: press Open.").classes("ct-empty")
         keys = {key: command.name for command in commands for key in command.keys}
@@ -159,19 +159,19 @@ class TrackingPage:
         ui.timer(REFRESH_OF_PARAMETERS, self._refresh_parameters)
 
     def _build_head(self, is_live: bool) -> None:
-        session = self._desk.session
+        session = self._shared.session
         with ui.element("header").classes("ct-head"):
             name = session.name if session is not None else "cable tracker"
             ui.label(name if is_live else Path(name).name).classes("text-weight-bold").props(
                 'role="heading" aria-level="1" data-test="title"'
             ).tooltip(name)
-            if self._desk.player is not None and self._desk.player.notes:
-                notes = "; ".join(self._desk.player.notes)
+            if self._shared.player is not None and self._shared.player.notes:
+                notes = "; ".join(self._shared.player.notes)
                 ui.label(notes).classes("ct-notes").props("data-test=notes").tooltip(notes)
             self._trouble = ui.label().classes("ct-trouble")
             self._trouble.props('role="status" data-test="trouble"')
             if session is not None:
-                words = f"Type where the {self._desk.subject.noun} is (i)"
+                words = f"Type where the {self._shared.subject.noun} is (i)"
                 PlainButton("start at …", lambda: self._do("start"), words)
                 PlainButton("reset", lambda: self._do("reset"), "Forget everything (r)")
                 self._enable = PlainButton("", lambda: self._do("enable"), "Tracker off or on (e)")
@@ -180,12 +180,12 @@ class TrackingPage:
             PlainButton("keys ?", lambda: self._do("help"), "Show the keys (?)")
 
     def _build_panels(self, session: Session) -> None:
-        channel, subject = self._desk.feed.channel, self._desk.subject
+        channel, subject = self._shared.feed.channel, self._shared.subject
         # The topic that tells a live node where the cable is says nothing of its width.
-        widens = subject is not TARGET and self._desk.player is not None
+        widens = subject is not TARGET and self._shared.player is not None
         self._picture = TrackingPicture(channel, subject, widens=widens)
         self._picture.on("draw", self._draw)
-        if self._desk.player is not None:
+        if self._shared.player is not None:
             self._transport = TransportBar(channel, list(SPEEDS))
             self._transport.on("command", self._command)
         HistoryPlot(channel, subject)
@@ -206,32 +206,34 @@ class TrackingPage:
     # What others do
 
     def _refresh(self) -> None:
-        desk = self._desk
-        if desk.version != self._version:
+        shared = self._shared
+        if shared.version != self._version:
             ui.navigate.reload()
             return
-        if desk.session is None:
+        if shared.session is None:
             return
-        trouble = desk.session.trouble
+        trouble = shared.session.trouble
         self._trouble.set_text(trouble)
         # A node that is gone leaves its last word standing: it must not look like news.
-        is_stale = bool(trouble) and desk.player is None
+        is_stale = bool(trouble) and shared.player is None
         if is_stale:
             self._panels.classes("ct-stale")
         else:
             self._panels.classes(remove="ct-stale")
         if self._picture is not None:
             self._picture.show(stale=is_stale)
-        self._enable.say("switch off" if desk.session.is_enabled else "switch on")
-        if desk.player is not None and self._transport is not None and self._numbers is not None:
-            count = desk.player.frame_count or 0
+        self._enable.say("switch off" if shared.session.is_enabled else "switch on")
+        if shared.player is not None and self._transport is not None and self._numbers is not None:
+            count = shared.player.frame_count or 0
             self._transport.show(
-                playing=desk.player.is_playing, speed=speed_words(desk.player.speed), count=count
+                playing=shared.player.is_playing,
+                speed=speed_words(shared.player.speed),
+                count=count,
             )
             self._numbers.show(count=count)
 
     async def _refresh_parameters(self) -> None:
-        session = self._desk.session
+        session = self._shared.session
         if session is None:
             return
         try:
@@ -247,7 +249,7 @@ class TrackingPage:
     def _show_parameters(self, **props: Any) -> None:  # noqa: ANN401
         if self._parameters is None:
             return
-        references = self._desk.references
+        references = self._shared.references
         self._parameters.show(
             values=values_for_page(self._values),
             references=list(references),
@@ -263,7 +265,7 @@ class TrackingPage:
         await self._do(str(event.args.get("name")), event.args.get("value"))
 
     async def _do(self, name: str, value: object = None) -> None:
-        desk = self._desk
+        shared = self._shared
         dialogs: Mapping[str, FormDialog | HelpDialog] = {
             "open": self._open_dialog,
             "save": self._save_dialog,
@@ -272,12 +274,12 @@ class TrackingPage:
         }
         if name in dialogs:
             dialogs[name].open()
-        elif name == "reset" and desk.session is not None:
-            await self._try(desk.session.reset)
-        elif name == "enable" and desk.session is not None:
-            await self._try(desk.session.enable, not desk.session.is_enabled)
-        elif desk.player is not None:
-            command_player(desk.player, name, value)
+        elif name == "reset" and shared.session is not None:
+            await self._try(shared.session.reset)
+        elif name == "enable" and shared.session is not None:
+            await self._try(shared.session.enable, not shared.session.is_enabled)
+        elif shared.player is not None:
+            command_player(shared.player, name, value)
         self._refresh()
 
     async def _try(self, function: Callable[..., object], *arguments: object) -> bool:
@@ -290,11 +292,11 @@ class TrackingPage:
         return True
 
     async def _draw(self, event: GenericEventArguments) -> None:
-        drawn, session = event.args, self._desk.session
+        drawn, session = event.args, self._shared.session
         ends = tuple(drawn["start"]), tuple(drawn["end"])
         if session is None:
             return
-        if self._desk.subject is TARGET:
+        if self._shared.subject is TARGET:
             is_done = await self._try(start_with_box, session, *ends)
         else:
             state = drawn_state(*ends, drawn["width"], tuple(drawn["size"]))
@@ -304,7 +306,7 @@ class TrackingPage:
 
     def _present_cable(self) -> Sequence[float] | None:
         """Return d, alpha, w, beta of the newest estimate [px, deg]; None without a claim."""
-        state = self._desk.present_state()
+        state = self._shared.present_state()
         if state is None or not state.is_finite():
             return None
         return state.distance, math.degrees(state.angle), state.width, math.degrees(state.skew)
@@ -314,21 +316,21 @@ class TrackingPage:
         rest = [value for _, value in CABLE_FIELDS[len(numbers) :]]
         d, alpha, w, beta = (*numbers, *rest)
         state = CableState(d, math.radians(alpha), w, math.radians(beta))
-        await run.io_bound(start_at, self._desk.need_session(), state)
+        await run.io_bound(start_at, self._shared.need_session(), state)
 
     async def _start_with(self, sides: Sequence[float]) -> None:
         """Start with a box: left, top, right, bottom [px]."""
         left, top, right, bottom = sides
-        session = self._desk.need_session()
+        session = self._shared.need_session()
         await run.io_bound(start_with_box, session, (left, top), (right, bottom))
 
     async def _open(self, request: RecordingRequest) -> None:
-        await run.io_bound(self._desk.open, request)
+        await run.io_bound(self._shared.open, request)
         self._refresh()
 
     async def _change(self, event: GenericEventArguments) -> None:
         name, given = str(event.args["name"]), event.args["value"]
-        session = self._desk.need_session()
+        session = self._shared.need_session()
         spec = next(spec for spec in session.table if spec.name == name)
         self._refusals.clear()
         try:
@@ -339,14 +341,14 @@ class TrackingPage:
 
     def _refer(self, event: GenericEventArguments) -> None:
         name = str(event.args["name"])
-        if name in self._desk.references:
+        if name in self._shared.references:
             self._reference = name
         self._show_parameters()
 
     async def _apply(self) -> None:
-        session = self._desk.need_session()
+        session = self._shared.need_session()
         known = {spec.name for spec in session.table}
-        values = self._desk.references[self._reference]
+        values = self._shared.references[self._reference]
         self._refusals.clear()
         trouble = ""
         try:
@@ -361,18 +363,18 @@ class TrackingPage:
     async def _load(self, event: GenericEventArguments) -> None:
         name, text = Path(str(event.args["name"])).name, event.args["text"]
         try:
-            values = values_from_text(text, name, self._desk.subject)
+            values = values_from_text(text, name, self._shared.subject)
         except CableTrackerError as error:
             self._show_parameters(fileTrouble=f"{error} Nothing has changed.")
             return
-        self._desk.references[name] = values
+        self._shared.references[name] = values
         self._reference = name
         await self._apply()
 
     async def _text_to_save(self) -> str:
         """Return the file with the values in force now, which may not be those that are shown."""
-        session = self._desk.need_session()
+        session = self._shared.need_session()
         values = await run.io_bound(session.parameters)
         if not values:
             raise GuiError(f"{session.name} has told no parameters; try again")
-        return parameter_text(values, session.name, self._desk.subject)
+        return parameter_text(values, session.name, self._shared.subject)

@@ -14,7 +14,7 @@ from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.session.recording_session import RecordingSession
 from cable_tracker.gui.subject.subject import TARGET
-from cable_tracker.gui.tracking.desk import TrackingDesk, start_with_box
+from cable_tracker.gui.tracking.shared_session import SharedSession, start_with_box
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.metric.recorded.recorded_target import recorded_target
 from cable_tracker.offline.results import WantedResults, follow_all
@@ -173,12 +173,12 @@ def test_parameters_of_a_target_are_changed_all_or_none(watch):
 
 
 def test_a_desk_of_targets_opens_recordings_of_targets(target_dive, first_box):
-    desk = TrackingDesk(RecordingRequest(target_dive), PARAMETERS)
+    shared = SharedSession(RecordingRequest(target_dive), PARAMETERS)
     try:
-        assert set(desk.references) == {"default", "thesis", "docking", "diver"}
-        desk.open(RecordingRequest(target_dive, init=words(first_box)))
-        watched = Watched(desk.need_session())
-        assert watched.at(0).row.claim.box == desk.present_box()
-        assert desk.present_state() is None
+        assert set(shared.references) == {"default", "thesis", "docking", "diver"}
+        shared.open(RecordingRequest(target_dive, init=words(first_box)))
+        watched = Watched(shared.need_session())
+        assert watched.at(0).row.claim.box == shared.present_box()
+        assert shared.present_state() is None
     finally:
-        desk.close()
+        shared.close()

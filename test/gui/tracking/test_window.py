@@ -438,8 +438,8 @@ def result_of(coroutine):
 @pytest.mark.parametrize("answer", [RosError("the node has not answered"), {}])
 def test_parameters_that_are_not_known_are_not_saved(answer):
     window = pytest.importorskip("cable_tracker.gui.tracking.window")
-    desk = window.TrackingDesk(RecordingRequest(Path()), TrackerParameters())
-    page = window.TrackingPage(desk)
+    shared = window.SharedSession(RecordingRequest(Path()), TrackerParameters())
+    page = window.TrackingPage(shared)
     with pytest.raises(GuiError, match="no recording is open"):
         result_of(page._text_to_save())
 
@@ -449,10 +449,10 @@ def test_parameters_that_are_not_known_are_not_saved(answer):
                 raise answer
             return answer
 
-    desk.watch(Silent())
+    shared.watch(Silent())
     with pytest.raises(CableTrackerError, match=r"has not answered|has told no"):
         result_of(page._text_to_save())
-    desk.close()
+    shared.close()
 
 
 def run_to_its_end(*arguments):

@@ -1,4 +1,4 @@
-"""Desk shared by all browsers of one server: the session and its pictures."""
+"""The session that all browsers of one server watch, and its pictures."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 Point = tuple[float, float]
 
 
-class TrackingDesk:
-    """Holds the session that is watched; another recording can take its place.
+class SharedSession:
+    """Holds the session that all browsers watch; another recording can take its place.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class TrackingDesk:
     feed : PictureFeed
         Pictures for all browsers.
     subject : Subject
-        Description of the tracked object; the same in every session of a desk.
+        Description of the tracked object; the same in every session.
     references : dict
         Presets and files that were read, values by name.
     version : int

@@ -10,16 +10,16 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, RecordingError
 from cable_tracker.gui.session.recording_request import RecordingRequest
 from cable_tracker.gui.tracking.commands import COMMANDS, SPEEDS, command_player, speed_words
-from cable_tracker.gui.tracking.desk import TrackingDesk, drawn_state, start_at
+from cable_tracker.gui.tracking.shared_session import SharedSession, drawn_state, start_at
 
 SIZE = (320, 240)
 
 
 @pytest.fixture
-def desk():
-    desk = TrackingDesk(RecordingRequest(Path()), TrackerParameters())
-    yield desk
-    desk.close()
+def shared():
+    shared = SharedSession(RecordingRequest(Path()), TrackerParameters())
+    yield shared
+    shared.close()
 
 
 def test_a_line_drawn_upwards_through_the_middle_is_the_cable_at_rest():
@@ -37,35 +37,35 @@ def test_a_cable_whose_top_leans_left_has_a_positive_angle():
     assert drawn.angle == pytest.approx(math.pi / 4)
 
 
-def test_without_a_recording_there_is_nothing_to_command(desk):
+def test_without_a_recording_there_is_nothing_to_command(shared):
     with pytest.raises(GuiError, match="open one first"):
-        desk.need_session()
-    assert desk.player is None
+        shared.need_session()
+    assert shared.player is None
 
 
-def test_another_recording_takes_the_place_of_the_first_with_its_parameters(desk, dive):
-    desk.open(RecordingRequest(dive))
-    first = desk.need_session()
+def test_another_recording_takes_the_place_of_the_first_with_its_parameters(shared, dive):
+    shared.open(RecordingRequest(dive))
+    first = shared.need_session()
     first.change({"particle_count": 99})
-    version = desk.version
-    desk.open(RecordingRequest(dive))
-    assert desk.version != version
-    assert desk.need_session() is not first
-    assert desk.need_session().parameters()["particle_count"] == 99
+    version = shared.version
+    shared.open(RecordingRequest(dive))
+    assert shared.version != version
+    assert shared.need_session() is not first
+    assert shared.need_session().parameters()["particle_count"] == 99
 
 
-def test_what_cannot_be_opened_leaves_all_as_it_is(desk, dive, tmp_path):
-    desk.open(RecordingRequest(dive))
-    before = desk.need_session()
+def test_what_cannot_be_opened_leaves_all_as_it_is(shared, dive, tmp_path):
+    shared.open(RecordingRequest(dive))
+    before = shared.need_session()
     with pytest.raises(RecordingError):
-        desk.open(RecordingRequest(tmp_path / "none.bag"))
-    assert desk.need_session() is before
+        shared.open(RecordingRequest(tmp_path / "none.bag"))
+    assert shared.need_session() is before
     before.change({"particle_count": 98})
 
 
-def test_speeds_go_up_and_down_and_stay_in_their_range(desk, dive):
-    desk.open(RecordingRequest(dive))
-    player = desk.player
+def test_speeds_go_up_and_down_and_stay_in_their_range(shared, dive):
+    shared.open(RecordingRequest(dive))
+    player = shared.player
     for _ in range(2 * len(SPEEDS)):
         command_player(player, "faster")
     assert player.speed == math.inf
@@ -78,10 +78,10 @@ def test_speeds_go_up_and_down_and_stay_in_their_range(desk, dive):
     assert player.speed == 2.0
 
 
-def test_a_cable_without_a_width_is_no_start(desk, dive):
-    desk.open(RecordingRequest(dive))
+def test_a_cable_without_a_width_is_no_start(shared, dive):
+    shared.open(RecordingRequest(dive))
     with pytest.raises(FrameError, match="no width of a cable"):
-        start_at(desk.need_session(), CableState(0.0, 0.0, 0.0))
+        start_at(shared.need_session(), CableState(0.0, 0.0, 0.0))
 
 
 def test_every_key_does_one_thing():
