@@ -40,7 +40,7 @@ NO_REPORT = "NO REPORT"
 
 
 @dataclass(slots=True, eq=False)
-class _Parts:
+class _FrameMessages:
     """Messages about one frame, and the time of the first of them."""
 
     since: float = field(default_factory=time.monotonic)
@@ -59,9 +59,9 @@ class _Parts:
 
     def status(self) -> str:
         """Return the report's status; without a report, one that follows from the state."""
-        told = "" if self.report is None else report_status(self.report)
+        status = "" if self.report is None else report_status(self.report)
         is_claimed = len(self.messages[node_topics.STATE].position) > 0
-        return told or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
+        return status or (TrackingStatus.TRACKING.value if is_claimed else NO_REPORT)
 
 
 class LiveFrames:
@@ -78,99 +78,99 @@ class LiveFrames:
 
     def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
-        self._parts: OrderedDict[int, _Parts] = OrderedDict()
+        self._frames: OrderedDict[int, _FrameMessages] = OrderedDict()
         self._count = 0
         self._unstamped: RawImage | CompressedImage | None = None
 
     def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:
         """Take a picture of the camera.
 
-        Of a picture without a stamp the node speaks with the time at which it came: the newest one
-        is shown with what comes next.
+        The node gives a picture without a stamp the time at which it came: the newest one is shown
+        with the messages that come next.
         """
         if stamp_of(header) == 0:
             self._unstamped = image
             return
         self._unstamped = None
-        self._of(header).image = image
-        self.hand_on_what_is_due()
+        self._messages_of(header).image = image
+        self.hand_on_due_frame()
 
     def take(self, topic: NodeTopic, message: Message) -> None:
         """Take a message of the tracker, or the ground truth of a simulator or a replay."""
         if topic is not self.TOPICS.report:
-            self._of(message.header).messages[topic] = message
+            self._messages_of(message.header).messages[topic] = message
         elif message.status:
-            self._of(message.header).report = message
+            self._messages_of(message.header).report = message
         if topic is not node_topics.GROUND_TRUTH:  # No frame waits for that.
-            self.hand_on_what_is_due()
+            self.hand_on_due_frame()
 
-    def _of(self, header: Message) -> _Parts:
+    def _messages_of(self, header: Message) -> _FrameMessages:
         stamp = stamp_of(header)
-        if stamp not in self._parts:
-            self._parts[stamp] = _Parts(image=self._unstamped)
-            self._give_up_the_oldest()
-        return self._parts[stamp]
+        if stamp not in self._frames:
+            self._frames[stamp] = _FrameMessages(image=self._unstamped)
+            self._drop_oldest()
+        return self._frames[stamp]
 
-    def _give_up_the_oldest(self) -> None:
-        """Keep within the limits of memory and time; the newest frame is kept in any case."""
+    def _drop_oldest(self) -> None:
+        """Drop the oldest frames beyond the limits of memory and time; the newest one stays."""
         now = time.monotonic()
-        size = sum(parts.size for parts in self._parts.values())
-        while len(self._parts) > 1:
-            oldest = next(iter(self._parts.values()))
+        size = sum(frame.size for frame in self._frames.values())
+        while len(self._frames) > 1:
+            oldest = next(iter(self._frames.values()))
             if size <= KEPT_BYTES and now - oldest.since <= KEPT_SECONDS:
                 return
             size -= oldest.size
-            self._parts.popitem(last=False)
+            self._frames.popitem(last=False)
 
-    def hand_on_what_is_due(self) -> None:
+    def hand_on_due_frame(self) -> None:
         """Hand on the newest frame that is ready; those before it are dropped."""
         now = time.monotonic()
-        ready = [stamp for stamp, parts in self._parts.items() if self._will_do(parts, now)]
+        ready = [stamp for stamp, frame in self._frames.items() if self._is_due(frame, now)]
         if not ready:
             return
         # By order of arrival: a bag that starts again has earlier stamps, and is shown.
-        parts = self._parts[ready[-1]]
-        for stamp in tuple(self._parts):
-            del self._parts[stamp]
+        frame = self._frames[ready[-1]]
+        for stamp in tuple(self._frames):
+            del self._frames[stamp]
             if stamp == ready[-1]:
                 break
         try:
-            snapshot = self._snapshot(self._count + 1, ready[-1], parts)
+            snapshot = self._snapshot(self._count + 1, ready[-1], frame)
         except FrameError:
             # The tracker has refused the same image, and says so in diagnostics.
             return
         self._count += 1
         self._hand_on(snapshot)
 
-    def _will_do(self, parts: _Parts, now: float) -> bool:
+    def _is_due(self, frame: _FrameMessages, now: float) -> bool:
         """Tell whether a picture can be shown, and has waited long enough for the rest."""
-        if parts.image is None or node_topics.STATE not in parts.messages:
+        if frame.image is None or node_topics.STATE not in frame.messages:
             return False
-        return self._has_all(parts) or now - parts.since > PATIENCE
+        return self._is_complete(frame) or now - frame.since > PATIENCE
 
-    def _has_all(self, parts: _Parts) -> bool:
+    def _is_complete(self, frame: _FrameMessages) -> bool:
         """Tell whether the report has come, and all that it announces.
 
         Ground truth comes with the image, if at all.
         """
-        if parts.report is None:
+        if frame.report is None:
             return False
         shown = {node_topics.PARTICLES, node_topics.CONTOUR}
         return (
-            shown.intersection(announced_topics(self.TOPICS, parts.report)) <= parts.messages.keys()
+            shown.intersection(announced_topics(self.TOPICS, frame.report)) <= frame.messages.keys()
         )
 
-    def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
-        assert parts.image is not None
-        messages = parts.messages
+    def _snapshot(self, number: int, stamp: int, frame: _FrameMessages) -> AnySnapshot:
+        assert frame.image is not None
+        messages = frame.messages
         state, particles = messages[node_topics.STATE], messages.get(node_topics.PARTICLES)
         truth = messages.get(node_topics.GROUND_TRUTH)
         cloud = read_particles(particles) if particles is not None else None
         return CableSnapshot(
             number=number,
             frame=None,
-            image=shown_levels(decode_grey(parts.image)),
-            row=cable_row(number, stamp, parts.status(), state, parts.facts()),
+            image=shown_levels(decode_grey(frame.image)),
+            row=cable_row(number, stamp, frame.status(), state, frame.facts()),
             cloud=cloud if cloud is not None and len(cloud) else None,
             truth=read_state(truth) if truth is not None else None,
         )
@@ -181,16 +181,16 @@ class LiveTargetFrames(LiveFrames):
 
     TOPICS = node_topics.TARGET_TOPICS
 
-    def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
-        assert parts.image is not None
-        facts, messages = parts.facts(), parts.messages
-        row = target_row(number, stamp, parts.status(), messages[node_topics.STATE], facts)
+    def _snapshot(self, number: int, stamp: int, frame: _FrameMessages) -> AnySnapshot:
+        assert frame.image is not None
+        facts, messages = frame.facts(), frame.messages
+        row = target_row(number, stamp, frame.status(), messages[node_topics.STATE], facts)
         particles, contour = messages.get(node_topics.PARTICLES), messages.get(node_topics.CONTOUR)
         has_outline = contour is not None and row.claim is not None
         return TargetSnapshot(
             number=number,
             frame=None,
-            image=decode_shown(parts.image),
+            image=decode_shown(frame.image),
             row=row,
             outline=read_polygon(contour) if has_outline else np.empty((0, 2)),
             cloud=read_target_particles(particles) if particles is not None else None,

@@ -258,7 +258,7 @@ class LiveSession(Session):
 
     def _update_connection(self) -> None:
         """Find the node's topics on the graph, which may have changed, and listen to them."""
-        self._frames.hand_on_what_is_due()
+        self._frames.hand_on_due_frame()
         topics = find_topics(self._node, self.name, self._frames.TOPICS)
         self._others = self._other_trackers()
         self._connection.change(topics)

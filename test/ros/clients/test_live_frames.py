@@ -33,7 +33,7 @@ def answered_after_many(shown, count):
     for second in range(1, count + 1):
         frames.take_image(header(second), picture(second))
     frames.take(STATE, JointState(header=header(1)))
-    frames.hand_on_what_is_due()
+    frames.hand_on_due_frame()
     return [each.row.stamp for each in shown]
 
 
@@ -52,7 +52,7 @@ def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_sai
     for second in (5, 6):
         frames.take_image(header(0), picture(10 * second))
         frames.take(STATE, JointState(header=header(second)))
-    frames.hand_on_what_is_due()
+    frames.hand_on_due_frame()
     assert [int(each.image[0, 0]) for each in shown] == [50, 60]
 
 
@@ -62,7 +62,7 @@ def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
     frames.take_image(header(7), picture(70))
     frames.take(STATE, JointState(header=header(6)))
     frames.take(STATE, JointState(header=header(7)))
-    frames.hand_on_what_is_due()
+    frames.hand_on_due_frame()
     assert [int(each.image[0, 0]) for each in shown] == [70]
 
 
@@ -72,6 +72,6 @@ def test_a_dim_picture_of_many_bits_is_brightened(shown, kind):
     steps = np.linspace(70, 170, 64, dtype=np.uint16)
     frames.take_image(header(1), raw_from_array(np.tile(steps, (48, 1)), "mono16"))
     frames.take(STATE, JointState(header=header(1)))
-    frames.hand_on_what_is_due()
+    frames.hand_on_due_frame()
     # Of 65535: in eight bits without a gain all of them are black.
     assert len(np.unique(shown[0].image)) > 16
