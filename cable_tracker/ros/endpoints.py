@@ -53,7 +53,7 @@ def subscription(
 def publish_wanted(
     publishers: Mapping[NodeTopic, Publisher], makers: MessageMakers, *topics: NodeTopic
 ) -> None:
-    """Publish on some topics, in their order, what there is for them and is subscribed to."""
+    """Publish the messages for some topics, in their order, where a topic has subscribers."""
     for topic in topics:
         if topic in makers and publishers[topic].get_subscription_count():
             publishers[topic].publish(makers[topic]())

@@ -72,7 +72,7 @@ class StopSignals:
             del stopped
 
     def _report_unraisable(self, unraisable: sys.UnraisableHookArgs) -> None:
-        """Pass on what cannot be raised, but not what comes of the stop itself.
+        """Pass on exceptions that cannot be raised, but for those that the stop itself causes.
 
         That is `Stopped`, which is raised anew, and the complaints of objects whose construction it
         interrupted.

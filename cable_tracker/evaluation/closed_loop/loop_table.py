@@ -148,7 +148,7 @@ class LoopSummary:
 def summarise_loop(
     rows: Sequence[LoopRow], seed: int, length: float, burial: Stretch | None
 ) -> LoopSummary:
-    """Judge a run.
+    """Compute the summary of a run.
 
     Parameters
     ----------

@@ -254,7 +254,7 @@ class SpeedExperiment(CampaignExperiment):
         return Campaign((), (self.sequence,), self.seeds, Start.TRUTH, filters=filters)
 
     def run(self, settings: CampaignSettings, advance: Advance) -> ExperimentResult:
-        """Run it, in one process whatever is set: neighbours would disturb the times."""
+        """Run it in one process, whatever the settings: others would disturb the times."""
         del settings
         return self.result_of(evaluate_methods(self.campaign(), advance=advance))
 

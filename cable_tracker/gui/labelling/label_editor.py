@@ -62,7 +62,7 @@ class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
         self.run_method("load", news)
 
     def update_labels(self, news: Mapping[str, object]) -> None:
-        """Show changed labels, and how things stand."""
+        """Show changed labels, and the state of the workspace."""
         self.run_method("update", news)
 
     def go_to(self, frame: int) -> None:

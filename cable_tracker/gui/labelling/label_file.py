@@ -249,7 +249,7 @@ class LabelFile:
             raise write_failure(self.path, error) from error
 
     def _need_label_file(self) -> None:
-        """Refuse to replace a recording, a program, or whatever else a slip of the hand names."""
+        """Refuse to replace a file that is no label file, such as a recording or a program."""
         refusal = f"{self.path}: is no label file and is not replaced; choose another name"
         try:
             if not self.path.exists():

@@ -137,7 +137,7 @@ class Workspace:
         self.document = LabelDocument(content.labels, ChainMap(self._times, self._known))
 
     def _unsaved(self, path: Path, content: FileContent) -> Labels | None:
-        """Return the autosaved labels, if they say other things than the file."""
+        """Return the autosaved labels, if they differ from those of the file."""
         kept = autosave_path(path)
         if not kept.exists():
             return None

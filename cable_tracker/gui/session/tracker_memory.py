@@ -29,7 +29,7 @@ class Remembered(Protocol):
         ...
 
     def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
+        """Return a copy that continues as this one would."""
         ...
 
 

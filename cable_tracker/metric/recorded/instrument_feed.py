@@ -39,7 +39,7 @@ class InstrumentFeed:
         self._jumps = False
 
     def copy(self) -> InstrumentFeed:
-        """Return another one that goes on from here; it reads on when it is first asked.
+        """Return a copy that continues from here; it reads on when it is first asked.
 
         With pauses it may pass over other messages than this one.
         """
@@ -48,7 +48,7 @@ class InstrumentFeed:
         return other
 
     def jump(self, *, to_start: bool = False) -> None:
-        """Go on at whatever frame comes next, with what was received shortly before it.
+        """Continue at any frame, from the messages received shortly before it.
 
         With `to_start`, with all that was received before it.
         """

@@ -43,7 +43,7 @@ class RecordedInstruments(Generic[AnySight]):
         self._feed.close()
 
     def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
+        """Return a copy that continues as this one would."""
         other = copy(self)
         other._feed, other.sight = self._feed.copy(), deepcopy(self.sight)
         return other
@@ -56,7 +56,7 @@ class RecordedInstruments(Generic[AnySight]):
         return taken
 
     def jump(self, *, to_start: bool = False) -> None:
-        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
+        """Continue at any frame; all measurements are forgotten, the calibration stays.
 
         With `to_start` that is the first frame, and the calibration is read again too.
         """

@@ -102,7 +102,7 @@ class InstrumentReplay:
             node.get_logger().info(f"instruments: {', '.join(each.value for each in sent)}")
 
     def _send_static(self, node: Node) -> None:
-        """Send `/tf_static` to whatever shows it; trackers have the mounting as parameters."""
+        """Publish `/tf_static` for viewers; trackers have the mounting as parameters."""
         messages = [] if self._source is None else list(self._source.static_messages())
         if not messages:
             return

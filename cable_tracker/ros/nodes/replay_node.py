@@ -17,7 +17,7 @@ from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.nodes.replay_subscribers import ReplaySubscribers
-from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
+from cable_tracker.ros.process.last_messages import POLL_PERIOD, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice
@@ -188,7 +188,7 @@ class ReplayNode(ProcessNode):
         if self._paused or waits or not self._subscribers.is_there:
             return WAKE_UP
         if self._last is not None:
-            return LOOK_AGAIN
+            return POLL_PERIOD
         return 0.0 if self._own.lockstep else self._due - time.monotonic()
 
     def work(self) -> None:

@@ -16,7 +16,7 @@ from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
+from cable_tracker.ros.process.last_messages import POLL_PERIOD, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import RawImage
@@ -142,7 +142,7 @@ class VehicleNode(ProcessNode, ABC, Generic[World, OwnParameters]):
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
         if self._last is not None:
-            return LOOK_AGAIN
+            return POLL_PERIOD
         if not self._begun or self._awaits_command:
             return WAKE_UP
         return 0.0 if self._own.lockstep else self._due - time.monotonic()

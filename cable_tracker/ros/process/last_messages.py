@@ -8,15 +8,15 @@ from collections.abc import Iterable
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 
-LOOK_AGAIN = 0.02
-"""Time between two looks at whether they have [s]."""
+POLL_PERIOD = 0.02
+"""Time between two polls [s]."""
 
 PATIENCE = 30.0
 """Longest time for the last messages [s]; a reader that has died is forgotten sooner."""
 
 
 class LastMessages:
-    """Asked again and again and not waited for: the node must hear signals meanwhile.
+    """Polls whether the last messages have arrived; a blocking wait would hold back signals.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class LastMessages:
         self._end = time.monotonic() + PATIENCE
 
     def have_arrived(self) -> bool:
-        """Tell whether all readers have got them, or will not get them any more."""
+        """Tell whether all readers have received them, or the time for that is over."""
         at_once = Duration(seconds=0)
         arrived = all(each.wait_for_all_acked(at_once) for each in self._publishers)
         return arrived or time.monotonic() > self._end

@@ -238,7 +238,7 @@ def _broken(way: Rows, first: int) -> list[int]:
 
 
 def _join_at(places: FloatArray, start: int, stamps: IndexArray, disk: Disk) -> None:
-    """Move everything from a row on so that the way goes on as before it."""
+    """Shift the poses from a row on so that the trajectory continues as before it."""
     before = max(start - 2, 0)
     step = max(float(stamps[start - 1] - stamps[before]), 1.0)
     share = min(float(stamps[start] - stamps[start - 1]) / step, 3.0)

@@ -171,7 +171,7 @@ def write_events(path: Path, survey: SurveyMap) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Layer:
-    """Shapes of one kind; each column says one thing of each."""
+    """Shapes of one kind, with a column for each of their attributes."""
 
     name: str
     kind: str

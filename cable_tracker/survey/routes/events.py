@@ -38,7 +38,7 @@ class EventKind(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that stands out.
+    """One event along a route.
 
     Attributes
     ----------

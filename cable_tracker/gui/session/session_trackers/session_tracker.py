@@ -85,7 +85,7 @@ class SessionTracker(ABC):
             self._instruments.jump()
 
     def copy(self) -> Self:
-        """Return another one that goes on as this one would, without the frame's picture."""
+        """Return a copy that continues as this one would, without the frame's picture."""
         other = self.__new__(type(self))
         other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
         if self._instruments is not None:
