@@ -32,6 +32,11 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
         Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
         Stamped instruments that a frame waits for even before their first message.
+
+    Attributes
+    ----------
+    parameters : CableVehicleParameters or TargetVehicleParameters
+        Parameters in force.
     """
 
     def __init__(
@@ -43,7 +48,7 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
         required: Collection[Instrument] = (),
     ) -> None:
         self._node = node
-        self._parameters = parameters
+        self.parameters = parameters
         self._sight = make_sight(parameters)
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
@@ -96,16 +101,6 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
             self._newest[instrument] = stamp
         self._sight.take_message(instrument, stamp, message)
 
-    @property
-    def wait(self) -> float:
-        """How long a frame may be held back for the instruments [s]."""
-        return self._parameters.instrument_wait
-
-    @property
-    def base_frame(self) -> str:
-        """Frame of what is in metres."""
-        return self._parameters.base_frame
-
     def has_all_of(self, stamp: int) -> bool:
         """Tell whether the calibration is known, and the measurements of a time [ns].
 
@@ -124,7 +119,7 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
 
     def apply(self, values: Mapping[str, object]) -> None:
         """Take those of the sight's parameters that are given, by name."""
-        changed = with_those_in(self._parameters, values)
-        if changed != self._parameters:
-            self._parameters = changed
+        changed = with_those_in(self.parameters, values)
+        if changed != self.parameters:
+            self.parameters = changed
             self._sight.configure(changed)

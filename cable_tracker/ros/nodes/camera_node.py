@@ -309,7 +309,8 @@ class CameraNode(ProcessNode, ABC):
             self._note_refusal(str(error))
             return
         self._statistics.arrivals.append(time.monotonic())
-        wait = self._instruments.wait if self._enabled and frame.stamp else 0.0
+        is_held = self._enabled and frame.stamp
+        wait = self._instruments.parameters.instrument_wait if is_held else 0.0
         # One that waits for nothing must not overtake those that do.
         if wait or self._hold.held:
             self._hold.take(frame, wait)

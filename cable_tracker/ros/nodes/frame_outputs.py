@@ -76,7 +76,8 @@ class FrameOutputs:
 
     def publish_results(self, makers: Sequence[MessageMakers]) -> None:
         """Publish what is claimed, if anything is."""
-        self._publish_wanted(makers, self._claims)
+        for publishers, own in zip(self._wanted, makers, strict=True):
+            publish_wanted(publishers, own, *self._claims)
 
     def publish_rest(
         self, makers: Sequence[MessageMakers], header: Message, draw: Callable[[], Picture]
@@ -92,13 +93,10 @@ class FrameOutputs:
         draw : callable
             Draws the overlay, blue-green-red, shape (H, W, 3).
         """
-        self._publish_wanted(makers, PICTURES)
+        for publishers, own in zip(self._wanted, makers, strict=True):
+            publish_wanted(publishers, own, *PICTURES)
         self._publish_overlay(header, draw)
         self._publish_states(makers)
-
-    def _publish_wanted(self, makers: Sequence[MessageMakers], topics: Sequence[NodeTopic]) -> None:
-        for publishers, own in zip(self._wanted, makers, strict=True):
-            publish_wanted(publishers, own, *topics)
 
     def _publish_overlay(self, header: Message, draw: Callable[[], Picture]) -> None:
         """Draw the overlay once, and publish it raw and as JPEG, as it is subscribed to."""

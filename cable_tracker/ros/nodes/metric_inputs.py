@@ -108,7 +108,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
         self._warn_of_mounting()
-        makers = cross_track_messages(MESSAGES, header, self.base_frame, result)
+        makers = cross_track_messages(MESSAGES, header, self.parameters.base_frame, result)
         publish_wanted(self._publishers, makers, *makers)
 
     def _warn_of_stand_in(self, stamp: int) -> None:
@@ -124,7 +124,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         self._is_mounting_checked = True
         defaults = CableVehicleParameters()
         if all(
-            getattr(self._parameters, name) == getattr(defaults, name)
+            getattr(self.parameters, name) == getattr(defaults, name)
             and not node_parameters.is_given_at_start(self._node, name)
             for name in MOUNTING_PARAMETERS
         ):

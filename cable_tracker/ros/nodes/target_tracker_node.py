@@ -153,7 +153,7 @@ class TargetTrackerNode(CameraNode):
         metres = self._instruments.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
         clouds = [tracker.particles for tracker in self._group.trackers]
-        place, base = self._instruments.camera_place, self._instruments.base_frame
+        place, base = self._instruments.camera_place, self._instruments.parameters.base_frame
         make = partial(target_messages, MESSAGES, header, ms=milliseconds)
         makers = [
             make(estimate, cloud, metres=partial(target_facts, told, place))

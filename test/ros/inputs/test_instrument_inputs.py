@@ -128,4 +128,4 @@ def test_parameters_of_the_sight_reach_it_and_others_do_not(make: Any) -> None:
     assert sight.parameters == TargetVehicleParameters(
         camera_x=0.5, instrument_wait=2.0, base_frame="rov"
     )
-    assert (inputs.wait, inputs.base_frame) == (2.0, "rov")
+    assert (inputs.parameters.instrument_wait, inputs.parameters.base_frame) == (2.0, "rov")
