@@ -29,9 +29,8 @@ from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
-from cable_tracker.tracking.succession import FrameMark, joined_events, succession
+from cable_tracker.tracking.succession import FrameMark, check_frame, joined_events, succession
 
 WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
 WARM_UP_FRAMES, WARM_UP_TOLD = 6, 5

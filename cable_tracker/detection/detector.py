@@ -11,8 +11,8 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.line_pairs import DEFAULT_LIMITS, Detection, PairLimits, pair_lines
 from cable_tracker.detection.search_region import SearchRegion
-from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
+from cable_tracker.tracking.succession import check_frame
 
 PLAIN = TrackerParameters(
     working_width=round(REFERENCE_WIDTH), light_correction=0.0, burned_in_time=0.0

@@ -28,10 +28,9 @@ from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import CableKalmanFilter, KalmanNoise
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
-from cable_tracker.tracking.frame_check import check_frame
 from cable_tracker.tracking.parameter_table import pixel_scale
 from cable_tracker.tracking.status import TrackingStatus
-from cable_tracker.tracking.succession import FrameMark, succession
+from cable_tracker.tracking.succession import FrameMark, check_frame, succession
 
 USUAL_WIDTH = 0.1
 """Share of the image width that w is given as while nothing is known."""

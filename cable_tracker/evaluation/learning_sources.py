@@ -26,7 +26,7 @@ from cable_tracker.sequences.source_base import Source
 from cable_tracker.simulation.fading import made_harder
 from cable_tracker.simulation.worlds.catalogue import WORLDS
 from cable_tracker.simulation.worlds.world import Split
-from cable_tracker.tracking.frame_check import check_frame
+from cable_tracker.tracking.succession import check_frame
 
 
 @dataclass(frozen=True, slots=True, eq=False)

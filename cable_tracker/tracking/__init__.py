@@ -1,1 +1,1 @@
-"""What every kind of tracker needs: parameters, status, the succession of frames, survival."""
+"""What every kind of tracker needs: parameters, status, the succession of frames, rates."""

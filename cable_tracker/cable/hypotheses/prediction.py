@@ -31,8 +31,13 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES, ResamplingScheme
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
-from cable_tracker.tracking.rates import event_probability, over_time
-from cable_tracker.tracking.survival import SurvivalRates, survival_probability, survival_rates
+from cable_tracker.tracking.rates import (
+    SurvivalRates,
+    event_probability,
+    over_time,
+    survival_probability,
+    survival_rates,
+)
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Lower bound of the kernel scales [px at the reference width, rad]: a scale of zero has no

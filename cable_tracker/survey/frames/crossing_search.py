@@ -13,7 +13,7 @@ from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.frame_table import CrossingObservation, FrameTable
-from cable_tracker.tracking.frame_check import SMALLEST_SIDE
+from cable_tracker.tracking.succession import SMALLEST_SIDE
 
 CROSSING_STRIDE = 0.5
 """Interval between two pictures that are searched for lines across the cable [s]."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.target.measure.features import channels_of
-from cable_tracker.tracking.frame_check import check_levels
+from cable_tracker.tracking.succession import check_levels
 
 LEAST_ROWS = 3
 """Rows that a reduced frame needs: with fewer, no contour has anything around it."""

@@ -20,8 +20,9 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
-from cable_tracker.tracking.rates import event_probability, over_time
-from cable_tracker.tracking.survival import (
+from cable_tracker.tracking.rates import (
+    event_probability,
+    over_time,
     share_about_last_place,
     survival_probability,
     survival_rates,

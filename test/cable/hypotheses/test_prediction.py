@@ -19,7 +19,7 @@ from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.tracking.survival import SurvivalRates
+from cable_tracker.tracking.rates import SurvivalRates
 
 RATES = SurvivalRates(vanishing=0.25, leaving=10.0, margin=8.0)
 SIZE = (320, 240)

@@ -8,7 +8,7 @@ it counts, as births about measurements do in other trackers of several objects:
 poses, a cable that is seen for the first time weighs so little that wide strips, followed since the
 search began, lead for many frames.
 
-How likely one comes and goes, says `cable_tracker.tracking.survival`.
+How likely one comes and goes, says `cable_tracker.tracking.rates`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from cable_tracker.cable.model.state import (
 )
 from cable_tracker.compilation import compiled_inside, compiled_loop
 from cable_tracker.particle_filter.student_t import relative_density
-from cable_tracker.tracking.survival import share_about_last_place
+from cable_tracker.tracking.rates import share_about_last_place
 
 BIRTH_PEAK = (
     math.gamma((BIRTH_TAIL + 1.0) / 2)

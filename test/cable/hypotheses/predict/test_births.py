@@ -27,7 +27,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.survival import survival_probability, survival_rates
+from cable_tracker.tracking.rates import survival_probability, survival_rates
 
 SIZE = (320, 240)
 PARAMETERS = TrackerParameters(

@@ -16,7 +16,7 @@ from cable_tracker.ros.rigs.soak.faults import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
-from cable_tracker.tracking.frame_check import check_frame
+from cable_tracker.tracking.succession import check_frame
 
 
 @pytest.fixture
