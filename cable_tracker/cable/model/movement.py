@@ -16,7 +16,7 @@ from cable_tracker.tracking.parameter_table import REFERENCE_RATE, pixel_scale
 from cable_tracker.tracking.rates import over_time
 
 ALMOST_UNDAMPED = 1e-3
-"""Logarithm of the damping over a gap, below which the sums of its powers are rounded away."""
+"""Negative logarithm of the damping over a gap; below it, rounding spoils the sums of powers."""
 
 DOUBT_STRIDE = 4
 """Every fourth state goes on by its own rates instead of odometry."""
@@ -45,10 +45,10 @@ class Diffusion(NamedTuple):
     pose_scales : FloatArray
         Scales of d, alpha, w, beta, shape (4,) [px, rad].
     rate_gains : FloatArray
-        What a rate changes by, in the mean, for each pixel or radian that its component has spread:
-        both come of the same changes of the rate within the gap, shape (4,) [1/s].
+        Regression of the diffusion of a rate on that of its component: both come of the same
+        changes of the rate within the gap, shape (4,) [1/s].
     rate_scales : FloatArray
-        Scales of the rates about that, shape (4,) [px/s, rad/s].
+        Scales of the rates about that regression, shape (4,) [px/s, rad/s].
     """
 
     pose_scales: FloatArray
@@ -114,9 +114,9 @@ class CableMovement:
     ) -> FloatArray:
         """Draw what the diffusion over `dt` seconds is about, shape (N, 8).
 
-        Without odometry, where the rates take the states. With it, where it says that they are; but
-        one in `DOUBT_STRIDE` goes on by its rates, and astray as usual. So a filter that is beside
-        the cable still finds it, and wrong odometry does not take everything along.
+        Without odometry, where the rates take the states. With it, where odometry takes them, but
+        for one in `DOUBT_STRIDE`, which goes on by its rates and spreads as without odometry: so a
+        filter beside the cable still finds it, and wrong odometry does not move all particles.
         """
         moved = self.expected(states, dt, motion)
         if motion is None:
@@ -132,7 +132,7 @@ class CableMovement:
         if motion is None:
             return _drifted(np.ascontiguousarray(states), self._parameters.rate_damping, dt)
         moved = motion.moved(states)
-        # Rates that the model never changes would stay for ever as odometry has left them.
+        # Rates without diffusion would keep the value of odometry for ever.
         fixed = POSE_SIZE + np.flatnonzero(self._per_frame[1] == 0.0)
         moved[:, fixed] = states[:, fixed]
         return moved
@@ -141,30 +141,25 @@ class CableMovement:
         self, states: FloatArray, dt: float, rng: np.random.Generator, motion: MotionAid
     ) -> FloatArray:
         """Drift by the rates, and diffuse by what odometry has taken off the diffusion."""
-        usual = variances_over(self._per_frame, self._parameters, dt)
-        taken_off = np.sqrt(np.maximum(usual - self.diffusion_scales(dt, motion) ** 2, 0.0))
+        usual, _ = gained_spread(self._per_frame, self._parameters.rate_damping, dt)
+        aided = np.minimum(np.sqrt(usual), motion.scales())
+        taken_off: FloatArray = np.sqrt(np.maximum(usual - aided**2, 0.0))
         tail = self.degrees_of_freedom
         noise = [standard_student_t(rng, len(states), POSE_SIZE, tail) for _ in range(2)]
         return self.expected(states, dt) + np.hstack(noise) * taken_off
 
-    def diffusion_scales(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
-        """Return the scale of the diffusion over `dt` seconds, shape (8,).
-
-        Odometry leaves less unknown, never more.
-        """
-        scales: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
-        return scales if motion is None else np.minimum(scales, motion.scales())
-
     def diffusion(self, dt: float, motion: MotionAid | None = None) -> Diffusion:
         """Return the diffusion over `dt` seconds, of the rates given that of the pose.
 
-        What odometry leaves unknown of the pose says nothing of the rates.
+        Odometry leaves less unknown, never more, and what it leaves unknown of the pose says
+        nothing of the rates.
         """
-        scales = self.diffusion_scales(dt, motion)
-        pose, rates = scales[:POSE_SIZE], scales[POSE_SIZE:]
+        variances, covariances = gained_spread(self._per_frame, self._parameters.rate_damping, dt)
+        scales = np.sqrt(variances)
         if motion is not None:
-            return Diffusion(pose, np.zeros(POSE_SIZE), rates)
-        covariances = covariances_over(self._per_frame, self._parameters, dt)
+            scales = np.minimum(scales, motion.scales())
+            return Diffusion(scales[:POSE_SIZE], np.zeros(POSE_SIZE), scales[POSE_SIZE:])
+        pose, rates = scales[:POSE_SIZE], scales[POSE_SIZE:]
         gains = np.divide(covariances, pose**2, out=np.zeros(POSE_SIZE), where=covariances > 0.0)
         return Diffusion(pose, gains, np.sqrt(np.maximum(rates**2 - gains * covariances, 0.0)))
 
@@ -194,72 +189,66 @@ def variances_per_frame(
     return pose, rates
 
 
-def variances_over(
-    per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
-) -> FloatArray:
-    """Return the variance that each component gains in `dt` seconds, shape (8,) [px², rad², per s].
+def gained_spread(
+    per_frame: tuple[FloatArray, FloatArray], damping: float, dt: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the variances and covariances that a state gains in `dt` seconds.
 
-    The thesis gives variances per frame, see `variances_per_frame`, and rates per frame: a rate per
-    second is 25 times as large, its variance 625 times. Over a longer gap the changes of the rates
-    within it move the cable too, so that the prior widens as it would have done frame by frame.
+    The thesis gives variances per frame, and rates per frame: a rate per second is 25 times as
+    large, its variance 625 times. Over a longer gap the changes of the rates within it move the
+    cable too, so that the prior widens as it would have done frame by frame.
+
+    Parameters
+    ----------
+    per_frame : (FloatArray, FloatArray)
+        Those of `variances_per_frame`.
+    damping : float
+        Factor a on a rate per reference frame, 0 to 1.
+    dt : float
+        Time [s].
+
+    Returns
+    -------
+    variances : FloatArray
+        Of the components of the state, shape (8,) [px², rad², per s²].
+    covariances : FloatArray
+        Of d, alpha, w, beta with their rates, shape (4,) [px²/s, rad²/s].
     """
     pose, rates = per_frame
     frames = dt * REFERENCE_RATE
-    carried = _carried_by_rates(frames, parameters.rate_damping)
-    kept = _kept_by_rates(frames, parameters.rate_damping)
-    return np.concatenate((pose * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
+    carried, kept, shared = _sums_over_frames(frames, damping)
+    variances = np.concatenate((pose * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
+    return variances, rates * shared * REFERENCE_RATE
 
 
-def covariances_over(
-    per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
-) -> FloatArray:
-    """Return the covariance of each component with its rate after `dt` seconds, (4,) [px²/s].
+def _sums_over_frames(frames: float, damping: float) -> tuple[float, float, float]:
+    """Return what n frames add to the spread, in units of a rate's variance of one frame.
 
-    It comes of changes of the rates within the time, see `variances_over`.
+    The sums are written in a form that also holds between whole frames. With the damping a, and
+    m_k = (1 - a^k) / (1 - a) the way of k frames (k without damping):
+
+    Returns
+    -------
+    carried : float
+        Variance of the pose from changes of the rate: sum of m_k^2, k from 1 to n - 1.
+    kept : float
+        Variance of the rate: sum of a^(2k), k from 0 to n - 1.
+    shared : float
+        Covariance of both: sum of a^k m_k, k from 1 to n - 1.
     """
-    shared = _shared_with_rates(dt * REFERENCE_RATE, parameters.rate_damping)
-    return per_frame[1] * shared * REFERENCE_RATE
-
-
-def _kept_by_rates(frames: float, damping: float) -> float:
-    """Return the variance of a damped rate after some frames, in units of that of one frame."""
-    if damping == 1.0 or frames == 0.0:
-        return frames
+    later = max(frames - 1.0, 0.0)
     log_damping = math.log(damping) if damping > 0.0 else -math.inf
-    return math.expm1(2 * frames * log_damping) / math.expm1(2 * log_damping)
-
-
-def _carried_by_rates(frames: float, damping: float) -> float:
-    """Return the variance of the pose from rates that changed after the first of some frames.
-
-    The sum of ((1 - a^k) / (1 - a))^2 over k from 1 to frames - 1, k^2 without damping, in a form
-    that also holds between whole frames.
-    """
-    later = max(frames - 1.0, 0.0)
+    kept = frames
+    if damping < 1.0 and frames > 0.0:
+        kept = math.expm1(2 * frames * log_damping) / math.expm1(2 * log_damping)
     if damping == 0.0:
-        return later
-    if _is_almost_undamped(later, damping):
-        return later * (later + 1.0) * (2.0 * later + 1.0) / 6.0
+        return later, kept, 0.0
+    if -log_damping * later < ALMOST_UNDAMPED:
+        carried = later * (later + 1.0) * (2.0 * later + 1.0) / 6.0
+        return carried, kept, later * (later + 1.0) / 2.0
     once, twice = (_sum_of_powers(damping, power, later) for power in (1, 2))
-    return (later - 2.0 * once + twice) / (1.0 - damping) ** 2
-
-
-def _shared_with_rates(frames: float, damping: float) -> float:
-    """Return the covariance of the pose and its rate from changes of the rate over some frames.
-
-    The sum of a^k (1 - a^k) / (1 - a) over k from 1 to frames - 1, of k without damping.
-    """
-    later = max(frames - 1.0, 0.0)
-    if damping == 0.0:
-        return 0.0
-    if _is_almost_undamped(later, damping):
-        return later * (later + 1.0) / 2.0
-    once, twice = (_sum_of_powers(damping, power, later) for power in (1, 2))
-    return (once - twice) / (1.0 - damping)
-
-
-def _is_almost_undamped(frames: float, damping: float) -> bool:
-    return -math.log(damping) * frames < ALMOST_UNDAMPED
+    carried = (later - 2.0 * once + twice) / (1.0 - damping) ** 2
+    return carried, kept, (once - twice) / (1.0 - damping)
 
 
 def _sum_of_powers(damping: float, power: int, frames: float) -> float:

@@ -76,10 +76,10 @@ def test_rates_that_the_model_never_changes_are_left_alone():
 
 
 def test_odometry_leaves_less_unknown_and_never_more(movement):
-    usual = movement.diffusion_scales(0.04)
-    sure = movement.diffusion_scales(0.04, Shift(0.0, sigma=0.01))
+    usual = movement.diffusion(0.04).pose_scales
+    sure = movement.diffusion(0.04, Shift(0.0, sigma=0.01)).pose_scales
     assert (sure == np.minimum(usual, 0.01)).all()
-    unsure = movement.diffusion_scales(0.04, Shift(0.0, sigma=1e6))
+    unsure = movement.diffusion(0.04, Shift(0.0, sigma=1e6)).pose_scales
     np.testing.assert_array_equal(unsure, usual)
 
 

@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.movement import (
     CableMovement,
-    covariances_over,
     effective_time,
-    variances_over,
+    gained_spread,
     variances_per_frame,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -60,8 +59,12 @@ SOME = TrackerParameters(
 )
 
 
+def spread_of(parameters, dt, width=320):
+    return gained_spread(variances_per_frame(parameters, width), parameters.rate_damping, dt)
+
+
 def variances_of(parameters, dt, width=320):
-    return variances_over(variances_per_frame(parameters, width), parameters, dt)
+    return spread_of(parameters, dt, width)[0]
 
 
 def variances(dt, damping=0.9):
@@ -142,7 +145,7 @@ def test_places_and_rates_vary_together_as_frame_by_frame(frames, damping):
     left = damping ** np.arange(frames)
     carried = np.concatenate(([0.0], np.cumsum(left)[:-1]))
     parameters = SOME.replaced({"rate_damping": damping})
-    shared = covariances_over(variances_per_frame(parameters, 320), parameters, frames * FRAME)
+    _, shared = spread_of(parameters, frames * FRAME)
     assert shared[0] == pytest.approx(25 * 3.0 * (left * carried).sum())
 
 
@@ -161,9 +164,8 @@ def test_within_a_reference_frame_places_say_nothing_of_changes_of_the_rates():
 
 def test_a_particle_that_has_gone_far_goes_fast(rng):
     distances, rates = moved(thesis(), 0.5, rng)[:, [0, 4]].T
-    per_frame, dt = variances_per_frame(preset("thesis"), 320), 0.5
-    shared = covariances_over(per_frame, preset("thesis"), dt)[0]
-    assert np.cov(distances, rates)[0, 1] == pytest.approx(shared, rel=0.05)
+    _, shared = spread_of(preset("thesis"), 0.5)
+    assert np.cov(distances, rates)[0, 1] == pytest.approx(shared[0], rel=0.05)
 
 
 @pytest.mark.parametrize("dt", [FRAME / 2, FRAME, 0.5])
