@@ -125,10 +125,13 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     least = np.float32(least_time)
     # Odd, for OpenCV shifts what it opens with an even number of rows.
     length = max(round(LEAST_LENGTH * lines.scale) // SPACING, FEWEST_ROWS) | 1
-    if _most_in_line(lines, least) < length // (LONGEST_GAP + 1):
+    down, across = lines.down >= least, lines.across >= least
+    # No line is long enough where no column, or row, has so many pixels on lines of one kind.
+    most = max(down.sum(axis=1).max(), across.sum(axis=1).max())
+    if most < length // (LONGEST_GAP + 1):
         return picture
     long_down, long_across = (
-        [_long(times >= least, length) for times in each] for each in (lines.down, lines.across)
+        [_long(is_on_line, length) for is_on_line in kinds] for kinds in (down, across)
     )
     if not any(kind.any() for kind in (*long_down, *long_across)):
         return picture
@@ -143,11 +146,6 @@ def without_standing_lines(picture: Image, lines: StandingLines, least_time: flo
     without_bright = cv2.morphologyEx(picture, cv2.MORPH_OPEN, neighbourhood)
     without_dark = cv2.morphologyEx(picture, cv2.MORPH_CLOSE, neighbourhood)
     return np.asarray(np.where(dark, without_dark, np.where(bright, without_bright, picture)))
-
-
-def _most_in_line(lines: StandingLines, least: np.float32) -> int:
-    """Return how many times of one kind, at the same place of all rows, reach `least`, at most."""
-    return max(int((each >= least).sum(axis=1).max()) for each in (lines.down, lines.across))
 
 
 @compiled

@@ -63,25 +63,18 @@ def evenly_lit(picture: Image, share: float) -> Image:
         return picture
     height, width = picture.shape
     levels = np.asarray(picture, np.float32)
-    light, explained = _light(levels)
+    means = cv2.resize(levels, CELLS, interpolation=cv2.INTER_AREA)
+    logarithms = np.log(np.maximum(means.astype(np.float64).ravel(), 0.0) + ROUNDING)
+    fitted, unexplained = _robust_fit(logarithms, _polynomial())
+    explained = 1.0 - unexplained
     share *= min(max((explained - DOUBTED) / (TRUSTED - DOUBTED), 0.0), 1.0)
     if share == 0.0:
         return picture
+    light = np.exp(fitted).reshape(means.shape)
     mean = float(light.sum()) / light.size
     gain = ((1.0 + DARKEST) * mean / (light + DARKEST * mean)) ** share
     gains = cv2.resize(gain.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(cv2.multiply(levels, gains, dst=gains))
-
-
-def _light(picture: Image) -> tuple[FloatArray, float]:
-    """Return the light that was fitted to a float32 picture, in each cell, and what it explains.
-
-    Shape (15, 20), and a share of the variance of the logarithms of the cells, at most 1.
-    """
-    means = cv2.resize(picture, CELLS, interpolation=cv2.INTER_AREA)
-    levels = np.log(np.maximum(means.astype(np.float64).ravel(), 0.0) + ROUNDING)
-    fitted, unexplained = _robust_fit(levels, _polynomial())
-    return np.exp(fitted).reshape(CELLS[1], CELLS[0]), 1.0 - unexplained
 
 
 @compiled

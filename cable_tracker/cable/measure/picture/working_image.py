@@ -126,23 +126,19 @@ class WorkingImage:
     @cached_property
     def _cleared(self) -> tuple[Image, StandingLines | None]:
         """The reduced frame without burned-in lines, of its dtype, and those that may be such."""
-        reduced = self._reduced()
+        reduced = self.frame
+        if self.size != self.frame_size:
+            height = len(reduced)
+            if height >= THINNED_FROM * self.size[1] and height % ROWS_PER_THINNED == 0:
+                # The middle one of every three rows: the centre of the picture stays where it is.
+                reduced = reduced[ROWS_PER_THINNED // 2 :: ROWS_PER_THINNED]
+            reduced = np.asarray(cv2.resize(reduced, self.size, interpolation=cv2.INTER_AREA))
         if self.parameters.burned_in_time == 0.0:
             return reduced, None
         lines = standing_lines(self.history.standing_lines, reduced, self.dt, self.scale)
         if lines is None:
             return reduced, None
         return without_standing_lines(reduced, lines, self.parameters.burned_in_time), lines
-
-    def _reduced(self) -> Image:
-        """The reduced frame, of its dtype."""
-        if self.size == self.frame_size:
-            return self.frame
-        frame, height = self.frame, len(self.frame)
-        if height >= THINNED_FROM * self.size[1] and height % ROWS_PER_THINNED == 0:
-            # The middle one of every three rows: the centre of the picture stays where it is.
-            frame = frame[ROWS_PER_THINNED // 2 :: ROWS_PER_THINNED]
-        return np.asarray(cv2.resize(frame, self.size, interpolation=cv2.INTER_AREA))
 
     @cached_property
     def cable_map(self) -> CableMap:
