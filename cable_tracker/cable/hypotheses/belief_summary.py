@@ -128,10 +128,12 @@ def is_familiar(belief: Belief, parameters: TrackerParameters, frame_scale: floa
 def leading_estimate(
     hypotheses: Hypotheses, by_map: MapBorders, parameters: TrackerParameters, frame_scale: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters.
+    """Return mean (8,) and covariance (8, 8) of the leading cluster alone.
 
-    `by_map`: where maps show its borders.
+    `by_map`: where maps show its borders; not used if `map_width_share` is 0.
     """
+    if parameters.map_width_share == 0.0:
+        by_map = AS_THE_STRIP
     leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
         hypotheses.covariance,
@@ -140,20 +142,11 @@ def leading_estimate(
         parameters,
         frame_scale,
     )
-    # What a map leaves out is told to a cell at best, and mostly too little.
-    doubts = SHADOW_DOUBT * shadow_rims(by_map, parameters)
+    # A map resolves a shadow to one cell at best, and mostly shows it too narrow.
+    doubts = SHADOW_DOUBT * np.array([by_map.left_rim, by_map.right_rim])
     offsets = POSE_OF_BORDERS[:, :2]
     displaced[:POSE_SIZE, :POSE_SIZE] += offsets * doubts**2 @ offsets.T
     return wrapped_estimate(_estimated(leader, by_map, parameters, frame_scale), displaced)
-
-
-def shadow_rims(by_map: MapBorders, parameters: TrackerParameters) -> FloatArray:
-    """Return the widths of the shadows along the borders that are no part of the cable, (2,) [px].
-
-    None where maps have no say in the width.
-    """
-    rims = np.array([by_map.left_rim, by_map.right_rim])
-    return rims if parameters.map_width_share > 0.0 else np.zeros_like(rims)
 
 
 def width_by_map(widening: float, parameters: TrackerParameters, frame_scale: float) -> float:
@@ -174,9 +167,8 @@ def _estimated(
     state = mean.copy()
     width = width_before_smoothing(float(state[WIDTH]), parameters, frame_scale)
     state[WIDTH] = width + width_by_map(by_map.widening, parameters, frame_scale)
-    left_rim, right_rim = shadow_rims(by_map, parameters)
-    state[WIDTH] -= left_rim + right_rim
-    state[DISTANCE] += 0.5 * (left_rim - right_rim)
+    state[WIDTH] -= by_map.left_rim + by_map.right_rim
+    state[DISTANCE] += 0.5 * (by_map.left_rim - by_map.right_rim)
     return state
 
 

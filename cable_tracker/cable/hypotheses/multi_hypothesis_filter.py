@@ -46,7 +46,6 @@ from cable_tracker.cable.hypotheses.belief import (
 )
 from cable_tracker.cable.hypotheses.belief_summary import belief_summary
 from cable_tracker.cable.hypotheses.conclude.conclusion import Conclusion, draw_and_conclude
-from cable_tracker.cable.hypotheses.conclude.first_claim import are_borders_clear
 from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import fixture_test_after
 from cable_tracker.cable.hypotheses.predict.births import draw_births
 from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
@@ -130,6 +129,7 @@ class MultiHypothesisFilter:
         rng: np.random.Generator,
     ) -> None:
         self._parameters = parameters
+        self._uses_map = parameters.uses_map
         self._observation = observation
         self._image_size = image_size
         self._rng = rng
@@ -166,9 +166,9 @@ class MultiHypothesisFilter:
         return belief.presence < LIKELY_PRESENCE or is_too_faint
 
     def is_known(self, belief: Belief) -> bool:
-        """Tell whether the hypothesis that leads is known, and the search does not begin anew."""
-        known = belief.is_known(self._parameters.known_after)
-        return known and not self.is_searching(belief)
+        """Tell whether the leading hypothesis is known, and the search does not begin anew."""
+        is_too_faint = belief.faint_time >= self._parameters.search_time
+        return belief.is_known(self._parameters.known_after) and not is_too_faint
 
     def step(
         self,
@@ -196,8 +196,8 @@ class MultiHypothesisFilter:
         if belief.faint_time >= self._parameters.search_time:
             belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
-        prediction = self._predictor.predict(belief, dt, motion)
         is_known = belief.is_known(self._parameters.known_after)
+        prediction = self._predictor.predict(belief, dt, motion)
         looks = self._looks_at_map(belief, is_known=is_known)
         conclude = partial(
             self._concluded, belief, prediction, image, detections, is_known=is_known
@@ -234,14 +234,13 @@ class MultiHypothesisFilter:
         return without_fixture(belief, "" if before.fixture is not None else FIXTURE_FOUND)
 
     def _looks_at_map(self, belief: Belief, *, is_known: bool) -> bool:
-        """Tell whether a map is worth its time.
+        """Tell whether the map of this frame is worked out, which takes most of its time.
 
-        It is while no cable is known, where a border of it is faint, and when the last map is old.
+        Not beside a known cable with two clear borders, while the kept map is recent.
         """
-        are_clear = are_borders_clear(belief.hypotheses, self._parameters)
-        map_is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
-        is_worth_it = not (is_known and are_clear and map_is_recent)
-        return is_worth_it and self._parameters.uses_map
+        are_clear = belief.hypotheses.weaker_border_mean >= self._parameters.evidence_to_find
+        is_recent = belief.kept_map.seconds < self._parameters.map_interval - SAME_TIME
+        return self._uses_map and not (is_known and are_clear and is_recent)
 
     def _strays(self, conclusion: Conclusion, prediction: Prediction) -> bool:
         """Tell whether the leader has left the place where it was expected.
@@ -250,7 +249,7 @@ class MultiHypothesisFilter:
         soon show a shadow beside the cable for the cable.
         """
         means = conclusion.hypotheses.clusters.means
-        if not (self._parameters.uses_map and len(means)):
+        if not (self._uses_map and len(means)):
             return False
         radii = STRAYING * self._config.same_hypothesis_radii
         return not is_same_hypothesis(means[0], prediction.prior.expected[0], radii)

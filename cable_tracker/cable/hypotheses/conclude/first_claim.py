@@ -68,15 +68,9 @@ def is_new_clear(
     if not _looks_clear(hypotheses, memory, parameters, frame_scale):
         return False
     leader = hypotheses.clusters.means[0]
-    is_narrow = leader[WIDTH] < WIDE * image_size[0]
-    if is_narrow or are_borders_clear(hypotheses, parameters):
-        return True
-    return are_borders_in_view(leader, image_size)
-
-
-def are_borders_clear(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
-    """Tell whether each border of the leader is clear enough for a first claim by itself."""
-    return hypotheses.weaker_border_mean >= parameters.evidence_to_find
+    is_narrow = float(leader[WIDTH]) < WIDE * image_size[0]
+    are_both_clear = hypotheses.weaker_border_mean >= parameters.evidence_to_find
+    return is_narrow or are_both_clear or are_borders_in_view(leader, image_size)
 
 
 def are_borders_in_view(state: FloatArray, image_size: tuple[int, int]) -> bool:
