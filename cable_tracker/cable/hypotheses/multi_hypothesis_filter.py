@@ -60,12 +60,7 @@ from cable_tracker.cable.hypotheses.propose.frame_inputs import (
     frame_config,
     sample_counts,
 )
-from cable_tracker.cable.hypotheses.propose.sample import (
-    NOTHING_EXPECTED,
-    ExpectedOverlap,
-    empty_sample,
-    overlap_of_expected,
-)
+from cable_tracker.cable.hypotheses.propose.sample import empty_sample
 from cable_tracker.cable.hypotheses.weigh.presence import (
     LEAST_PRESENCE,
     LIKELY_PRESENCE,
@@ -73,7 +68,12 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
 )
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
-from cable_tracker.cable.measure.map.cable_map import CableMap
+from cable_tracker.cable.measure.map.cable_map import (
+    NOTHING_EXPECTED,
+    CableMap,
+    ExpectedOverlap,
+    overlap_of_expected,
+)
 from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.map.map_borders import map_borders
 from cable_tracker.cable.measure.picture.working_image import WorkingImage

@@ -9,7 +9,6 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.predict.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.predict.predicted_density import PredictedDensity
-from cable_tracker.cable.hypotheses.propose.sample import ExpectedOverlap, MapWeights
 from cable_tracker.cable.hypotheses.weigh.clusters import RADII
 from cable_tracker.cable.hypotheses.weigh.presence import (
     LIKELY_PRESENCE,
@@ -19,7 +18,7 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
 from cable_tracker.cable.measure.borders.likelihood_ratio import RatioModel
 from cable_tracker.cable.measure.borders.polarity_prior import PolarityPrior
 from cable_tracker.cable.measure.gradients.scanned_gradients import ScanInputs
-from cable_tracker.cable.measure.map.cable_map import CableMap
+from cable_tracker.cable.measure.map.cable_map import CableMap, ExpectedOverlap, MapWeights
 from cable_tracker.cable.model.limits import StateLimits, possible_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import (

@@ -36,11 +36,11 @@ from cable_tracker.cable.hypotheses.propose.sample import (
     Sample,
     fill_log_likelihoods,
     importance_log_weights,
-    map_log_ratio,
 )
 from cable_tracker.cable.hypotheses.weigh.clusters import find_groups, heaviest_members
 from cable_tracker.cable.measure.borders.appearance import appearances_of
 from cable_tracker.cable.measure.borders.likelihood_ratio import fill_measures
+from cable_tracker.cable.measure.map.cable_map import map_log_ratio
 from cable_tracker.cable.model.geometry import pose_in_chart, state_in_chart
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_part

@@ -1,4 +1,4 @@
-"""Where in a picture a cable may be: the probability of each cell, and how a strip lies on it."""
+"""Map of the probability that cells of a picture are cable, and how well a strip matches it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,11 @@ width, a thin strip would lose to one as wide as the map's blur. And of the narr
 map shows where it is not blurred."""
 
 SMALLEST_AREA = 0.5
-"""Area that a strip is taken to have at least [cells]."""
+"""Lower bound of the area of a strip [cells]."""
+
+SLACK = 1.0
+"""An overlap with a kept map counts as equally good if it is smaller than that of the expected
+strip by no more than this [nats]: how exactly the cable has moved since is not known."""
 
 
 class CableMap(NamedTuple):
@@ -243,3 +247,70 @@ def share_inside(inwards: float) -> float:
 def bounded_log_odds(share: float) -> float:
     """Return the log-odds of a share, 0 to 1, bounded [nats]."""
     return math.log((share + SMALLEST_SHARE) / (1.0 + SMALLEST_SHARE - share))
+
+
+class MapWeights(NamedTuple):
+    """How much a map counts in the likelihood [nats per nat].
+
+    Attributes
+    ----------
+    overlap : float
+        Weight of the overlap of a strip with the map.
+    lacking : float
+        Weight of the difference, if positive, of the expected strip's overlap and that one.
+    """
+
+    overlap: float
+    lacking: float
+
+
+class ExpectedOverlap(NamedTuple):
+    """Bounds of the log-odds of overlaps with a map [nats].
+
+    Attributes
+    ----------
+    enough : float
+        Overlap above which more does not count; infinite in the map of the frame itself.
+    expected : float
+        Overlap of the strip that is expected; what others lack to it counts besides, see
+        `MapWeights`. -inf where none is expected.
+    """
+
+    enough: float
+    expected: float
+
+
+NOTHING_EXPECTED = ExpectedOverlap(math.inf, -math.inf)
+"""In a search, and without a map."""
+
+
+def overlap_of_expected(
+    cable_map: CableMap, state: FloatArray, *, is_kept: bool
+) -> ExpectedOverlap:
+    """Return the bounds of overlaps beside a known cable, whose expected state is (8,).
+
+    `is_kept`: the map is of a frame before.
+    """
+    if not is_worked_out(cable_map):
+        return NOTHING_EXPECTED
+    overlap = map_overlap(state, cable_map)
+    if is_kept:
+        return ExpectedOverlap(enough=overlap - SLACK, expected=overlap - SLACK)
+    return ExpectedOverlap(enough=math.inf, expected=overlap)
+
+
+@compiled_inside
+def map_log_ratio(
+    state: FloatArray, cable_map: CableMap, against: ExpectedOverlap, weights: MapWeights
+) -> float:
+    """Return what a map adds to the log-likelihood ratio of a strip (8,), 0 for `NO_MAP` [nats].
+
+    In a kept map, moved along with the cable, strips that overlap nearly as well as the expected
+    one get the same, and borders decide.
+    """
+    if not is_worked_out(cable_map):
+        return 0.0
+    overlap = bounded_log_odds(map_match(state, cable_map).overlap_share)
+    lacking = max(against.expected - overlap, 0.0)
+    log_ratio: float = weights.overlap * min(overlap, against.enough) - weights.lacking * lacking
+    return log_ratio

@@ -10,17 +10,25 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.map.cable_map import (
     NO_MAP,
+    NOTHING_EXPECTED,
+    SLACK,
     CableMap,
+    ExpectedOverlap,
+    MapWeights,
     bounded_log_odds,
     cable_map_of,
+    map_log_ratio,
     map_match,
     map_overlap,
+    overlap_of_expected,
     strip_shares,
 )
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 
 ROWS, COLUMNS, CELL = 30, 40, 4.0
+WEIGHTS = MapWeights(overlap=3.0, lacking=2.0)
+ON_IT, BESIDE = (CableState(distance, 0.0, 24.0, 0.0).to_array() for distance in (0.0, 60.0))
 
 
 def map_of(probabilities) -> CableMap:
@@ -128,3 +136,56 @@ def test_a_strip_out_of_the_picture_matches_nothing():
 
 def test_nothing_matches_a_map_that_was_not_worked_out():
     assert map_match(CableState(0.0, 0.0, 20.0).to_array(), NO_MAP) == (0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def shown():
+    """A map that shows an upright cable in the middle."""
+    probabilities = np.zeros((60, 80), np.float32)
+    probabilities[:, 37:43] = 0.9
+    return cable_map_of(probabilities, -158.0, 118.0, 4.0)
+
+
+def test_a_particle_on_what_the_map_shows_weighs_more(shown):
+    for state in (ON_IT, BESIDE):
+        overlap = map_overlap(state, shown)
+        found = map_log_ratio(state, shown, NOTHING_EXPECTED, WEIGHTS)
+        assert found == pytest.approx(3.0 * overlap)
+    assert map_overlap(ON_IT, shown) > 1.0 > -1.0 > map_overlap(BESIDE, shown)
+
+
+def test_beyond_what_is_enough_a_better_overlap_weighs_no_more(shown):
+    against = ExpectedOverlap(enough=1.0, expected=-math.inf)
+    assert map_log_ratio(ON_IT, shown, against, WEIGHTS) == pytest.approx(3.0)
+
+
+def test_without_a_map_no_particle_weighs_more(shown):
+    assert map_log_ratio(ON_IT, NO_MAP, NOTHING_EXPECTED, WEIGHTS) == 0.0
+
+
+def test_what_a_particle_lacks_to_the_expected_strip_counts_besides(shown):
+    against = overlap_of_expected(shown, ON_IT, is_kept=False)
+    assert against == (math.inf, map_overlap(ON_IT, shown))
+    on_it, beside = map_overlap(ON_IT, shown), map_overlap(BESIDE, shown)
+    assert map_log_ratio(ON_IT, shown, against, WEIGHTS) == pytest.approx(3.0 * on_it)
+    lacking = 2.0 * (on_it - beside)
+    assert map_log_ratio(BESIDE, shown, against, WEIGHTS) == pytest.approx(3.0 * beside - lacking)
+    less = against._replace(expected=beside)
+    assert map_log_ratio(BESIDE, shown, less, WEIGHTS) == pytest.approx(3.0 * beside)
+
+
+def test_in_a_kept_map_a_strip_that_matches_nearly_as_well_as_the_expected_one_is_as_good(shown):
+    """How exactly the cable has moved since is not known: between such strips borders decide."""
+    against = overlap_of_expected(shown, ON_IT, is_kept=True)
+    assert against.enough == against.expected == map_overlap(ON_IT, shown) - SLACK
+    aside, half = ON_IT.copy(), ON_IT.copy()
+    aside[0] += 1.0
+    half[[0, 2]] = -6.0, 12.0
+    expected = map_log_ratio(ON_IT, shown, against, WEIGHTS)
+    assert map_log_ratio(aside, shown, against, WEIGHTS) == expected
+    assert map_log_ratio(half, shown, against, WEIGHTS) < expected - 1.0
+
+
+def test_nothing_is_held_against_a_strip_where_there_is_no_map():
+    assert overlap_of_expected(NO_MAP, ON_IT, is_kept=False) == NOTHING_EXPECTED
+    assert overlap_of_expected(NO_MAP, ON_IT, is_kept=True) == NOTHING_EXPECTED
