@@ -1,6 +1,6 @@
-"""What the filter of several hypotheses believes after a frame.
+"""State of the filter of several hypotheses after a frame, and its update.
 
-What a belief says of a frame, whether it supports a claim and why, is told in `belief_summary`.
+What follows from it for the estimate and its status is worked out in `belief_summary`.
 """
 
 from __future__ import annotations
@@ -62,25 +62,26 @@ class Belief:
     log_odds : FloatArray
         Log-odds that each cluster is a cable, shape (K,) [nats].
     faint_time : float
-        Time for which consecutive frames had a cable present, but its weaker border too faint to
-        claim it, or, if it is known, to keep it [s]. At `search_time` the search begins anew.
+        Time for which presence has been high in consecutive frames, but the weaker border too faint
+        to claim the cable, or to keep a known one [s]. At `search_time` the search begins anew.
     evidence : float
         Evidence for the leading hypothesis, see `leading_evidence` [nats per point].
     is_clear : bool
         Whether the leading hypothesis is clear enough to claim it where nothing was known of it.
     known_time : float
-        Time for which consecutive frames held the leading hypothesis for a cable, counted while its
-        borders are clear enough to claim it [s]. From the parameter `known_after` on it is known.
+        Time for which presence of the leading hypothesis has been at least 0.5 in consecutive
+        frames, counted while its borders are clear enough to claim it [s]. From the parameter
+        `known_after` on it is known.
     is_given : bool
-        Whether an operator or planner gave the leading hypothesis, and every frame since has held
-        it for a cable: it is known from the beginning.
+        Whether an operator or planner gave the leading hypothesis, and presence has been at least
+        0.5 in every frame since: it is known from the beginning.
     kept_map : KeptMap
         The last map of a picture, while the hypothesis that led in that frame goes on; else
         `NO_KEPT_MAP`.
     fixture_test : FixtureTest
         Whether that hypothesis is fixed to the vehicle.
     event : str
-        What there is to say of the frame; mostly nothing.
+        Event of the frame for logs and reports; mostly empty.
     """
 
     particles: Particles
@@ -99,7 +100,7 @@ class Belief:
     event: str = ""
 
     def aged(self, dt: float) -> Belief:
-        """Return the same belief `dt` seconds later, before the next frame is looked at."""
+        """Return the belief with the ages of memory and kept map `dt` seconds later."""
         memory, kept_map = self.memory, self.kept_map
         if memory is not None:
             memory = replace(memory, seconds=memory.seconds + dt)
@@ -108,13 +109,13 @@ class Belief:
 
     @property
     def is_followed(self) -> bool:
-        """Whether the leading hypothesis was given, or a frame before has held it for a cable."""
+        """Whether the leading hypothesis was given, or its known time has begun."""
         return self.is_given or self.known_time > 0.0
 
     def is_known(self, known_after: float) -> bool:
         """Tell whether the leading hypothesis is known; `known_after` is the parameter [s].
 
-        What no frame has held for a cable is not, however soon that may be.
+        With `known_after` 0 the known time must have begun, too.
         """
         return self.is_given or (self.known_time > 0.0 and self.known_time >= known_after)
 
@@ -182,7 +183,7 @@ def updated_belief(
         is_followed or not is_lost_in_map(hypotheses, parameters)
     )
     evidence = leading_evidence(hypotheses, parameters)
-    # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
+    # Place, width and polarity are learnt only from what could be claimed.
     is_learnt_from = is_known or is_clear
     believed = presence if is_learnt_from else 0.0
     memory = before.memory

@@ -84,26 +84,27 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
-"""Probability of a cable at a place that was given or guessed."""
+"""Presence of a belief about a state that was given, or converted from another filter."""
 
 STRAYING = 0.45
-"""A leader strays that is farther from where it was expected than so many radii within which it is
-the same hypothesis."""
+"""A leader strays whose distance from its expected state is more than this factor times the radii
+within which it is the same hypothesis."""
 
 SAME_TIME = 1e-6
-"""Rounding of the times between frames: a map is not kept for one frame more because of it [s]."""
+"""Tolerance of the age of a kept map, for rounding of the times between frames [s]."""
 
 FIXTURE_FOUND = (
     "what was followed stands still in the picture while the ground moves: it is fixed to the"
     " vehicle, its shadow or its light, and no cable"
 )
-"""Event of the frame in which that is found."""
+"""Event of the frame in which a fixture is found."""
 
 NO_ANCHOR = np.empty((0, STATE_SIZE))
+"""No expected state."""
 
 
 class MultiHypothesisFilter:
-    """See the module. It holds no belief itself.
+    """Marginal particle filter with several hypotheses; see the module. It holds no belief itself.
 
     Parameters
     ----------
@@ -118,8 +119,8 @@ class MultiHypothesisFilter:
     """
 
     search_time = float("inf")
-    """Without a claim for this long, the tracker starts the search anew [s]; this filter does so by
-    itself."""
+    """Time without a claim after which the tracker starts the search anew [s]: never; this filter
+    does so by itself."""
 
     def __init__(
         self,
@@ -142,16 +143,16 @@ class MultiHypothesisFilter:
         self._predictor = Predictor(parameters, self._movement, self._box, image_size, rng)
 
     def first_belief(self) -> Belief:
-        """Return the belief of a search: the prior, without a history."""
+        """Return the belief at the begin of a search: particles all over the search box."""
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE)
 
     def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> Belief:
-        """Return the belief after states (N, 8) were given; if not certain, as a guess."""
+        """Return a belief in states (N, 8); `is_certain`: an operator or planner gave them."""
         return replace(initial_belief(states, GIVEN_PRESENCE), is_given=is_certain)
 
     def converted(self, belief: ParticleBelief) -> Belief:
-        """Return the belief of any filter as this one's, with as many particles as wanted."""
+        """Return the belief of any filter as one of this, resampled to `particle_count`."""
         particles, count = belief.particles, self._parameters.particle_count
         if isinstance(belief, Belief) and particles.count == count:
             return belief
@@ -161,12 +162,12 @@ class MultiHypothesisFilter:
         return self.given_belief(particles.states[indices], is_certain=False)
 
     def is_searching(self, belief: Belief) -> bool:
-        """Tell whether there is more likely no cable than one, or the search begins anew."""
+        """Tell whether presence is below 0.5, or the search begins anew with the next frame."""
         is_too_faint = belief.faint_time >= self._parameters.search_time
         return belief.presence < LIKELY_PRESENCE or is_too_faint
 
     def is_known(self, belief: Belief) -> bool:
-        """Tell whether the leading hypothesis is known, and the search does not begin anew."""
+        """Tell whether the leading hypothesis is known, and no search begins anew."""
         is_too_faint = belief.faint_time >= self._parameters.search_time
         return belief.is_known(self._parameters.known_after) and not is_too_faint
 
@@ -206,7 +207,7 @@ class MultiHypothesisFilter:
         if not looks and self._strays(conclusion, prediction):
             looks, conclusion = True, conclude(looks=True)
         if not len(conclusion.hypotheses.clusters.masses):
-            # Every particle is impossible.
+            # The poses of all particles are impossible.
             states = draw_births(
                 prediction.density.births, self._parameters.particle_count, self._rng
             )
@@ -221,7 +222,7 @@ class MultiHypothesisFilter:
     def _tested_for_fixture(
         self, belief: Belief, image: WorkingImage, dt: float, *, goes_on: bool
     ) -> Belief:
-        """Return a belief that is not misled by what is fixed to the vehicle."""
+        """Return a belief after the fixture test: its leader is no cable if it is a fixture."""
         travel = self._parameters.fixture_travel * image.frame_scale
         if travel == 0.0:
             return belief
@@ -243,10 +244,10 @@ class MultiHypothesisFilter:
         return self._uses_map and not (is_known and are_clear and is_recent)
 
     def _strays(self, conclusion: Conclusion, prediction: Prediction) -> bool:
-        """Tell whether the leader has left the place where it was expected.
+        """Tell whether the leader is too far from its expected state for the kept map to be used.
 
-        A kept map lies where the cable was expected, and goes along with what is followed: it would
-        soon show a shadow beside the cable for the cable.
+        A kept map is moved with the leader: once that is a shadow beside the cable, the map would
+        show the shadow as cable.
         """
         means = conclusion.hypotheses.clusters.means
         if not (self._uses_map and len(means)):
@@ -264,10 +265,10 @@ class MultiHypothesisFilter:
         is_known: bool,
         looks: bool,
     ) -> Conclusion:
-        """Return what is concluded from particles that are drawn and weighed in a frame.
+        """Draw and weigh the particles of a frame, and return what is concluded from them.
 
-        `is_known`: the hypothesis that led before is known. `looks`: its strips are held against
-        the frame's own map, not against the kept one.
+        `is_known`: the hypothesis that led before is known. `looks`: the map of this frame is used,
+        not the kept one.
         """
         expected = prediction.prior.expected[0]
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
@@ -289,7 +290,7 @@ class MultiHypothesisFilter:
         cable_map: CableMap,
         expected_overlap: ExpectedOverlap,
     ) -> FrameInputs:
-        """Return what a frame is concluded from, with its random numbers."""
+        """Return the inputs of the compiled conclusion, with the random numbers of the frame."""
         ancestor_count = len(prediction.density.rates)
         is_likely = belief.presence >= LIKELY_PRESENCE
         counts = sample_counts(
@@ -310,7 +311,7 @@ class MultiHypothesisFilter:
             expected_overlap=expected_overlap,
             polarity=polarity_prior(belief.p_bright),
             reference_angle=prediction.reference_angle,
-            # Each is as likely as the others: their weights are in the density.
+            # Drawn with equal weights: those of the ancestors are in the density.
             ancestors=self._resample(
                 np.full(ancestor_count, 1.0 / ancestor_count), counts.survivors, self._rng
             ),
@@ -326,7 +327,7 @@ class MultiHypothesisFilter:
 
 
 def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
-    """Return a belief that keeps the map of its frame and where that shows its leader's borders."""
+    """Return a belief with the map of its frame as the kept one, and the borders it shows."""
     leader = belief.hypotheses.clusters.means[0]
     by_map = map_borders(leader, image.cable_map, image.pixels, image.reduction)
     borders = belief.kept_map.smoothed(by_map)
@@ -334,7 +335,7 @@ def _with_map_of_frame(belief: Belief, image: WorkingImage) -> Belief:
 
 
 def _new_search(first: Belief, before: Belief) -> Belief:
-    """Return the first belief of a search that remembers the cable tracked before."""
+    """Return the first belief of a search, with the memory of the cable tracked before."""
     return replace(
         first, p_bright=before.p_bright, memory=before.memory, fixture_test=before.fixture_test
     )

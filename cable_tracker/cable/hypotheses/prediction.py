@@ -1,4 +1,4 @@
-"""What is known of the cable before a frame is looked at: densities, existence, and hypotheses."""
+"""Prediction of a belief to the next frame: density of the state, existence, log-odds."""
 
 from __future__ import annotations
 
@@ -40,8 +40,7 @@ from cable_tracker.tracking.rates import (
 )
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
-"""Lower bound of the kernel scales [px at the reference width, rad]: a scale of zero has no
-density."""
+"""Lower bound of the kernel scales d, alpha, w, beta [px at the reference width, rad]."""
 
 SMALLEST_CLUSTER_SHARE = 0.06
 """Minimum share of the ancestors that are drawn from each cluster."""
@@ -50,23 +49,23 @@ MOST_OF_MAP = 2
 """Number of strips of the map about which cables are born, and which are candidates."""
 
 MOST_RATED = 2.0 / REFERENCE_RATE
-"""Time for which the rates of a hypothesis say where it is expected [s]. They are known from few
-particles: over longer gaps their noise takes the expected place farther than most cables go."""
+"""Upper bound of the time over which a hypothesis is extrapolated by its rates [s]. They are means
+of few particles: over longer gaps their noise moves it farther than most cables go."""
 
 LEAST_SURVIVING = 1e-300
-"""Positive floor of an ancestor's weight, so that the weights can be normalised."""
+"""Lower bound of an ancestor's weight, so that the weights can be normalised."""
 
 
 class Ancestors(NamedTuple):
-    """Particles that go on to the next frame.
+    """Particles of a frame that those of the next one are drawn about.
 
     Attributes
     ----------
     states : FloatArray
         Particles of the frame before, shape (M, 8).
     weights : FloatArray
-        Their weights in the predicted density, shape (M,), summing to one: a light cluster has more
-        ancestors than its mass, with smaller weights.
+        Their weights in the predicted density, shape (M,), summing to one. Of a light cluster more
+        are drawn than its mass asks for, with weights that are smaller in proportion.
     """
 
     states: FloatArray
@@ -74,7 +73,7 @@ class Ancestors(NamedTuple):
 
 
 class Prediction(NamedTuple):
-    """What is known of the cable before a frame is looked at.
+    """Belief predicted to the time of a frame, before its picture is used.
 
     Attributes
     ----------
@@ -83,7 +82,8 @@ class Prediction(NamedTuple):
     prior : PriorPresence
         Prior of the log-odds of the hypotheses, and their expected states.
     reference_angle : float
-        Angle of the leading hypothesis [rad], in whose chart the particles of the frame are drawn.
+        Angle of the leading hypothesis [rad]; normals of all particles are written within pi/2 of
+        it.
     """
 
     density: PredictedDensity
@@ -92,14 +92,14 @@ class Prediction(NamedTuple):
 
 
 def with_map_in_birth_density(prediction: Prediction, cable_map: CableMap) -> Prediction:
-    """Return a prediction in which cables come into view about the strips of a map, too."""
+    """Return a prediction whose birth density has a part about the strips of a map."""
     strips = states_in_chart(strips_of_map(cable_map, MOST_OF_MAP), prediction.reference_angle)
     births = prediction.density.births._replace(map_strips=strips)
     return prediction._replace(density=prediction.density._replace(births=births))
 
 
 class Predictor:
-    """Predicts beliefs, for frames of one size.
+    """Predicts a belief from frame to frame, for frames of one size.
 
     Parameters
     ----------
@@ -154,8 +154,10 @@ class Predictor:
         )
         birth = event_probability(parameters.appearance_rate, dt)
         survived, born = belief.presence * survival, (1.0 - belief.presence) * birth
-        # Without movement a kernel would be a point: the first frame after a given prior.
+        # In the first frame after a given prior dt is 0, and a kernel would be a point.
         time = dt if dt > 0.0 else 1.0 / REFERENCE_RATE
+        # Consecutive frames look alike, the less the longer the time between them.
+        gain = 1.0 - over_time(1.0 - parameters.presence_gain, time)
         rated = dt if motion is not None else min(dt, MOST_RATED)
         expected = means.copy()
         expected[:, :POSE_SIZE] = self._movement.expected(means, rated, motion)[:, :POSE_SIZE]
@@ -164,8 +166,7 @@ class Predictor:
             log_odds=belief.log_odds,
             survival=survival,
             birth=birth,
-            # Consecutive frames look alike, the less the longer the time between them.
-            gain=1.0 - over_time(1.0 - parameters.presence_gain, time),
+            gain=gain,
         )
         density = self._density(
             ancestors, survived, born, expected[0], belief.memory, dt, time, motion
@@ -185,8 +186,9 @@ class Predictor:
     ) -> PredictedDensity:
         """Return the density of cables in view.
 
-        `survived` and `born` are the probabilities of one that was and was not in view before,
-        `leader` (8,) is where the leading one will be, `time` that over which kernels spread [s].
+        `survived`, `born`: probabilities that a cable is in view and was, or was not, in the frame
+        before. `leader`: expected state of the leading hypothesis, shape (8,). `time`: time over
+        which the kernels diffuse [s].
         """
         parameters = self._parameters
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
@@ -222,7 +224,7 @@ def draw_ancestors(
     resample: ResamplingScheme,
     rng: np.random.Generator,
 ) -> Ancestors:
-    """Draw ancestors by weight, but so that every cluster has some.
+    """Draw ancestors by weight, at least `SMALLEST_CLUSTER_SHARE` of them from each cluster.
 
     Parameters
     ----------

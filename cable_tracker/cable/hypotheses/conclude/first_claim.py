@@ -1,12 +1,16 @@
 """Whether the leading hypothesis is clear enough for a first claim: by its borders, or by a map.
 
-Its score for a claim is the clearness of its weaker border, and what its appearance is worth. A
-thin hypothesis of which nothing was known has to be clearer than a wide one, see `thin_factor`,
-unless a map of the frame says that it looks like a cable. If one border of a wide one is not clear
-by itself, both have to be in view: a single edge may be its own, but also where other ground
-begins. With a map, it has to look like a cable, unless it is wide and its borders are crisp. And of
-all that a map shows, enough has to be the hypothesis, unless its borders are crisp: of what no
-frame before has held for a cable, see `is_lost_in_map`.
+The claim score is the clearness of the weaker border plus a term for the appearance. The conditions
+of a first claim:
+
+- The score reaches what is needed at the width: more for a thin hypothesis than for a wide one, see
+  `needed_clearness`. With a map, a score by the map that reaches `evidence_to_find` suffices.
+- With a map, the appearance is that of a cable, unless the hypothesis is wide and its borders are
+  crisp.
+- Of a wide hypothesis with a border that is not clear by itself, both borders are in view: a single
+  edge may be where other ground begins.
+- With a map, and if the hypothesis was not followed before, enough of what the map shows is the
+  hypothesis, unless its borders are crisp, see `is_lost_in_map`.
 """
 
 from __future__ import annotations
@@ -60,10 +64,10 @@ def is_new_clear(
     image_size: tuple[int, int],
     frame_scale: float,
 ) -> bool:
-    """Tell whether the leader is clear enough to claim it where nothing was known of it.
+    """Tell whether the leader fulfils the conditions of a first claim, but for `is_lost_in_map`.
 
-    What is much narrower or wider than the cable that was tracked has to be clearer. `image_size`:
-    width and height of the frames [px]; `frame_scale`: see `WorkingImage`.
+    The more its width differs from that of the remembered cable, the larger the score has to be.
+    `image_size`: width and height of the frames [px]; `frame_scale`: see `WorkingImage`.
     """
     if not _looks_clear(hypotheses, memory, parameters, frame_scale):
         return False
@@ -92,7 +96,7 @@ def _looks_clear(
     parameters: TrackerParameters,
     frame_scale: float,
 ) -> bool:
-    """Tell whether borders or map are clear enough; see `is_new_clear`."""
+    """Tell whether appearance and claim score suffice for a first claim."""
     width = float(hypotheses.clusters.means[0, WIDTH])
     if is_unlike_a_cable(hypotheses, width, parameters, frame_scale):
         return False
@@ -105,7 +109,7 @@ def _looks_clear(
         return True
     if not hypotheses.is_mapped:
         return False
-    # The map tells thin cables from thin lines: they need be no clearer than wide ones.
+    # With a map the width does not count: it tells thin cables from thin lines.
     needed = parameters.evidence_to_find
     return claim_score_by_map(hypotheses) >= max(needed, needed * factor)
 
@@ -124,9 +128,9 @@ def is_unlike_a_cable(
 
 
 def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> bool:
-    """Tell whether too much of what a map shows lies elsewhere, and the borders are not crisp.
+    """Tell whether the overlap of the leader with its map is too small, and it is not crisp.
 
-    A network that takes half of the picture for a cable knows of none.
+    So where the network marks half of the picture as cable, nothing is claimed by it.
     """
     if not hypotheses.is_mapped or hypotheses.scaled_clearness >= CRISP:
         return False
@@ -134,10 +138,10 @@ def is_lost_in_map(hypotheses: Hypotheses, parameters: TrackerParameters) -> boo
 
 
 def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> float:
-    """Return the evidence for the leader [nats per point]: that of its weaker border.
+    """Return the evidence for the leader [nats per point]: the mean of its weaker border.
 
-    One of which growth or sand hides a border, but which the map shows, counts as if that border
-    was just clear enough for a first claim.
+    With a map, at least the claim score by the map, up to `evidence_to_find`: growth or sand may
+    hide a border.
     """
     by_border = hypotheses.weaker_border_mean
     if not hypotheses.is_mapped:
@@ -160,13 +164,13 @@ def needed_clearness(width: float, parameters: TrackerParameters, frame_scale: f
 def claim_score_by_width(
     hypotheses: Hypotheses, parameters: TrackerParameters, frame_scale: float
 ) -> float:
-    """Return clearness plus worth of the looks, held against what its width asks for.
+    """Return the claim score that is compared with `needed_clearness` [nats per point].
 
-    In nats per point. With a map the looks are those that it tells, see `appearances_of`.
+    With a map, the appearance is that by the map, see `appearances_of`.
     """
     width = float(hypotheses.clusters.means[0, WIDTH])
     appearance = hypotheses.appearance
-    # What is thin has no looks that speak for it, see `trusted_appearance`.
+    # The appearance of a thin hypothesis counts only against it, see `trusted_appearance`.
     trusted = trusted_share(width, parameters.thin_width * frame_scale)
     above = trusted * (appearance - ORDINARY_APPEARANCE) + (1.0 - trusted) * min(appearance, 0.0)
     worth = APPEARANCE_SHARE * min(max(above, LEAST_APPEARANCE), MOST_APPEARANCE)
@@ -174,6 +178,6 @@ def claim_score_by_width(
 
 
 def claim_score_by_map(hypotheses: Hypotheses) -> float:
-    """Return clearness plus worth of the looks, if a map says how it looks [nats per point]."""
+    """Return the claim score with the weights of an appearance by a map [nats per point]."""
     above = hypotheses.appearance - ORDINARY_APPEARANCE
     return hypotheses.scaled_clearness + MAPPED_SHARE * min(above, MOST_MAPPED)

@@ -1,8 +1,7 @@
-"""Where a cable was when it was last tracked and how wide, and how far from that it is looked for.
+"""Pose and width of the cable when it was last tracked, and the priors that follow from them.
 
-A cable keeps its diameter, and a vehicle its altitude, more or less: what is much narrower or wider
-than the cable was is something else. So a rope beside a cable that is overgrown just here is not
-taken for it, however clear its borders are.
+The width changes slowly, as the diameter of a cable and the altitude of a vehicle do. So a rope
+beside a cable that is overgrown just here is not taken for it, however clear its borders are.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ YOUNG_DOUBT = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RememberedCable:
-    """Where a cable was when it was last tracked, and the prior of its width.
+    """Pose of the cable when it was last tracked, and the prior of its width.
 
     Attributes
     ----------
@@ -70,7 +69,7 @@ class RememberedCable:
     seconds: float = 0.0
 
     def scales(self, frame_scale: float) -> FloatArray:
-        """Return how far from there the cable is looked for, shape (4,) [px, rad].
+        """Return the scales of births about the remembered pose, shape (4,) [px, rad].
 
         `frame_scale`: see `WorkingImage`.
         """
@@ -79,23 +78,24 @@ class RememberedCable:
         return scaled
 
     def width_spread(self, parameters: TrackerParameters) -> float:
-        """Return the scale of the logarithm of widths.
+        """Return the scale of the logarithm of the width, in the width prior.
 
-        It grows while no cable is tracked. A width that was seen for a short time says little.
+        It grows with the time since the cable was tracked, and falls with the time for which it
+        was.
         """
         doubt = YOUNG_DOUBT * math.exp(-self.tracked_time / parameters.width_time)
         growth = self.seconds / parameters.width_memory
         return parameters.width_spread * (1.0 + doubt + growth)
 
     def width_deviation(self, width: float, parameters: TrackerParameters) -> float:
-        """Return how far the logarithm of a width [px] is from the prior's, in its spreads."""
+        """Return the deviation of a width [px] from the prior: of its logarithm, in scales."""
         difference = math.log(max(width, NARROWEST)) - self.log_width
         return difference / self.width_spread(parameters)
 
 
 @compiled_inside
 def width_penalty(width: float, log_width: float, spread: float) -> float:
-    """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
+    """Return the log-density of a width [px] over its peak, at most 0; 0 for infinite spread."""
     if math.isinf(spread):
         return 0.0
     deviation = (math.log(max(width, NARROWEST)) - log_width) / spread

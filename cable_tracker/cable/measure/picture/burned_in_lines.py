@@ -1,8 +1,8 @@
 """Thin lines that a survey display burns into the picture: crosshairs, scale bars, frames.
 
-Such a line is as straight as a cable, longer and clearer, and it never fades. But it stands still
-to the pixel while the ground moves behind it, it is thinner than any cable, and it runs along the
-rows or the columns. Lines of which all of that is true are taken out before anything is measured.
+Such a line is as straight as a cable, longer and clearer. It is told from a cable by three things:
+it stands still to the pixel while the ground moves, it is thinner than any cable, and it runs along
+rows or columns. Lines with all three are removed before anything is measured.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from cable_tracker.compilation import (
 )
 
 LEAST_HEIGHT = 8.0
-"""How far a thin line stands out from what is beside it, at least [grey levels]."""
+"""Minimum difference of a thin line from both pixels beside it [grey levels]."""
 
 THICKNESS = 2
 """Thickness of the thickest line [px at the reference width]: half that of the thinnest cable."""
 
 THINNEST = 2
-"""Fewest pixels across a line that can be compared with what is beside it."""
+"""Minimum thickness in pixels of the picture: in narrower pictures no lines are looked for."""
 
 LEAST_LENGTH = 40
 """Length of the shortest line, along a row or a column [px at the reference width]."""
@@ -39,20 +39,19 @@ LONGEST_GAP = 2
 """Longest gap in a line [rows or columns that are looked at]: a mark on it is not thin."""
 
 LONGEST_TIME = 2.5
-"""Longest time that is counted [s]."""
+"""Upper bound of the counted time [s]."""
 
 LONGEST_STEP = 0.04
-"""Most that one frame counts for [s]: of frames far apart as many are needed."""
+"""Upper bound of the time that one frame adds [s]: at low frame rates as many frames are needed."""
 
 MOST_COVERED = 0.04
-"""Share of the pixels: where more seem to be on such lines, the picture stands still."""
+"""Largest share of pixels on such lines: with more, the whole picture stands still."""
 
 JUST_SEEN = 1e-6
-"""Time of a pixel that is on a line in this picture, and was not before [s]; 0 is one on none."""
+"""Time of a pixel in the first picture in which it is on a line [s]; 0: it is on none."""
 
 LOSS = 2.0
-"""How many times faster than it has grown a time shrinks while no line is seen, in front of a
-bright stone, say."""
+"""Factor by which a time falls faster than it grows, while no line is seen at the pixel."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

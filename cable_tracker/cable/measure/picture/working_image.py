@@ -47,17 +47,17 @@ frame takes longer than the rest, and the mean is still over a dozen pixels."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PictureHistory:
-    """What the frames before say of how the next one is made ready.
+    """State of the picture's preparation that is carried from frame to frame.
 
     Attributes
     ----------
     bend : Bend
-        What is taken out of it before anything but the map is worked out.
+        Bend that is taken out of the picture, for everything but the map.
     standing_lines : StandingLines or None
-        For how long its pixels have been on thin lines; None: it is the first, or nothing is taken
-        out.
+        For how long its pixels have been on thin lines; None for the first frame, or if lines are
+        not taken out.
     gain : float
-        What its grey levels are multiplied by, unless their spread has changed much.
+        Gain of the grey levels; kept while their spread changes little, see `level_gain`.
     """
 
     bend: Bend = STRAIGHT
@@ -66,12 +66,12 @@ class PictureHistory:
 
 
 NO_HISTORY = PictureHistory()
-"""That of the first frame."""
+"""History before the first frame."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorkingImage:
-    """A frame made ready for measuring. What is not asked for is not worked out.
+    """A frame prepared for measuring. Each product is computed when it is first read.
 
     Attributes
     ----------
@@ -91,11 +91,11 @@ class WorkingImage:
     line_spacing : int
         Distance between scan lines in the picture [px].
     parameters : TrackerParameters
-        How it is made ready and measured.
+        Parameters of preparation and measuring.
     gain : float
-        What the grey levels of the frame were multiplied by.
+        Factor that the grey levels of the frame were multiplied by.
     history : PictureHistory
-        What the frames before say of how it is made ready.
+        History after the frame before.
     dt : float
         Time since the frame before [s].
     """
@@ -125,7 +125,7 @@ class WorkingImage:
 
     @cached_property
     def _cleared(self) -> tuple[Image, StandingLines | None]:
-        """The reduced frame without burned-in lines, of its dtype, and those that may be such."""
+        """The reduced frame without burned-in lines, of its dtype, and the times on thin lines."""
         reduced = self.frame
         if self.size != self.frame_size:
             height = len(reduced)
@@ -142,7 +142,7 @@ class WorkingImage:
 
     @cached_property
     def cable_map(self) -> CableMap:
-        """Where a cable may be, worked out when it is first asked for."""
+        """Probabilities that cells are cable, in the straightened picture."""
         bent = self._bent_map
         if self.history.bend == STRAIGHT:
             return bent
@@ -158,11 +158,11 @@ class WorkingImage:
     def next_history(self) -> PictureHistory:
         """The history for the next frame.
 
-        While there is a bend the map is asked for, or a cable that lies straight again would be
-        bent by what is no longer so; else the bend is found when a map is made for other reasons.
+        While there is a bend, the map is computed in every frame: it tells when the bend has ended.
+        Without one, a bend is looked for only in frames whose map was computed anyway.
         """
         bend = self.history.bend
-        # What a cached property has worked out stands among the variables of its object.
+        # A cached property that was read stands among the variables of its object.
         has_map = "_bent_map" in vars(self)
         if has_map or bend != STRAIGHT:
             bend = bend_after(bend, bend_of_map(self._bent_map.probabilities))
@@ -171,7 +171,7 @@ class WorkingImage:
 
     @cached_property
     def scan(self) -> ScanInputs:
-        """What is measured along its scan lines, worked out when it is first asked for."""
+        """Gradients and grey levels along the scan lines."""
         kernels = scan_kernels(
             max(self.parameters.filter_sigma * self.scale, SMALLEST_SIGMA),
             REGION_SIGMA * self.scale,
@@ -212,7 +212,7 @@ def working_image_for(
     parameters : TrackerParameters
         The tracker's parameters.
     history, dt : PictureHistory, float
-        That of the frames before, the last of them `dt` seconds ago.
+        History after the frame before, and the time since [s].
     """
     if history.bend != STRAIGHT and not parameters.uses_map:
         # Without maps, nothing would tell that a bend has ended.
