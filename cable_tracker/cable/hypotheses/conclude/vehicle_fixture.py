@@ -4,8 +4,9 @@ The shadow of a vehicle's frame, a beam of light or a part of the vehicle itself
 in each single picture. But a cable moves with the ground it lies on. Every `LOOK_INTERVAL` the
 ground to either side of the hypothesis, or to the one where there is room, is held against the
 last look (`ground_shift`), and how far it has moved across the hypothesis against how far that has
-moved. Ground that moves along it, as below a vehicle that follows a cable, tells nothing; nor does
-ground that moves to one side here and to the other there, as it does in perspective.
+moved. Ground that moves along it, as below a vehicle that follows a cable, tells nothing. In
+perspective such ground moves along lines through the point at which the borders meet; ground that
+still moves to one side here and to the other there tells nothing, either.
 
 What was once found to be a fixture is one wherever it comes back, until it moves with the ground.
 """
@@ -24,7 +25,15 @@ from cable_tracker.cable.measure.picture.ground_shift import (
 )
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import middle_inside, states_in_chart
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, STATE_SIZE, pose_units
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+    pose_units,
+)
 
 LOOK_INTERVAL = 0.15
 """Time between two looks at the ground [s]."""
@@ -119,8 +128,9 @@ def fixture_test_after(
         return replace(before, seconds=before.seconds + dt)
     shifts = None if before.patches is None else ground_shifts(before.patches, image.pixels)
     told = before
-    if shifts is not None:
-        told = _travelled(before, leader, shifts / image.reduction, image.frame_size)
+    if before.patches is not None and shifts is not None:
+        centres = before.patches.centres() / image.reduction
+        told = _travelled(before, leader, centres, shifts / image.reduction, image.frame_size)
     fixture = before.fixture
     if abs(told.ground) >= travel:
         if told.is_still:
@@ -137,13 +147,39 @@ def _patches(leader: FloatArray, image: WorkingImage) -> GroundPatches | None:
     return patches_beside(pose, image.pixels, image.scale)
 
 
+def _across(strip: FloatArray, centres: FloatArray, shifts: FloatArray) -> FloatArray:
+    """Return how far ground has shifted across a strip, shape (K,) [px].
+
+    Lines along the strip on the ground meet in the image where its borders do. What has shifted is
+    counted across the one of them that the ground lies on.
+
+    Parameters
+    ----------
+    strip : FloatArray
+        The strip, shape (8,).
+    centres, shifts : FloatArray
+        Where the ground lies in the image frame, and how far it has shifted, shape (K, 2) [px].
+    """
+    angle = strip[ANGLE]
+    foot_point = strip[DISTANCE] * np.array([np.cos(angle), np.sin(angle)])
+    upwards = np.array([-np.sin(angle), np.cos(angle)])
+    along = np.tan(strip[SKEW]) * (foot_point - centres) + 0.5 * strip[WIDTH] * upwards
+    normals = np.column_stack((along[:, 1], -along[:, 0]))
+    across: FloatArray = (shifts * normals).sum(1) / np.maximum(np.hypot(*normals.T), 1e-9)
+    return across
+
+
 def _travelled(
-    before: FixtureTest, leader: FloatArray, shifts: FloatArray, image_size: tuple[int, int]
+    before: FixtureTest,
+    leader: FloatArray,
+    centres: FloatArray,
+    shifts: FloatArray,
+    image_size: tuple[int, int],
 ) -> FixtureTest:
-    """Return a test with one more shift of the ground beside the strip, shape (1 or 2, 2) [px]."""
+    """Return a test with one more shift of the ground beside the strip; see `_across`."""
     (then,) = states_in_chart(before.state[None], float(leader[ANGLE]))
     normal = np.array([np.cos(then[ANGLE]), np.sin(then[ANGLE])])
-    sides = shifts @ normal
+    sides = _across(then, centres, shifts)
     middle = middle_inside(float(leader[ANGLE]), float(leader[DISTANCE]), image_size)
     across, strip, looks = 0.0, 0.0, before.looks
     # Where the two sides do not go the same way, the strip is held against nothing.

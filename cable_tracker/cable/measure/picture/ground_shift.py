@@ -56,6 +56,13 @@ class GroundPatches(NamedTuple):
     corners: tuple[tuple[int, int], ...]
     patches: tuple[Image, ...]
 
+    def centres(self) -> FloatArray:
+        """Return the centres of the patches in the image frame, shape (K, 2) [px]."""
+        height, width = self.shape
+        side = len(self.patches[0])
+        columns, rows = np.array(self.corners, np.float64).T
+        return np.column_stack((columns - 0.5 * (width - side), 0.5 * (height - side) - rows))
+
 
 def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatches | None:
     """Return the patches beside a strip; None where the picture has no room on either side.

@@ -7,6 +7,7 @@ from plain_images import plain_image
 
 from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import (
     FEWEST_LOOKS,
+    LEAST_ACROSS,
     LOOK_INTERVAL,
     UNTESTED,
     fixture_test_after,
@@ -54,6 +55,26 @@ def test_a_strip_that_moves_with_the_ground_is_none():
 
 def test_ground_that_moves_along_the_strip_tells_nothing():
     assert dive((0.3, 4.0)).fixture is None
+
+
+# At the left edge, so that there is room on its right side alone; its borders meet far up.
+SKEWED = np.array([-110.0, 0.0, 100.0, 0.25, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_ground_that_moves_along_a_strip_in_perspective_tells_nothing():
+    """It moves towards the point at which the borders meet, farther aside the more so."""
+    meeting = np.array([-110.0, 50.0 / np.tan(0.25)])
+    patch = np.array([-110.0 + 50.0 + 2.0 + 32.0, 0.0])
+    velocity = 3.0 * (meeting - patch) / np.linalg.norm(meeting - patch)
+    test = dive(velocity, lambda frame: SKEWED)
+    assert abs(velocity[0]) > LEAST_ACROSS * 3.0
+    assert test.looks >= FEWEST_LOOKS
+    assert test.way > TRAVEL
+    assert test.fixture is None
+
+
+def test_a_skewed_strip_that_stands_still_while_the_ground_moves_across_it_is_a_fixture():
+    np.testing.assert_array_equal(dive((2.0, 0.0), lambda frame: SKEWED).fixture, SKEWED)
 
 
 def test_ground_that_stands_still_tells_nothing():
