@@ -52,7 +52,7 @@ from cable_tracker.cable.hypotheses.predict.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prediction import (
     Prediction,
     Predictor,
-    with_map_in_birth_density,
+    with_strips_in_birth_density,
 )
 from cable_tracker.cable.hypotheses.propose.frame_inputs import (
     FrameInputs,
@@ -69,13 +69,14 @@ from cable_tracker.cable.hypotheses.weigh.presence import (
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.borders.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.map.cable_map import (
-    NOTHING_EXPECTED,
     CableMap,
     ExpectedOverlap,
+    overlap_of_best,
     overlap_of_expected,
 )
 from cable_tracker.cable.measure.map.kept_map import KeptMap
 from cable_tracker.cable.measure.map.map_borders import map_borders
+from cable_tracker.cable.measure.map.map_strips import strips_of_map
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement, MotionAid
@@ -85,6 +86,9 @@ from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
 """Presence of a belief about a state that was given, or converted from another filter."""
+
+MOST_OF_MAP = 2
+"""Number of strips of the map about which cables are born, and which are candidates."""
 
 STRAYING = 0.45
 """A leader strays whose distance from its expected state is more than this factor times the radii
@@ -272,11 +276,12 @@ class MultiHypothesisFilter:
         """
         expected = prediction.prior.expected[0]
         cable_map = image.cable_map if looks else belief.kept_map.moved_to(expected)
-        expected_overlap = NOTHING_EXPECTED
         if is_known:
             expected_overlap = overlap_of_expected(cable_map, expected, is_kept=not looks)
         else:
-            prediction = with_map_in_birth_density(prediction, cable_map)
+            strips = strips_of_map(cable_map, MOST_OF_MAP)
+            expected_overlap = overlap_of_best(cable_map, strips)
+            prediction = with_strips_in_birth_density(prediction, strips)
         inputs = self._inputs(belief, prediction, image, detections, cable_map, expected_overlap)
         config = self._known_config if is_known else self._config
         return draw_and_conclude(self._sample, inputs, config)

@@ -18,8 +18,6 @@ from cable_tracker.cable.hypotheses.predict.predicted_density import (
 from cable_tracker.cable.hypotheses.predict.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.weigh.clusters import SMALLEST_MASS, Clusters
 from cable_tracker.cable.hypotheses.weigh.presence import PriorPresence
-from cable_tracker.cable.measure.map.cable_map import CableMap
-from cable_tracker.cable.measure.map.map_strips import strips_of_map
 from cable_tracker.cable.model.geometry import inset, state_in_chart, states_in_chart
 from cable_tracker.cable.model.initial_state import SearchBox
 from cable_tracker.cable.model.limits import possible_limits
@@ -44,9 +42,6 @@ SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 
 SMALLEST_CLUSTER_SHARE = 0.06
 """Minimum share of the ancestors that are drawn from each cluster."""
-
-MOST_OF_MAP = 2
-"""Number of strips of the map about which cables are born, and which are candidates."""
 
 MOST_RATED = 2.0 / REFERENCE_RATE
 """Upper bound of the time over which a hypothesis is extrapolated by its rates [s]. They are means
@@ -91,10 +86,10 @@ class Prediction(NamedTuple):
     reference_angle: float
 
 
-def with_map_in_birth_density(prediction: Prediction, cable_map: CableMap) -> Prediction:
-    """Return a prediction whose birth density has a part about the strips of a map."""
-    strips = states_in_chart(strips_of_map(cable_map, MOST_OF_MAP), prediction.reference_angle)
-    births = prediction.density.births._replace(map_strips=strips)
+def with_strips_in_birth_density(prediction: Prediction, strips: FloatArray) -> Prediction:
+    """Return a prediction whose birth density has a part about the strips of a map, (C, 8)."""
+    in_chart = states_in_chart(strips, prediction.reference_angle)
+    births = prediction.density.births._replace(map_strips=in_chart)
     return prediction._replace(density=prediction.density._replace(births=births))
 
 

@@ -10,10 +10,9 @@ from cable_tracker.cable.hypotheses.prediction import (
     Predictor,
     draw_ancestors,
     surviving_ancestors,
-    with_map_in_birth_density,
+    with_strips_in_birth_density,
 )
 from cable_tracker.cable.hypotheses.weigh.clusters import NO_CLUSTER, Clusters
-from cable_tracker.cable.measure.map.cable_map import NO_MAP, cable_map_of
 from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -131,12 +130,7 @@ def test_strips_of_a_map_stand_in_the_chart_of_the_particles(rng):
     states = search_box(parameters, 320).draw(50, rng)
     prediction = predictor.predict(initial_belief(states, 0.5), 0.04, None)
     prediction = prediction._replace(reference_angle=-1.5)
-    shown = np.zeros((60, 80), np.float32)
-    shown[40:50] = 0.9  # A strip along the rows, 40 px wide: its normal is upright.
-    births = with_map_in_birth_density(
-        prediction, cable_map_of(shown, -158.0, 118.0, 4.0)
-    ).density.births
-    strip = births.map_strips[0]
-    assert strip[:3] == pytest.approx([60.0, -np.pi / 2, 40.0], abs=4.0)
+    shown = np.array([[-60.0, np.pi / 2, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    births = with_strips_in_birth_density(prediction, shown).density.births
+    np.testing.assert_allclose(births.map_strips[0, :4], [60.0, -np.pi / 2, 40.0, 0.0])
     assert prediction.density.births.map_strips.shape == (0, 8)
-    assert with_map_in_birth_density(prediction, NO_MAP).density.births.map_strips.shape == (0, 8)

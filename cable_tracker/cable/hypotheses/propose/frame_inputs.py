@@ -42,10 +42,10 @@ it is 1. This annealing keeps a narrow peak from being missed."""
 WIDENINGS = (1.5, 1.2)
 """Factor on the covariance of the particles that a round draws about: first round, later ones."""
 
-SEARCH_MAP = MapWeights(overlap=11.0, lacking=0.0)
+SEARCH_MAP = MapWeights(overlap=11.0, lacking=7.0)
 """Weights of the map in a search. Of strips that share a border the map tells the right one, where
-growth and sand have stronger borders than the cable. Chosen on the worlds to tune on (`tune_*`), as
-are those beside a known cable."""
+growth, sand and crisp shadows have stronger borders than the cable. The first was chosen on the
+worlds to tune on (`tune_*`), as are those beside a known cable."""
 
 KNOWN_MAP = MapWeights(overlap=4.0, lacking=7.0)
 """Weights of the map beside a known cable, whose own borders are the better guide: for what looks

@@ -20,6 +20,7 @@ from cable_tracker.cable.measure.map.cable_map import (
     map_log_ratio,
     map_match,
     map_overlap,
+    overlap_of_best,
     overlap_of_expected,
     strip_shares,
 )
@@ -184,6 +185,20 @@ def test_in_a_kept_map_a_strip_that_matches_nearly_as_well_as_the_expected_one_i
     expected = map_log_ratio(ON_IT, shown, against, WEIGHTS)
     assert map_log_ratio(aside, shown, against, WEIGHTS) == expected
     assert map_log_ratio(half, shown, against, WEIGHTS) < expected - 1.0
+
+
+def test_in_a_search_a_strip_loses_by_what_it_lacks_to_a_clear_one_of_the_map(shown):
+    against = overlap_of_best(shown, np.stack((ON_IT, BESIDE)))
+    best, beside = map_overlap(ON_IT, shown), map_overlap(BESIDE, shown)
+    assert against == (math.inf, best - SLACK)
+    assert map_log_ratio(ON_IT, shown, against, WEIGHTS) == pytest.approx(3.0 * best)
+    lacking = 2.0 * (best - SLACK - beside)
+    assert map_log_ratio(BESIDE, shown, against, WEIGHTS) == pytest.approx(3.0 * beside - lacking)
+
+
+def test_nothing_is_held_against_a_strip_where_no_strip_of_the_map_is_clear(shown):
+    assert overlap_of_best(shown, BESIDE[None]) == NOTHING_EXPECTED
+    assert overlap_of_best(NO_MAP, np.zeros((0, 8))) == NOTHING_EXPECTED
 
 
 def test_nothing_is_held_against_a_strip_where_there_is_no_map():
