@@ -56,7 +56,9 @@ def freeze(path: Path) -> None:
             content[f"{dive} {name}"] = track(
                 content[f"{dive} frames"], content[f"{dive} told"], name
             )
-    np.savez_compressed(path, **content)
+    # Into an open file: by a path NumPy would add .npz, which `compare` is not told of.
+    with path.open("wb") as file:
+        np.savez_compressed(file, **content)
 
 
 def compare(path: Path) -> bool:
