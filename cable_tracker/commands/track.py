@@ -125,7 +125,7 @@ def track(  # noqa: PLR0917
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         frames = counted(recording.frames(), progress)
         described = find_vehicle(recording, choice, vehicle)
-        metres = None if ros else described.metres()
+        metres = None if ros else described.instruments()
         if ros:
             client = need_ros("clients.track_cable")
             lockstep = need_ros("clients.lockstep")

@@ -1,7 +1,4 @@
-"""From frame to frame: the vehicle's motion for the filter, and metres of the cable it has found.
-
-The same for a node that hears instruments and for a recording that holds them.
-"""
+"""Fusion of a vehicle's instruments with the tracker of a cable: motion aid in, metres out."""
 
 from __future__ import annotations
 
@@ -14,12 +11,12 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.instrument_fusion import InstrumentFusion
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry, Unaided
 from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
-from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, Instrument
@@ -31,8 +28,8 @@ CABLE_INSTRUMENTS = (
 """Instruments whose messages count."""
 
 
-class CableSight(Sight[CableVehicleParameters]):
-    """Keeps what is known of camera, vehicle and sea bed.
+class CableInstrumentFusion(InstrumentFusion[CableVehicleParameters]):
+    """Tells the filter how the vehicle moves, and converts its estimates to metres.
 
     Parameters
     ----------
@@ -45,8 +42,8 @@ class CableSight(Sight[CableVehicleParameters]):
 
     Attributes
     ----------
-    unaided : Unaided or None
-        Why the filter was not told of the motion to the last frame; None if it was.
+    instruments : Instruments
+        Calibration, altitude, attitude as they are known so far.
     """
 
     def __init__(
@@ -56,47 +53,46 @@ class CableSight(Sight[CableVehicleParameters]):
         texture_pause: float = 0.0,
     ) -> None:
         self._texture_pause = texture_pause
-        self._instruments = Instruments(parameters)
+        self.instruments = Instruments(parameters)
         self._forget_motion()
         super().__init__(parameters, calibration)
 
     def configure(self, parameters: CableVehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
-        self._instruments.configure(parameters)
+        self.instruments.configure(parameters)
         super().configure(parameters)
 
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
-        self._instruments.forget()
+        self.instruments.forget()
         self._forget_motion()
 
     def _forget_motion(self) -> None:
         self._odometry = Odometry()
-        self._aiding = MotionAiding(self._instruments, self._odometry, self._texture_pause)
-        self.unaided: Unaided | None = None
+        self._aiding = MotionAiding(self.instruments, self._odometry, self._texture_pause)
 
     def _take_calibration(self, calibration: Calibration) -> None:
-        self._instruments.take_calibration(calibration)
+        self.instruments.take_calibration(calibration)
 
     def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
         if instrument is Instrument.ALTITUDE:
-            self._instruments.take_altitude(stamp, *_read_altitude(message))
+            self.instruments.take_altitude(stamp, *_read_altitude(message))
         elif instrument is Instrument.IMU:
-            least = math.radians(self._parameters.imu_sigma)
+            least = math.radians(self.parameters.imu_sigma)
             attitude = read_attitude(message, least)
             if attitude is not None:
-                self._instruments.take_attitude(stamp, attitude)
+                self.instruments.take_attitude(stamp, attitude)
         elif instrument is Instrument.ODOMETRY:
             least_sigmas = (
-                self._parameters.velocity_sigma,
-                math.radians(self._parameters.turn_sigma),
+                self.parameters.velocity_sigma,
+                math.radians(self.parameters.turn_sigma),
             )
             self._odometry.add(stamp, *read_twist(message, least_sigmas))
 
     @property
-    def instruments(self) -> Instruments:
-        """Calibration, altitude, attitude as they are known so far."""
-        return self._instruments
+    def unaided(self) -> Unaided | None:
+        """Why the filter was not told of the motion to the last frame; None if it was."""
+        return self._aiding.unaided
 
     @property
     def texture_motion(self) -> TextureMotion | None:
@@ -116,13 +112,10 @@ class CableSight(Sight[CableVehicleParameters]):
         image : Image
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
-        if not self._parameters.motion_aid:
-            self.unaided = SWITCHED_OFF
-            self._aiding.forget_picture()
+        if not self.parameters.motion_aid:
+            self._aiding.pause(SWITCHED_OFF)
             return None
-        motion = self._aiding.motion(stamp, image)
-        self.unaided = self._aiding.unaided
-        return motion
+        return self._aiding.motion(stamp, image)
 
     def observe(self, estimate: CableEstimate) -> None:
         """Learn from an estimate how far odometry may be believed; once for each frame."""
@@ -130,7 +123,7 @@ class CableSight(Sight[CableVehicleParameters]):
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
-        return self._instruments.cross_track(estimate)
+        return self.instruments.cross_track(estimate)
 
 
 def _read_altitude(message: Message) -> tuple[float, tuple[float, float]]:

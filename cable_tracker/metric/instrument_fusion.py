@@ -1,4 +1,7 @@
-"""Base of the classes that collect instruments, from a node's topics or from a recording."""
+"""Base of what fuses the measurements of instruments with the estimates of a tracker.
+
+The same for a node that hears instruments and for a recording that holds them.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,8 @@ VehicleParameters = TypeVar(
 )
 
 
-class Sight(ABC, Generic[VehicleParameters]):
-    """Collects the messages of instruments so far, and the calibration in force.
+class InstrumentFusion(ABC, Generic[VehicleParameters]):
+    """Keeps the measurements of instruments so far, and the calibration in force.
 
     A subclass calls this constructor when it can take a calibration.
 
@@ -28,18 +31,18 @@ class Sight(ABC, Generic[VehicleParameters]):
     calibration : Calibration or None
         Calibration given by the user, which overrides messages; None: that of the last
         `camera_info`.
+
+    Attributes
+    ----------
+    parameters : CableVehicleParameters or TargetVehicleParameters
+        The parameters in force.
     """
 
     def __init__(self, parameters: VehicleParameters, calibration: Calibration | None) -> None:
-        self._parameters = parameters
+        self.parameters = parameters
         self._given = calibration
         self._camera_info: Message | None = None
         self._use_calibration()
-
-    @property
-    def parameters(self) -> VehicleParameters:
-        """The parameters in force."""
-        return self._parameters
 
     @abstractmethod
     def forget_all(self) -> None:
@@ -55,7 +58,7 @@ class Sight(ABC, Generic[VehicleParameters]):
 
     def configure(self, parameters: VehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
-        self._parameters = parameters
+        self.parameters = parameters
         self._use_calibration()
 
     def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
@@ -69,10 +72,10 @@ class Sight(ABC, Generic[VehicleParameters]):
     def _use_calibration(self) -> None:
         calibration = self._given
         if calibration is None and self._camera_info is not None:
-            is_rectified = self._parameters.image_is_rectified
+            is_rectified = self.parameters.image_is_rectified
             calibration = read_camera_info(self._camera_info, is_rectified=is_rectified)
         if calibration is not None:
             self._take_calibration(calibration)
 
 
-AnySight = TypeVar("AnySight", bound=Sight[Any])
+AnyFusion = TypeVar("AnyFusion", bound=InstrumentFusion[Any])

@@ -15,7 +15,7 @@ from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cable_facts import cable_facts, row_metres
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages
-from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableInstruments
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.cable_folder import CableFolder
 from cable_tracker.sequences import node_topics
@@ -115,7 +115,7 @@ def row_of(
 
 
 def track_picture(
-    frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedCableSight | None
+    frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedCableInstruments | None
 ) -> tuple[CableEstimate, float, CrossTrack | Withheld | None]:
     """Track a picture, shape (H, W), with what the instruments said up to its frame.
 
@@ -134,12 +134,15 @@ def track_picture(
     ms = (time.perf_counter() - begin) * 1e3
     if metres is None:
         return estimate, ms, None
-    metres.sight.observe(estimate)
+    metres.fusion.observe(estimate)
     return estimate, ms, metres.measure(estimate)
 
 
 def track_frame(
-    frame: Frame, tracker: CableTracker, results: CableFolder, metres: RecordedCableSight | None
+    frame: Frame,
+    tracker: CableTracker,
+    results: CableFolder,
+    metres: RecordedCableInstruments | None,
 ) -> None:
     """Track a frame, and add it to the results; without `metres` everything stays in pixels."""
     output = FrameMessages(results.bag, frame)
@@ -160,7 +163,7 @@ def track_frame(
     )
     output.write_overlay(node_topics.OVERLAY, lambda: draw_estimate(grey, estimate, cloud))
     if metres is not None and isinstance(known, CrossTrack):
-        base_frame = metres.sight.parameters.base_frame
+        base_frame = metres.fusion.parameters.base_frame
         output.write_all(cross_track_messages(factory, header, base_frame, known))
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])

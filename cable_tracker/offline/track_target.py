@@ -10,8 +10,8 @@ from cable_tracker.metric.messages import relative_messages
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.target_facts import target_facts
+from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.metric.targets.target_metres import TargetMetres
-from cable_tracker.metric.targets.target_sight import TargetSight
 from cable_tracker.offline.target_folder import TargetFolder
 from cable_tracker.offline.target_table import (
     TargetRow,
@@ -55,7 +55,7 @@ def follow_picture(
     frame: Frame,
     image: Image,
     tracker: TargetTracker,
-    instruments: RecordedInstruments[TargetSight] | None,
+    instruments: RecordedInstruments[TargetInstrumentFusion] | None,
 ) -> tuple[TargetEstimate, float, TargetMetres | None]:
     """Follow into a picture, shape (H, W, 3), with what the instruments said up to its frame.
 
@@ -70,18 +70,18 @@ def follow_picture(
         instruments.advance(frame)
     begin = time.perf_counter()
     height, width = image.shape[:2]
-    sight = instruments.sight if instruments is not None else None
-    motion = sight.camera_motion(frame.stamp, (width, height)) if sight is not None else None
+    fusion = instruments.fusion if instruments is not None else None
+    motion = fusion.camera_motion(frame.stamp, (width, height)) if fusion is not None else None
     estimate = tracker.process(image, frame.stamp, motion)
     ms = (time.perf_counter() - begin) * 1e3
-    return estimate, ms, sight.take([estimate])[0] if sight is not None else None
+    return estimate, ms, fusion.take([estimate])[0] if fusion is not None else None
 
 
 def follow_frame(
     frame: Frame,
     tracker: TargetTracker,
     results: TargetFolder,
-    instruments: RecordedInstruments[TargetSight] | None,
+    instruments: RecordedInstruments[TargetInstrumentFusion] | None,
 ) -> None:
     """Follow a target into a frame, and add it to the results; in pixels without instruments."""
     output = FrameMessages(results.bag, frame)
@@ -101,7 +101,7 @@ def follow_frame(
     picture = draw_target(shown_levels(image), estimate, poses)
     facts: dict[str, str] = {}
     if instruments is not None and metres is not None:
-        parameters = instruments.sight.parameters
+        parameters = instruments.fusion.parameters
         place = mounting_of(parameters).position
         facts = target_facts(metres, place)
         results.metres.append(metres_row(frame, facts))

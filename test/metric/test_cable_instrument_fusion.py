@@ -8,7 +8,7 @@ from instrument_messages import camera_info, imu, odometry, range_message
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.altitude import Altitude
-from cable_tracker.metric.cable_sight import CableSight
+from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.odometry.motion import SWITCHED_OFF
@@ -28,9 +28,9 @@ def estimate(make_estimate):
 
 
 def calibrated(**values):
-    sight = CableSight(CableVehicleParameters(**values))
-    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
-    return sight
+    fusion = CableInstrumentFusion(CableVehicleParameters(**values))
+    fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    return fusion
 
 
 def reason(result) -> Reason:
@@ -39,26 +39,26 @@ def reason(result) -> Reason:
 
 
 def test_calibration_altitude_and_attitude_make_metres(estimate):
-    sight = CableSight(CableVehicleParameters())
-    assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
-    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    assert reason(sight.measure(estimate)) is Reason.NO_CALIBRATION
-    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
-    sight.take_message(Instrument.IMU, SECOND, imu())
-    result = sight.measure(estimate)
+    fusion = CableInstrumentFusion(CableVehicleParameters())
+    assert reason(fusion.measure(estimate)) is Reason.NO_ALTITUDE
+    fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    assert reason(fusion.measure(estimate)) is Reason.NO_CALIBRATION
+    fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    fusion.take_message(Instrument.IMU, SECOND, imu())
+    result = fusion.measure(estimate)
     assert isinstance(result, CrossTrack)
     assert result.offset == pytest.approx(50.0 * 1.4 / 280.0, rel=0.01)
 
 
 @pytest.mark.parametrize("variance", [-1.0, UNKNOWN_VARIANCE])
 def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate, variance):
-    sight = calibrated()
-    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    without = sight.measure(estimate)
+    fusion = calibrated()
+    fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    without = fusion.measure(estimate)
     rates_alone = imu()
     rates_alone.orientation_covariance[0] = variance
-    sight.take_message(Instrument.IMU, SECOND, rates_alone)
-    result = sight.measure(estimate)
+    fusion.take_message(Instrument.IMU, SECOND, rates_alone)
+    result = fusion.measure(estimate)
     assert isinstance(result, CrossTrack) and isinstance(without, CrossTrack)
     assert result.offset == without.offset
     np.testing.assert_array_equal(result.covariance, without.covariance)
@@ -68,77 +68,81 @@ def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate, variance):
 def test_an_imu_that_no_longer_knows_its_orientation_is_told_by_its_covariance(
     make_estimate, variance
 ):
-    sight = calibrated(fixed_altitude=1.4)
-    sight.take_message(Instrument.IMU, SECOND, imu())
+    fusion = calibrated(fixed_altitude=1.4)
+    fusion.take_message(Instrument.IMU, SECOND, imu())
     unsure = imu()
     unsure.orientation_covariance[0] = variance
-    sight.take_message(Instrument.IMU, 3 * SECOND, unsure)
-    told = sight.measure(make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01), stamp=3 * SECOND))
+    fusion.take_message(Instrument.IMU, 3 * SECOND, unsure)
+    told = fusion.measure(
+        make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01), stamp=3 * SECOND)
+    )
     assert reason(told) is Reason.STALE_ATTITUDE
     assert "orientation_covariance" in told.detail
 
 
 def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture():
     rng = np.random.default_rng(0)
-    sight = calibrated(fixed_altitude=1.4)
+    fusion = calibrated(fixed_altitude=1.4)
     pictures = [cv2.blur(rng.integers(0, 255, (240, 320), np.uint8), (5, 5)) for _ in range(2)]
-    sight.motion(SECOND, pictures[0])
-    sight.configure(CableVehicleParameters(fixed_altitude=1.4, motion_aid=False))
-    sight.motion(SECOND + FRAME, pictures[1])
-    assert sight.texture_motion is None
-    sight.configure(CableVehicleParameters(fixed_altitude=1.4))
-    assert sight._aiding._texture.compare(pictures[1], np.eye(3)) is None
+    fusion.motion(SECOND, pictures[0])
+    fusion.configure(CableVehicleParameters(fixed_altitude=1.4, motion_aid=False))
+    fusion.motion(SECOND + FRAME, pictures[1])
+    assert fusion.texture_motion is None
+    fusion.configure(CableVehicleParameters(fixed_altitude=1.4))
+    assert fusion._aiding._texture.compare(pictures[1], np.eye(3)) is None
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):
-    sight = CableSight(CableVehicleParameters(fixed_altitude=1.4), calibrations["pinhole"])
-    expected = sight.measure(estimate)
-    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
-    assert sight.measure(estimate).offset == expected.offset
+    fusion = CableInstrumentFusion(
+        CableVehicleParameters(fixed_altitude=1.4), calibrations["pinhole"]
+    )
+    expected = fusion.measure(estimate)
+    fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    assert fusion.measure(estimate).offset == expected.offset
 
 
 def test_an_altitude_that_is_a_plain_number_counts_as_a_range_would_hold_it():
-    sight = calibrated()
-    sight.take_message(Instrument.ALTITUDE, SECOND, SimpleNamespace(data=1.4))
-    altitude = sight.instruments.altitude_at(SECOND, Attitude())
+    fusion = calibrated()
+    fusion.take_message(Instrument.ALTITUDE, SECOND, SimpleNamespace(data=1.4))
+    altitude = fusion.instruments.altitude_at(SECOND, Attitude())
     assert isinstance(altitude, Altitude)
     assert altitude.metres == float(np.float32(1.4))
 
 
 def test_an_instrument_that_does_not_count_is_ignored(estimate):
-    sight = calibrated(fixed_altitude=1.4)
-    expected = sight.measure(estimate)
-    sight.take_message(Instrument.FIX, SECOND, object())
-    assert sight.measure(estimate).offset == expected.offset
+    fusion = calibrated(fixed_altitude=1.4)
+    expected = fusion.measure(estimate)
+    fusion.take_message(Instrument.FIX, SECOND, object())
+    assert fusion.measure(estimate).offset == expected.offset
 
 
 def test_other_values_keep_the_measurements_and_read_the_calibration_anew(estimate):
-    sight = calibrated()
-    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    sight.configure(CableVehicleParameters(image_is_rectified=True, camera_y=0.5))
-    assert sight.measure(estimate).offset == pytest.approx(0.5 + 50.0 * 1.4 / 250.0, rel=0.01)
+    fusion = calibrated()
+    fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    fusion.configure(CableVehicleParameters(image_is_rectified=True, camera_y=0.5))
+    assert fusion.measure(estimate).offset == pytest.approx(0.5 + 50.0 * 1.4 / 250.0, rel=0.01)
 
 
 def test_only_the_calibration_outlasts_a_jump(estimate):
-    sight = calibrated()
-    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    sight.forget_all()
-    assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
-    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    assert isinstance(sight.measure(estimate), CrossTrack)
+    fusion = calibrated()
+    fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    fusion.forget_all()
+    assert reason(fusion.measure(estimate)) is Reason.NO_ALTITUDE
+    fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    assert isinstance(fusion.measure(estimate), CrossTrack)
 
 
 class TestMotion:
     @staticmethod
-    def driven(sight, make_estimate, sway, frames):
+    def driven(fusion, make_estimate, sway, frames):
         """Let a cable stand still in the image, whatever odometry says."""
         for index in range(frames):
             stamp = SECOND + index * FRAME
-            sight.take_message(
+            fusion.take_message(
                 Instrument.ODOMETRY, stamp, odometry(sway=sway + 1e-4 * (-1) ** index)
             )
-            motion = sight.motion(stamp, BARE)
-            sight.observe(make_estimate(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=stamp))
+            motion = fusion.motion(stamp, BARE)
+            fusion.observe(make_estimate(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=stamp))
         return motion
 
     @pytest.fixture
@@ -149,35 +153,35 @@ class TestMotion:
         return make
 
     def test_odometry_that_agrees_aids(self, seen):
-        sight = calibrated(fixed_altitude=1.4)
-        assert sight.unaided is None
-        assert self.driven(sight, seen, 0.0, 30) is not None
-        assert sight.unaided is None
+        fusion = calibrated(fixed_altitude=1.4)
+        assert fusion.unaided is None
+        assert self.driven(fusion, seen, 0.0, 30) is not None
+        assert fusion.unaided is None
 
     def test_odometry_that_disagrees_does_not(self, seen):
-        sight = calibrated(fixed_altitude=1.4)
-        assert self.driven(sight, seen, 1.5, 30) is None
-        assert sight.unaided.disagrees
+        fusion = calibrated(fixed_altitude=1.4)
+        assert self.driven(fusion, seen, 1.5, 30) is None
+        assert fusion.unaided.disagrees
 
     def test_missing_odometry_is_no_disagreement(self, seen):
-        sight = calibrated(fixed_altitude=1.4)
+        fusion = calibrated(fixed_altitude=1.4)
         for index in range(2):
-            assert sight.motion(SECOND + index * FRAME, BARE) is None
-            sight.observe(seen(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=SECOND))
-        assert sight.unaided.why == "no odometry has come"
-        assert not sight.unaided.disagrees
+            assert fusion.motion(SECOND + index * FRAME, BARE) is None
+            fusion.observe(seen(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=SECOND))
+        assert fusion.unaided.why == "no odometry has come"
+        assert not fusion.unaided.disagrees
 
     def test_it_can_be_switched_off(self, seen):
-        sight = calibrated(fixed_altitude=1.4, motion_aid=False)
-        assert self.driven(sight, seen, 0.0, 30) is None
-        assert sight.unaided == SWITCHED_OFF
+        fusion = calibrated(fixed_altitude=1.4, motion_aid=False)
+        assert self.driven(fusion, seen, 0.0, 30) is None
+        assert fusion.unaided == SWITCHED_OFF
 
     def test_a_copy_goes_on_by_itself(self, seen):
-        sight = calibrated(fixed_altitude=1.4)
-        self.driven(sight, seen, 0.0, 30)
-        other = deepcopy(sight)
+        fusion = calibrated(fixed_altitude=1.4)
+        self.driven(fusion, seen, 0.0, 30)
+        other = deepcopy(fusion)
         other.forget_all()
         stamp = SECOND + 30 * FRAME
-        sight.take_message(Instrument.ODOMETRY, stamp, odometry())
+        fusion.take_message(Instrument.ODOMETRY, stamp, odometry())
         assert other.motion(stamp, BARE) is None
-        assert sight.motion(stamp, BARE) is not None
+        assert fusion.motion(stamp, BARE) is not None

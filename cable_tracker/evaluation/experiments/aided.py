@@ -18,7 +18,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     odometry_message,
     simulated_vehicle,
 )
-from cable_tracker.metric.cable_sight import CableSight
+from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -103,7 +103,7 @@ class AidedMethod:
         self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault | None
     ) -> None:
         self._tracker = make_tracker(parameters)
-        self._sight = CableSight(vehicle.parameters)
+        self._fusion = CableInstrumentFusion(vehicle.parameters)
         coming = [(stamp, (stamp, *said)) for stamp, *said in vehicle.messages]
         if fault is not None:
             rng = np.random.default_rng([parameters.seed, 21])
@@ -119,15 +119,15 @@ class AidedMethod:
         """Take a frame into account, with what instruments have said until then."""
         while self._coming and self._coming[-1][0] <= stamp:
             stated, instrument, message = self._coming.pop()[1]
-            self._sight.take_message(instrument, stated, message)
-        motion = self._sight.motion(stamp, image)
+            self._fusion.take_message(instrument, stated, message)
+        motion = self._fusion.motion(stamp, image)
         estimate = self._tracker.process(image, stamp, motion)
-        self._sight.observe(estimate)
+        self._fusion.observe(estimate)
         return estimate
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
-        return self._sight.measure(estimate)
+        return self._fusion.measure(estimate)
 
 
 def _odometry_messages(

@@ -310,4 +310,4 @@ def _make_tracker(
         instruments = recorded_target(vehicle) if vehicle.has_instruments else None
         return TargetSessionTracker(request.init, parameters, truth, instruments)
     assert isinstance(parameters, TrackerParameters)
-    return CableSessionTracker(source, request.init, parameters, vehicle.metres())
+    return CableSessionTracker(source, request.init, parameters, vehicle.instruments())

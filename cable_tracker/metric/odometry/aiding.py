@@ -22,7 +22,6 @@ from cable_tracker.metric.odometry.homography import (
 )
 from cable_tracker.metric.odometry.motion import (
     FIRST_FRAME,
-    NO_FRAME,
     TEXTURE_DISAGREES,
     Odometry,
     Unaided,
@@ -66,7 +65,7 @@ class MotionAiding:
     Attributes
     ----------
     unaided : Unaided or None
-        Why the last frame was not aided; None if it was.
+        Why the last frame was not aided; None if it was, and before the first.
     """
 
     def __init__(
@@ -83,7 +82,7 @@ class MotionAiding:
         self._texture_motion: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
-        self.unaided: Unaided | None = NO_FRAME
+        self.unaided: Unaided | None = None
 
     @property
     def texture_motion(self) -> TextureMotion | None:
@@ -121,8 +120,9 @@ class MotionAiding:
         self.unaided = Unaided(why)
         return None
 
-    def forget_picture(self) -> None:
-        """Do not compare the next frame: pictures between have been passed over."""
+    def pause(self, reason: Unaided) -> None:
+        """Leave a frame unaided. The next is not compared with the picture before the pause."""
+        self.unaided = reason
         self._texture = SeaBedTexture()
         self._texture_motion = self._predicted = None
 

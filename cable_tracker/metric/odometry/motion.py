@@ -58,7 +58,6 @@ class Unaided:
 
 
 SWITCHED_OFF = Unaided("the parameter motion_aid is false")
-NO_FRAME = Unaided("no frame has come")
 FIRST_FRAME = Unaided("no frame has come before")
 NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
 CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)

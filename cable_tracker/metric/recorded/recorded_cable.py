@@ -13,7 +13,7 @@ from pathlib import Path
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
-from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
+from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS, CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
@@ -59,7 +59,7 @@ class Pauses:
         return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
 
 
-class RecordedCableSight(RecordedInstruments[CableSight]):
+class RecordedCableInstruments(RecordedInstruments[CableInstrumentFusion]):
     """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
 
     Parameters
@@ -82,7 +82,7 @@ class RecordedCableSight(RecordedInstruments[CableSight]):
         self._stand_in = ""
         super().__init__(
             InstrumentFeed(source, pauses.of_instruments()),
-            lambda: CableSight(vehicle.parameters, vehicle.calibration, pauses.texture),
+            lambda: CableInstrumentFusion(vehicle.parameters, vehicle.calibration, pauses.texture),
         )
         self._aids = vehicle.parameters.motion_aid and (
             source is not None and Instrument.ODOMETRY in source.found.topics
@@ -98,16 +98,16 @@ class RecordedCableSight(RecordedInstruments[CableSight]):
 
         None without odometry, or while it disagrees with what the camera sees.
         """
-        return self.sight.motion(stamp, image) if self._aids else None
+        return self.fusion.motion(stamp, image) if self._aids else None
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
         self._measured += 1
-        stand_in = self.sight.instruments.stand_in_at(estimate.stamp)
+        stand_in = self.fusion.instruments.stand_in_at(estimate.stamp)
         if stand_in:
             self._stood_in += 1
             self._stand_in = self._stand_in or stand_in
-        return self.sight.measure(estimate)
+        return self.fusion.measure(estimate)
 
     def remarks(self) -> tuple[str, ...]:
         """Return a remark where `fixed_altitude` stood in, to be asked for after tracking."""
@@ -162,9 +162,13 @@ class RecordedVehicle:
         """Whether there are instruments, or a vehicle file from which metres are expected."""
         return self.has_instruments or bool(self.vehicle.said)
 
-    def metres(self, pauses: Pauses = Pauses()) -> RecordedCableSight | None:
-        """Return a converter of estimates to metres; None where no metres are wanted."""
-        return RecordedCableSight(self.vehicle, self.source, pauses) if self.wants_metres else None
+    def instruments(self, pauses: Pauses = Pauses()) -> RecordedCableInstruments | None:
+        """Return the instruments from the start on; None where no metres are wanted."""
+        return (
+            RecordedCableInstruments(self.vehicle, self.source, pauses)
+            if self.wants_metres
+            else None
+        )
 
 
 def own_vehicle_file(path: Path) -> Path:

@@ -9,7 +9,7 @@ from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
-from cable_tracker.metric.targets.target_sight import TargetSight
+from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.tracking.parameter_table import ParameterValue, parameter_table
@@ -51,8 +51,8 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
 
 def recorded_target(
     described: RecordedVehicle, target_size: float = 0.0
-) -> RecordedInstruments[TargetSight]:
-    """Return the instruments of a recording, handed to a `TargetSight` in step with the frames.
+) -> RecordedInstruments[TargetInstrumentFusion]:
+    """Return the instruments of a recording, fused in step with its frames.
 
     Parameters
     ----------
@@ -64,5 +64,5 @@ def recorded_target(
     parameters = target_parameters(described.vehicle, target_size)
     return RecordedInstruments(
         InstrumentFeed(described.source),
-        lambda: TargetSight(parameters, described.vehicle.calibration),
+        lambda: TargetInstrumentFusion(parameters, described.vehicle.calibration),
     )

@@ -1,7 +1,4 @@
-"""Collects instruments: the camera's rotation for the filter, and metres of the target.
-
-The same for a node that hears instruments and for a recording that holds them.
-"""
+"""Fusion of a vehicle's instruments with the tracker of targets: rotation in, metres out."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
+from cable_tracker.metric.instrument_fusion import InstrumentFusion
 from cable_tracker.metric.messages import read_rates_of_turn, read_twist
 from cable_tracker.metric.odometry.motion import (
     FIRST_FRAME,
@@ -19,7 +17,6 @@ from cable_tracker.metric.odometry.motion import (
     moved_between,
 )
 from cable_tracker.metric.settings import mounting_of
-from cable_tracker.metric.sight import Sight
 from cable_tracker.metric.targets.target_metres import TargetMetres, TargetRange, turn_of_picture
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -36,8 +33,8 @@ LEAST_SIGMAS = (0.02, math.radians(0.3))
 TURNED_TOO_FAR = Unaided("the camera is said to have turned away from what the frame before showed")
 
 
-class TargetSight(Sight[TargetVehicleParameters]):
-    """Keeps what is known of camera, vehicle and the ranges of targets.
+class TargetInstrumentFusion(InstrumentFusion[TargetVehicleParameters]):
+    """Tells the filter how the camera turns, and converts its estimates to metres.
 
     Parameters
     ----------
@@ -116,14 +113,14 @@ class TargetSight(Sight[TargetVehicleParameters]):
             else moved_between(self._odometry, self._gyroscope, self._before, stamp)
         )
         camera = camera_for(self._calibration, image_size)
-        if not self._parameters.motion_aid:
+        if not self.parameters.motion_aid:
             self.unaided = SWITCHED_OFF
         elif isinstance(self._moved, Unaided):
             self.unaided = self._moved
         elif not isinstance(camera, CameraModel):
             self.unaided = Unaided(str(camera))
         else:
-            turn = turn_of_picture(camera, mounting_of(self._parameters), self._moved.rotation)
+            turn = turn_of_picture(camera, mounting_of(self.parameters), self._moved.rotation)
             self.unaided = TURNED_TOO_FAR if turn is None else None
             return turn
         return None

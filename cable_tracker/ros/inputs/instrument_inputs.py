@@ -7,7 +7,7 @@ from typing import Any, Generic
 
 from rclpy.node import Node
 
-from cable_tracker.metric.sight import AnySight, VehicleParameters
+from cable_tracker.metric.instrument_fusion import AnyFusion, VehicleParameters
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
@@ -17,7 +17,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 
 
-class InstrumentInputs(Generic[AnySight, VehicleParameters]):
+class InstrumentInputs(Generic[AnyFusion, VehicleParameters]):
     """Listens to the instruments, and knows whether they have told of the time of a frame.
 
     Parameters
@@ -25,9 +25,9 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
     node : Node
         The tracker's node.
     parameters : CableVehicleParameters or TargetVehicleParameters
-        Parameters of the sight, as the node has them at its start.
-    make_sight : callable
-        Makes the sight, given its parameters.
+        Parameters of the fusion, as the node has them at its start.
+    make_fusion : callable
+        Makes the fusion, given its parameters.
     instruments : collection of Instrument
         Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
@@ -35,21 +35,20 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
 
     Attributes
     ----------
-    parameters : CableVehicleParameters or TargetVehicleParameters
-        Parameters in force.
+    fusion : InstrumentFusion
+        Fusion of the messages so far, with the parameters in force.
     """
 
     def __init__(
         self,
         node: Node,
         parameters: VehicleParameters,
-        make_sight: Callable[[VehicleParameters], AnySight],
+        make_fusion: Callable[[VehicleParameters], AnyFusion],
         instruments: Collection[Instrument],
         required: Collection[Instrument] = (),
     ) -> None:
         self._node = node
-        self.parameters = parameters
-        self._sight = make_sight(parameters)
+        self.fusion = make_fusion(parameters)
         self._instruments = tuple(instruments)
         self._required = frozenset(required)
         self._newest: dict[Instrument, int] = {}
@@ -99,7 +98,7 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
         self._sent.hear(instrument.value, number)
         if instrument is not Instrument.CAMERA_INFO:
             self._newest[instrument] = stamp
-        self._sight.take_message(instrument, stamp, message)
+        self.fusion.take_message(instrument, stamp, message)
 
     def has_all_of(self, stamp: int) -> bool:
         """Tell whether the calibration is known, and the measurements of a time [ns].
@@ -118,8 +117,7 @@ class InstrumentInputs(Generic[AnySight, VehicleParameters]):
         )
 
     def apply(self, values: Mapping[str, object]) -> None:
-        """Take those of the sight's parameters that are given, by name."""
-        changed = with_those_in(self.parameters, values)
-        if changed != self.parameters:
-            self.parameters = changed
-            self._sight.configure(changed)
+        """Take those of the fusion's parameters that are given, by name."""
+        changed = with_those_in(self.fusion.parameters, values)
+        if changed != self.fusion.parameters:
+            self.fusion.configure(changed)

@@ -310,7 +310,7 @@ class CameraNode(ProcessNode, ABC):
             return
         self._statistics.arrivals.append(time.monotonic())
         is_held = self._enabled and frame.stamp
-        wait = self._instruments.parameters.instrument_wait if is_held else 0.0
+        wait = self._instruments.fusion.parameters.instrument_wait if is_held else 0.0
         # One that waits for nothing must not overtake those that do.
         if wait or self._hold.held:
             self._hold.take(frame, wait)

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
-from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
+from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS, CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
@@ -41,7 +41,7 @@ MOUNTING_NOT_GIVEN = (
 NO_FRAME = Withheld(Reason.NOT_TRACKING, "no frame has come")
 
 
-class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
+class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameters]):
     """Listens to the instruments, and publishes `cross_track`.
 
     Parameters
@@ -60,7 +60,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         parameters: CableVehicleParameters,
         endpoints: WatchedEndpoints,
     ) -> None:
-        super().__init__(node, parameters, CableSight, CABLE_INSTRUMENTS, AWAITED)
+        super().__init__(node, parameters, CableInstrumentFusion, CABLE_INSTRUMENTS, AWAITED)
         self._is_mounting_checked = False
         self._result: CrossTrack | Withheld = NO_FRAME
         self._stand_in = ""
@@ -83,9 +83,9 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
 
         None without odometry, or while it disagrees with what the camera sees.
         """
-        before = self._sight.unaided
-        motion = self._sight.motion(stamp, image)
-        unaided = self._sight.unaided
+        before = self.fusion.unaided
+        motion = self.fusion.motion(stamp, image)
+        unaided = self.fusion.unaided
         if unaided is not None and unaided.disagrees and unaided != before:
             self._node.get_logger().warning(
                 f"the filter goes on without odometry: {unaided.why}; {ODOMETRY_ADVICE}",
@@ -93,13 +93,9 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
             )
         return motion
 
-    def observe(self, estimate: CableEstimate) -> None:
-        """Take the filter's answer to a frame: odometry is judged by it."""
-        self._sight.observe(estimate)
-
     def publish(self, header: Message, estimate: CableEstimate) -> None:
         """Publish the cable of an estimate in metres, if it is known."""
-        before, result = self._result, self._sight.measure(estimate)
+        before, result = self._result, self.fusion.measure(estimate)
         self._result = result
         self._warn_of_stand_in(estimate.stamp)
         if isinstance(result, Withheld):
@@ -108,12 +104,12 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
         self._warn_of_mounting()
-        makers = cross_track_messages(MESSAGES, header, self.parameters.base_frame, result)
+        makers = cross_track_messages(MESSAGES, header, self.fusion.parameters.base_frame, result)
         publish_wanted(self._publishers, makers, *makers)
 
     def _warn_of_stand_in(self, stamp: int) -> None:
         """Warn where `fixed_altitude` begins to stand in: metres may jump then."""
-        before, self._stand_in = self._stand_in, self._sight.instruments.stand_in_at(stamp)
+        before, self._stand_in = self._stand_in, self.fusion.instruments.stand_in_at(stamp)
         if self._stand_in and not before:
             self._node.get_logger().warning(self._stand_in, throttle_duration_sec=WARNING_PAUSE)
 
@@ -124,7 +120,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
         self._is_mounting_checked = True
         defaults = CableVehicleParameters()
         if all(
-            getattr(self.parameters, name) == getattr(defaults, name)
+            getattr(self.fusion.parameters, name) == getattr(defaults, name)
             and not node_parameters.is_given_at_start(self._node, name)
             for name in MOUNTING_PARAMETERS
         ):
@@ -132,7 +128,7 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
 
     def diagnostics(self) -> dict[str, str]:
         """Return the key-value pairs of diagnostics about metres, with units in the keys."""
-        result, unaided = self._result, self._sight.unaided
+        result, unaided = self._result, self.fusion.unaided
         known = result if isinstance(result, CrossTrack) else None
         return {
             "cross track [m]": f"{known.offset:.3f}" if known else "",
@@ -145,5 +141,5 @@ class MetricInputs(InstrumentInputs[CableSight, CableVehicleParameters]):
 
     def _odometry_error(self) -> str:
         """Return how far from the prediction the sea bed moved; empty if that is not known."""
-        seen = self._sight.texture_motion
+        seen = self.fusion.texture_motion
         return f"{seen.error:.1f} of {seen.length:.1f}" if seen is not None else ""

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, JointState
 
-from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
+from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle

@@ -7,23 +7,22 @@ from functools import partial
 
 from rclpy.node import Node
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.odometry.motion import Unaided
-from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.relative_state import RelativeState
+from cable_tracker.metric.targets.target_instrument_fusion import (
+    TARGET_INSTRUMENTS,
+    TargetInstrumentFusion,
+)
 from cable_tracker.metric.targets.target_metres import TargetMetres
-from cable_tracker.metric.targets.target_sight import TARGET_INSTRUMENTS, TargetSight
 from cable_tracker.metric.withheld import newly_withheld
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
-from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 
 REASON_PAUSE = 10.0
 """A reason for missing metres that comes sooner after another one is not told [s]."""
 
 
-class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
+class TargetInputs(InstrumentInputs[TargetInstrumentFusion, TargetVehicleParameters]):
     """Listens to the instruments, and turns estimates into bearings and ranges.
 
     Parameters
@@ -38,28 +37,19 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
     """
 
     def __init__(self, node: Node, parameters: TargetVehicleParameters, count: int) -> None:
-        make_sight = partial(TargetSight, count=count)
-        super().__init__(node, parameters, make_sight, TARGET_INSTRUMENTS)
+        make_fusion = partial(TargetInstrumentFusion, count=count)
+        super().__init__(node, parameters, make_fusion, TARGET_INSTRUMENTS)
         self._results: list[TargetMetres] = []
-
-    @property
-    def camera_place(self) -> FloatArray:
-        """Position of the camera in `base_frame`, shape (3,) [m]."""
-        return mounting_of(self._sight.parameters).position
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
-        self._sight.forget(number)
+        self.fusion.forget(number)
         if number is None:
             self._results = []
 
-    def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
-        """Return the image motion by turns of the vehicle; see `TargetSight.camera_motion`."""
-        return self._sight.camera_motion(stamp, image_size)
-
     def take(self, estimates: Sequence[TargetEstimate]) -> Sequence[TargetMetres]:
         """Convert the estimates of a frame to metres; call it once for each frame."""
-        before, self._results = self._results, self._sight.take(estimates)
+        before, self._results = self._results, self.fusion.take(estimates)
         for number, result in enumerate(self._results):
             self._log_reason(before[number] if number < len(before) else None, result)
         return self._results
@@ -74,11 +64,6 @@ class TargetInputs(InstrumentInputs[TargetSight, TargetVehicleParameters]):
             "range sigma [m]": f"{known.range_sigma:.2f}" if known else "",
             "no metres": "" if known or relative is None else str(relative),
         }
-
-    @property
-    def unaided(self) -> Unaided | None:
-        """Why turns were not taken out of the last frame; None if they were."""
-        return self._sight.unaided
 
     def _log_reason(self, before: TargetMetres | None, result: TargetMetres) -> None:
         """Log once why there are no metres, unless it is that no target is claimed."""

@@ -10,6 +10,7 @@ from typing import Any
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.metric.messages import relative_messages
+from cable_tracker.metric.settings import mounting_of
 from cable_tracker.metric.targets.target_facts import target_facts
 from cable_tracker.node_parameter_tables import (
     TARGET_RUNTIME_PARAMETERS,
@@ -145,7 +146,7 @@ class TargetTrackerNode(CameraNode):
         begin = time.perf_counter()
         size = (picture.shape[1], picture.shape[0])
         self._take_marks(size)
-        motion = self._instruments.camera_motion(stamp, size)
+        motion = self._instruments.fusion.camera_motion(stamp, size)
         estimates = self._group.process(picture, stamp, motion)
         for number, tracker in enumerate(self._group.trackers):
             if tracker.has_begun:
@@ -153,11 +154,12 @@ class TargetTrackerNode(CameraNode):
         metres = self._instruments.take(estimates)
         milliseconds = (time.perf_counter() - begin) * 1e3
         clouds = [tracker.particles for tracker in self._group.trackers]
-        place, base = self._instruments.camera_place, self._instruments.parameters.base_frame
+        vehicle = self._instruments.fusion.parameters
+        camera_position = mounting_of(vehicle).position
         make = partial(target_messages, MESSAGES, header, ms=milliseconds)
         makers = [
-            make(estimate, cloud, metres=partial(target_facts, told, place))
-            | relative_messages(MESSAGES, header, base, told, place)
+            make(estimate, cloud, metres=partial(target_facts, told, camera_position))
+            | relative_messages(MESSAGES, header, vehicle.base_frame, told, camera_position)
             for estimate, cloud, told in zip(estimates, clouds, metres, strict=True)
         ]
         self._outputs.publish_results(makers)
@@ -223,7 +225,7 @@ class TargetTrackerNode(CameraNode):
             estimate = self._estimates[number] if self._estimates else None
             own = target_values(estimate) | self._instruments.figures(number)
             figures |= {f"{name}{key}": value for key, value in own.items()}
-        unaided = self._instruments.unaided
+        unaided = self._instruments.fusion.unaided
         return figures | {"no motion aid": "" if unaided is None else unaided.why}
 
 

@@ -142,7 +142,7 @@ class TrackerNode(CameraNode):
             metres=lambda: cable_facts(self._instruments.result),
         )  # fmt: skip
         self._outputs.publish_results([makers])
-        self._instruments.observe(estimate)
+        self._instruments.fusion.observe(estimate)
         self._instruments.publish(header, estimate)
         if estimate.is_claimed:
             self._search.stop()

@@ -20,7 +20,7 @@ from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.motion import LONGEST_STEP
 from cable_tracker.metric.recorded.recorded_cable import (
     Pauses,
-    RecordedCableSight,
+    RecordedCableInstruments,
     RecordedVehicle,
     recorded_vehicle,
 )
@@ -227,9 +227,9 @@ class _ForwardTracker:
         self._dive = dive
         self._tracker = make_tracker(settings.parameters)
         pauses = Pauses(INSTRUMENT_PAUSE, CALIBRATION_PAUSE, TEXTURE_PAUSE)
-        metres = vehicle.metres(pauses)
-        self._metres = metres if metres is not None else RecordedCableSight(vehicle.vehicle, None)
-        aided = self._metres.is_aided and settings.most_rate > 0.0
+        unaided = RecordedCableInstruments(vehicle.vehicle, None)
+        self._instruments = vehicle.instruments(pauses) or unaided
+        aided = self._instruments.is_aided and settings.most_rate > 0.0
         self._pause = round(NANOSECONDS / settings.most_rate) if aided else 0
         self._due: int | None = None
         self.passed_over = 0
@@ -237,10 +237,10 @@ class _ForwardTracker:
         self._measured = self._posed = -(2**62)
 
     def close(self) -> None:
-        self._metres.close()
+        self._instruments.close()
 
     def remarks(self) -> tuple[str, ...]:
-        return self._metres.remarks()
+        return self._instruments.remarks()
 
     def wants(self, stamp: int) -> bool:
         """Tell whether the picture of a time [ns] is tracked; each is asked about once."""
@@ -255,20 +255,20 @@ class _ForwardTracker:
 
     def take(self, frame: Frame) -> None:
         """Track a frame into a new row of the table, after the messages received before it."""
-        for message in self._metres.advance(frame):
+        for message in self._instruments.advance(frame):
             self._store(message)
         row = self._dive.table.append()
         row["frame"], row["stamp"] = frame.index, frame.stamp
         try:
             grey = decode_grey(frame.image)
-            motion = self._metres.motion(frame.stamp, grey)
+            motion = self._instruments.motion(frame.stamp, grey)
             estimate = self._tracker.process(grey, frame.stamp, motion)
         except FrameError:
             row["status"] = REFUSED
             return
         row["status"] = STATUSES.index(estimate.status.value)
         row["presence"] = np.nan if estimate.presence is None else estimate.presence
-        self._metres.sight.observe(estimate)
+        self._instruments.fusion.observe(estimate)
         if estimate.status is TrackingStatus.TRACKING:
             row["d"], row["alpha"], row["w"], row["beta"] = estimate.state.to_array()[:4]
         if 0 <= frame.stamp - self._measured < METRES_PAUSE:
@@ -278,10 +278,10 @@ class _ForwardTracker:
 
     def _measure(self, row: FrameRow, grey: Image, estimate: CableEstimate) -> None:
         """Write where the cable is in metres, and where its borders can be seen."""
-        result = self._metres.measure(estimate)
+        result = self._instruments.measure(estimate)
         if isinstance(result, Withheld):
             row["reason"] = self._dive.table.reason_number(result.reason.value)
-        view = self._metres.sight.instruments.ground_view(estimate)
+        view = self._instruments.fusion.instruments.ground_view(estimate)
         if isinstance(view, GroundView):
             self._dive.view = view
             write_view(row, view, estimate)

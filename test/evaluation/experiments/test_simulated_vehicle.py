@@ -14,7 +14,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import (
     LOOK_AHEAD,
     simulated_vehicle,
 )
-from cable_tracker.metric.cable_sight import CableSight
+from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.odometry.homography import homography, move_states
 from cable_tracker.metric.odometry.motion import Odometry, PoseChange
@@ -39,21 +39,21 @@ def estimate_of(states, index) -> CableEstimate:
     )
 
 
-def sight_of(vehicle) -> CableSight:
-    sight = CableSight(vehicle.parameters)
+def fusion_of(vehicle) -> CableInstrumentFusion:
+    fusion = CableInstrumentFusion(vehicle.parameters)
     for stamp, instrument, message in vehicle.messages:
-        sight.take_message(instrument, stamp, message)
-    return sight
+        fusion.take_message(instrument, stamp, message)
+    return fusion
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario):
     vehicle = simulated_vehicle(scenario, 0, EXACT)
-    sight = sight_of(vehicle)
+    fusion = fusion_of(vehicle)
     states = scenario_states(scenario, 0)
     errors = []
     for index in range(0, 100, 5):
-        result = sight.measure(estimate_of(states, index))
+        result = fusion.measure(estimate_of(states, index))
         assert isinstance(result, CrossTrack)
         found = np.array([result.offset, result.offset_ahead, result.heading])
         errors.append((found - vehicle.truths[index]) / [*[vehicle.altitudes[index]] * 2, 1.0])
@@ -66,7 +66,7 @@ def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario)
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
     vehicle = simulated_vehicle(scenario, 0, EXACT)
-    instruments = sight_of(vehicle).instruments
+    instruments = fusion_of(vehicle).instruments
     states = scenario_states(scenario, 0)
     odometry = Odometry()
     residuals, steps = [], []

@@ -96,9 +96,11 @@ def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
     with open_chosen(RecordingRequest(surveyed_dive)) as source:
         tracker = make_tracker(PARAMETERS)
         start_from_truth(tracker, source)
-        metres = recorded_vehicle(source).metres()
+        instruments = recorded_vehicle(source).instruments()
         with CableFolder(tmp_path / "out", timing=False, wanted=TABLE_ONLY) as results:
-            follow_all(source.frames(), lambda frame: track_frame(frame, tracker, results, metres))
+            follow_all(
+                source.frames(), lambda frame: track_frame(frame, tracker, results, instruments)
+            )
     rows = read_estimates(tmp_path / "out" / ESTIMATES)
     played = watch(surveyed_dive).play_to_the_end()
     shown = [played[row.frame] for row in rows[1:]]

@@ -91,10 +91,12 @@ def rows_of_command(path, box, folder):
     tracker.initialise(TargetStart.from_box(*box))
     with (
         open_chosen(RecordingRequest(path)) as source,
-        recorded_target(recorded_vehicle(source)) as sight,
+        recorded_target(recorded_vehicle(source)) as instruments,
         TargetFolder(folder, timing=False, wanted=TABLE_ONLY) as results,
     ):
-        follow_all(source.frames(), lambda frame: follow_frame(frame, tracker, results, sight))
+        follow_all(
+            source.frames(), lambda frame: follow_frame(frame, tracker, results, instruments)
+        )
         return list(results.rows)
 
 

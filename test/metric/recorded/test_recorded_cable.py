@@ -58,10 +58,13 @@ def claim_at(stamp, state) -> CableEstimate:
 
 def measured(bag, choice=None):
     results = []
-    with open_source(bag) as recording, recorded_vehicle(recording, choice).metres() as metres:
+    with (
+        open_source(bag) as recording,
+        recorded_vehicle(recording, choice).instruments() as instruments,
+    ):
         for frame in recording.frames():
-            metres.advance(frame)
-            results.append(metres.measure(claim(frame)))
+            instruments.advance(frame)
+            results.append(instruments.measure(claim(frame)))
     return results
 
 
@@ -81,9 +84,9 @@ def test_without_an_altitude_the_reason_is_said(bag):
 
 
 def test_what_is_said_shortly_after_a_frame_is_known(bag):
-    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+    with open_source(bag) as recording, recorded_vehicle(recording).instruments() as instruments:
         frame = next(recording.frames())
-        messages = metres.advance(frame)
+        messages = instruments.advance(frame)
     latest = max(message.stamp for message in messages)
     assert frame.stamp < latest <= frame.received + 250_000_000
 
@@ -91,7 +94,7 @@ def test_what_is_said_shortly_after_a_frame_is_known(bag):
 def test_a_recording_that_is_no_bag_has_no_instruments(tmp_path):
     (tmp_path / "0.png").write_bytes(b"")
     with open_source(tmp_path) as recording:
-        assert recorded_vehicle(recording).metres() is None
+        assert recorded_vehicle(recording).instruments() is None
 
 
 def test_a_vehicle_file_alone_lets_it_be_said_why_there_are_no_metres(tmp_path):
@@ -102,18 +105,18 @@ def test_a_vehicle_file_alone_lets_it_be_said_why_there_are_no_metres(tmp_path):
     with open_source(tmp_path) as recording:
         described = recorded_vehicle(recording, vehicle_file=file)
         assert not described.has_instruments
-        metres = described.metres()
-        assert metres.measure(estimate).reason is Reason.NO_CALIBRATION
+        instruments = described.instruments()
+        assert instruments.measure(estimate).reason is Reason.NO_CALIBRATION
 
 
-def run(metres, frames):
+def run(instruments, frames):
     """Measure frames with their motion; the estimate is the truth."""
     results = []
     for frame in frames:
-        metres.advance(frame)
-        motion = metres.motion(frame.stamp, decode_grey(frame.image))
-        metres.sight.observe(claim(frame))
-        known = metres.measure(claim(frame))
+        instruments.advance(frame)
+        motion = instruments.motion(frame.stamp, decode_grey(frame.image))
+        instruments.fusion.observe(claim(frame))
+        known = instruments.measure(claim(frame))
         results.append(
             (
                 None if motion is None else motion.mapping.tolist(),
@@ -126,11 +129,11 @@ def run(metres, frames):
 
 @pytest.mark.parametrize("place", [0, 1, 5])
 def test_a_copy_goes_on_as_the_original_does_and_as_often_as_is_wanted(bag, place):
-    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+    with open_source(bag) as recording, recorded_vehicle(recording).instruments() as instruments:
         frames = list(recording.frames())
-        run(metres, frames[:place])
-        kept = metres.copy()
-        expected = run(metres, frames[place:])
+        run(instruments, frames[:place])
+        kept = instruments.copy()
+        expected = run(instruments, frames[place:])
         assert any(motion is not None for motion, _, _ in expected)
         for _ in range(2):
             with kept.copy() as again:
@@ -138,21 +141,21 @@ def test_a_copy_goes_on_as_the_original_does_and_as_often_as_is_wanted(bag, plac
 
 
 def test_after_a_jump_only_the_motion_from_the_frame_before_is_unknown(bag):
-    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+    with open_source(bag) as recording, recorded_vehicle(recording).instruments() as instruments:
         frames = list(recording.frames())
-        expected = run(metres, frames)
+        expected = run(instruments, frames)
         for place in (7, 2):
-            metres.jump()
-            found = run(metres, frames[place:])
+            instruments.jump()
+            found = run(instruments, frames[place:])
             assert found[0][0] is None
             assert [each[1:] for each in found] == [each[1:] for each in expected[place:]]
-        metres.jump(to_start=True)
-        assert run(metres, frames) == expected
+        instruments.jump(to_start=True)
+        assert run(instruments, frames) == expected
 
 
 def test_a_closed_one_reads_no_more(bag):
     with open_source(bag) as recording:
         frame = next(recording.frames())
-        with recorded_vehicle(recording).metres() as metres:
+        with recorded_vehicle(recording).instruments() as instruments:
             pass
-        assert metres.advance(frame) == []
+        assert instruments.advance(frame) == []

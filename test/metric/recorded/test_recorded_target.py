@@ -45,12 +45,12 @@ def followed(path, box, target_size=0.0):
             for frame in source.frames():
                 instruments.advance(frame)
                 image = decode_bgr(frame.image)
-                motion = instruments.sight.camera_motion(
+                motion = instruments.fusion.camera_motion(
                     frame.stamp, (image.shape[1], image.shape[0])
                 )
-                unaided.append(instruments.sight.unaided)
+                unaided.append(instruments.fusion.unaided)
                 estimate = tracker.process(image, frame.stamp, motion)
-                told.append((estimate, *instruments.sight.take([estimate])))
+                told.append((estimate, *instruments.fusion.take([estimate])))
     return told, unaided
 
 
@@ -78,12 +78,12 @@ def test_the_homography_carries_the_target_along(turning):
         places = []
         for frame, (box, _) in zip(source.frames(), truths, strict=True):
             instruments.advance(frame)
-            motion = instruments.sight.camera_motion(frame.stamp, (320, 240))
+            motion = instruments.fusion.camera_motion(frame.stamp, (320, 240))
             centre = np.array([(box[0] + box[2]) / 2 - 160, 120 - (box[1] + box[3]) / 2])
             places.append((motion, centre))
             # Only so does the next frame know from when to count.
             tracker = TargetTracker()
-            instruments.sight.take([tracker.process(decode_bgr(frame.image), frame.stamp)])
+            instruments.fusion.take([tracker.process(decode_bgr(frame.image), frame.stamp)])
     still = [np.linalg.norm(now - before) for (_, before), (_, now) in itertools.pairwise(places)]
     left = []
     for (_, before), (motion, now) in itertools.pairwise(places):
@@ -98,9 +98,9 @@ def follow_some(frames, instruments, tracker):
     homographies = []
     for frame in frames:
         instruments.advance(frame)
-        motion = instruments.sight.camera_motion(frame.stamp, (320, 240))
+        motion = instruments.fusion.camera_motion(frame.stamp, (320, 240))
         homographies.append(None if motion is None else motion.homography)
-        instruments.sight.take([tracker.process(decode_bgr(frame.image), frame.stamp, motion)])
+        instruments.fusion.take([tracker.process(decode_bgr(frame.image), frame.stamp, motion)])
     return homographies
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from instrument_messages import camera_info, imu, odometry
 
-from cable_tracker.metric.targets.target_sight import TargetSight
+from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TargetVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -26,37 +26,37 @@ def seen(index):
     )  # fmt: skip
 
 
-def turn_of(sight, instrument, make):
+def turn_of(fusion, instrument, make):
     """Show two frames while the vehicle turns; return what that does to the second."""
     for index in range(2):
         stamp = SECOND + index * FRAME
-        sight.take_message(instrument, stamp, make(turn=TURN + 1e-3 * index))
-        motion = sight.camera_motion(stamp, SIZE)
-        sight.take([seen(index)])
+        fusion.take_message(instrument, stamp, make(turn=TURN + 1e-3 * index))
+        motion = fusion.camera_motion(stamp, SIZE)
+        fusion.take([seen(index)])
     return motion
 
 
 def calibrated(**others):
-    sight = TargetSight(TargetVehicleParameters(**others))
-    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
-    return sight
+    fusion = TargetInstrumentFusion(TargetVehicleParameters(**others))
+    fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    return fusion
 
 
 @pytest.mark.parametrize(
     ("instrument", "make"), [(Instrument.IMU, imu), (Instrument.ODOMETRY, odometry)]
 )
 def test_turns_are_known_from_imu_and_odometry(instrument, make):
-    sight = calibrated()
-    motion = turn_of(sight, instrument, make)
-    assert sight.unaided is None
+    fusion = calibrated()
+    motion = turn_of(fusion, instrument, make)
+    assert fusion.unaided is None
     # What is ahead moves to the right when the vehicle turns to the left.
     assert motion.homography[0, 2] == pytest.approx(280.0 * math.tan(TURN * 0.04), rel=0.01)
 
 
 def test_an_imu_that_measures_no_turns_says_nothing():
-    sight = calibrated()
-    assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
-    assert sight.unaided.why == "no odometry has come"
+    fusion = calibrated()
+    assert turn_of(fusion, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
+    assert fusion.unaided.why == "no odometry has come"
 
 
 def test_an_imu_whose_turns_may_be_anything_says_nothing():
@@ -69,16 +69,16 @@ def test_an_imu_whose_turns_may_be_anything_says_nothing():
 
 
 def test_a_turn_away_from_what_was_seen_is_not_taken_out():
-    sight = calibrated()
+    fusion = calibrated()
     fast = math.radians(80.0) / 0.04
-    assert turn_of(sight, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
-    assert "turned away" in sight.unaided.why
+    assert turn_of(fusion, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
+    assert "turned away" in fusion.unaided.why
 
 
 def test_turns_can_be_left_in():
-    sight = calibrated(motion_aid=False)
-    assert turn_of(sight, Instrument.ODOMETRY, odometry) is None
-    assert sight.unaided.why == "the parameter motion_aid is false"
+    fusion = calibrated(motion_aid=False)
+    assert turn_of(fusion, Instrument.ODOMETRY, odometry) is None
+    assert fusion.unaided.why == "the parameter motion_aid is false"
 
 
 def test_a_target_of_known_size_has_a_range():
@@ -87,21 +87,21 @@ def test_a_target_of_known_size_has_a_range():
 
 
 def test_other_values_read_the_calibration_anew():
-    sight = calibrated(target_size=0.5)
-    sight.configure(TargetVehicleParameters(target_size=0.5, image_is_rectified=True))
-    (metres,) = sight.take([seen(0)])
+    fusion = calibrated(target_size=0.5)
+    fusion.configure(TargetVehicleParameters(target_size=0.5, image_is_rectified=True))
+    (metres,) = fusion.take([seen(0)])
     assert metres.relative.range == pytest.approx(0.5 * 250.0 / 20.0, rel=0.01)
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations):
-    sight = TargetSight(TargetVehicleParameters(), calibrations["pinhole"])
-    (before,) = sight.take([seen(0)])
-    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info(640))
-    (after,) = sight.take([seen(1)])
+    fusion = TargetInstrumentFusion(TargetVehicleParameters(), calibrations["pinhole"])
+    (before,) = fusion.take([seen(0)])
+    fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info(640))
+    (after,) = fusion.take([seen(1)])
     assert after.ray.tolist() == before.ray.tolist()
 
 
 def test_without_a_calibration_there_is_no_bearing():
-    (metres,) = TargetSight(TargetVehicleParameters()).take([seen(0)])
+    (metres,) = TargetInstrumentFusion(TargetVehicleParameters()).take([seen(0)])
     assert isinstance(metres.ray, Withheld)
     assert metres.ray.reason is Reason.NO_CALIBRATION

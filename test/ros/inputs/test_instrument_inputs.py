@@ -15,7 +15,7 @@ SECOND = 1_000_000_000
 INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)
 
 
-class NotedSight:
+class NotedFusion:
     """Notes what it is given."""
 
     def __init__(self, parameters: TargetVehicleParameters) -> None:
@@ -37,32 +37,32 @@ def header(sec: int) -> Header:
 
 @pytest.fixture
 def make(world: Any) -> Any:
-    def made(required: Any = ()) -> tuple[InstrumentInputs[Any, Any], NotedSight]:
+    def made(required: Any = ()) -> tuple[InstrumentInputs[Any, Any], NotedFusion]:
         inputs = InstrumentInputs(
-            world.me, TargetVehicleParameters(), NotedSight, INSTRUMENTS, required
+            world.me, TargetVehicleParameters(), NotedFusion, INSTRUMENTS, required
         )
-        return inputs, inputs._sight
+        return inputs, inputs.fusion
 
     return made
 
 
 def test_messages_are_handed_on_with_their_stamps(make: Any) -> None:
-    inputs, sight = make()
+    inputs, fusion = make()
     inputs.take_message(Instrument.IMU, Imu(header=header(2)))
-    assert sight.taken == [(Instrument.IMU, 2 * SECOND)]
+    assert fusion.taken == [(Instrument.IMU, 2 * SECOND)]
 
 
 def test_a_message_without_a_stamp_counts_as_of_now(make: Any, world: Any) -> None:
-    inputs, sight = make()
+    inputs, fusion = make()
     before = world.me.get_clock().now().nanoseconds
     inputs.take_message(Instrument.IMU, Imu())
-    assert before <= sight.taken[0][1] <= world.me.get_clock().now().nanoseconds
+    assert before <= fusion.taken[0][1] <= world.me.get_clock().now().nanoseconds
 
 
 def test_each_instrument_has_a_topic_of_its_name(make: Any, world: Any) -> None:
-    inputs, sight = make()
+    inputs, fusion = make()
     news: list[int] = []
-    inputs.subscribe("reliable", lambda: news.append(len(sight.taken)))
+    inputs.subscribe("reliable", lambda: news.append(len(fusion.taken)))
     for index, (topic, kind) in enumerate(
         (("camera_info", CameraInfo), ("imu", Imu), ("odometry", Odometry))
     ):
@@ -70,19 +70,19 @@ def test_each_instrument_has_a_topic_of_its_name(make: Any, world: Any) -> None:
         world.spin(publisher.get_subscription_count)
         publisher.publish(kind(header=header(1)))
         world.spin(lambda count=index + 1: len(news) == count)
-    assert sight.taken == [(each, SECOND) for each in INSTRUMENTS]
+    assert fusion.taken == [(each, SECOND) for each in INSTRUMENTS]
     assert news == [1, 2, 3]
 
 
 def test_messages_are_counted_as_their_sender_counts_them(make: Any, world: Any) -> None:
-    inputs, sight = make()
+    inputs, fusion = make()
     publisher = world.me.create_publisher(Imu, "imu", 10)
     for _ in range(4):
         publisher.publish(Imu(header=header(1)))
     inputs.subscribe("reliable", lambda: None)
     world.spin(publisher.get_subscription_count)
     publisher.publish(Imu(header=header(2)))
-    world.spin(lambda: sight.taken)
+    world.spin(lambda: fusion.taken)
     assert inputs._sent._heard == {"imu": 5}
 
 
@@ -119,13 +119,12 @@ def test_what_a_replay_says_it_has_sent_is_awaited(make: Any) -> None:
     assert inputs.has_all_of(2 * SECOND)
 
 
-def test_parameters_of_the_sight_reach_it_and_others_do_not(make: Any) -> None:
-    inputs, sight = make()
-    before = sight.parameters
+def test_parameters_of_the_fusion_reach_it_and_others_do_not(make: Any) -> None:
+    inputs, fusion = make()
+    before = fusion.parameters
     inputs.apply({"particle_count": 3})
-    assert sight.parameters == before == TargetVehicleParameters()
+    assert fusion.parameters == before == TargetVehicleParameters()
     inputs.apply({"camera_x": 0.5, "instrument_wait": 2.0, "base_frame": "rov", "other": 1})
-    assert sight.parameters == TargetVehicleParameters(
+    assert fusion.parameters == TargetVehicleParameters(
         camera_x=0.5, instrument_wait=2.0, base_frame="rov"
     )
-    assert (inputs.parameters.instrument_wait, inputs.parameters.base_frame) == (2.0, "rov")

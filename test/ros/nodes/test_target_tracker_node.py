@@ -393,7 +393,7 @@ class TestMetres:
             node._instruments.take_message(Instrument(instrument), message)
             show(node, index, scene(round(100 + shift * index), seed=index))
         assert node.status == "TRACKING"
-        assert node._instruments.unaided is None
+        assert node._instruments.fusion.unaided is None
         # The rates are those of the target itself, which hangs still in the water.
         rates = node.group.trackers[0].particles.states[:, 4]
         assert abs(np.median(rates)) < 0.3 * shift / 0.04
@@ -409,7 +409,7 @@ class TestMetres:
             node._instruments.take_message(Instrument.IMU, message)
             show(node, index, scene(100, seed=index))
         assert (node.status, node.statistics.tracked) == ("TRACKING", 6)
-        assert "infinite" in node._instruments.unaided.why
+        assert "infinite" in node._instruments.fusion.unaided.why
 
     def test_a_frame_waits_for_each_instrument_that_speaks(
         self, world: Any, show: Callable[..., None], header: Callable[..., Any]

@@ -52,14 +52,14 @@ def test_the_true_cable_lies_in_metres_where_the_vehicle_has_it(bag):
     dive = simulated_dive(SETTINGS)
     times = np.arange(SETTINGS.frame_count) / SETTINGS.rate
     truths = cables_below(dive, flight_at(dive, times))
-    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+    with open_source(bag) as recording, recorded_vehicle(recording).instruments() as instruments:
         for frame, (offset, _, heading) in zip(recording.frames(), truths, strict=True):
-            metres.advance(frame)
+            instruments.advance(frame)
             estimate = CableEstimate(
                 frame.stamp, TrackingStatus.TRACKING, frame.truth, np.diag([1e-2] + [1e-5] * 7),
                 100.0, 3.0, SETTINGS.image_size,
             )  # fmt: skip
-            known = metres.measure(estimate)
+            known = instruments.measure(estimate)
             assert isinstance(known, CrossTrack)
             assert known.offset == pytest.approx(offset, abs=0.06)
             assert known.heading == pytest.approx(heading, abs=0.05)

@@ -25,7 +25,7 @@ def run(monkeypatch):
 
     def ask(times, most_rate=5.0, aided=True):
         monkeypatch.setattr(
-            "cable_tracker.metric.recorded.recorded_cable.RecordedCableSight.is_aided",
+            "cable_tracker.metric.recorded.recorded_cable.RecordedCableInstruments.is_aided",
             property(lambda own: aided),
         )
         settings = ForwardSettings(most_rate=most_rate)

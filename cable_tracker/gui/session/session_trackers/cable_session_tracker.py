@@ -13,7 +13,7 @@ from cable_tracker.gui.session.session import AnyStart
 from cable_tracker.gui.session.session_trackers.session_tracker import SessionTracker
 from cable_tracker.gui.session.snapshot import CableSnapshot
 from cable_tracker.gui.subject.subject import CABLE
-from cable_tracker.metric.recorded.recorded_cable import RecordedCableSight
+from cable_tracker.metric.recorded.recorded_cable import RecordedCableInstruments
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.offline.track_cable import given_state_for, row_of, track_picture
 from cable_tracker.sequences.encodings import decode_grey
@@ -35,7 +35,7 @@ class CableSessionTracker(SessionTracker):
     ----------
     init : str
         Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
-    metres : RecordedCableSight or None
+    instruments : RecordedCableInstruments or None
         The recording's instruments; None: everything stays in pixels.
 
     Raises
@@ -47,20 +47,20 @@ class CableSessionTracker(SessionTracker):
     subject = CABLE
     _tracker: CableTracker
     _parameters: TrackerParameters
-    _instruments: RecordedCableSight | None
+    _instruments: RecordedCableInstruments | None
 
     def __init__(
         self,
         source: Source,
         init: str,
         parameters: TrackerParameters,
-        metres: RecordedCableSight | None,
+        instruments: RecordedCableInstruments | None,
     ) -> None:
         self._source, self._init = source, init
         self._limits = pair_limits(parameters)
         self._start = given_state_for(source, init, self._limits)
         self._no_start = ""
-        super().__init__(parameters, make_tracker(parameters), metres)
+        super().__init__(parameters, make_tracker(parameters), instruments)
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""

@@ -13,7 +13,7 @@ from cable_tracker.gui.session.session_trackers.session_tracker import SessionTr
 from cable_tracker.gui.session.snapshot import TargetSnapshot
 from cable_tracker.gui.subject.subject import TARGET
 from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
-from cable_tracker.metric.targets.target_sight import TargetSight
+from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.offline.target_table import TargetRow, row_of
 from cable_tracker.offline.track_target import follow_picture
 from cable_tracker.particle_filter.particles import Particles
@@ -49,14 +49,14 @@ class TargetSessionTracker(SessionTracker):
     subject = TARGET
     _tracker: TargetTracker
     _parameters: TargetParameters
-    _instruments: RecordedInstruments[TargetSight] | None
+    _instruments: RecordedInstruments[TargetInstrumentFusion] | None
 
     def __init__(
         self,
         init: str,
         parameters: TargetParameters,
         truth: BoxTruth,
-        instruments: RecordedInstruments[TargetSight] | None,
+        instruments: RecordedInstruments[TargetInstrumentFusion] | None,
     ) -> None:
         self._truth = truth
         self._start: StartText = parse_start_text(init)
