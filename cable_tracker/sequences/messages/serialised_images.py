@@ -16,7 +16,8 @@ from cable_tracker.stamps import NANOSECONDS
 
 _ENCAPSULATION = 4
 _BYTE_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
-_ALIGNMENT = 4
+_NUMBER = 4
+"""Octets of a number; numbers begin at multiples of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,30 +53,31 @@ class _Reader:
         self._bytes = memoryview(message)[_ENCAPSULATION:]
         self._position = 0
 
-    def numbers(self, kinds: str) -> tuple[int, ...]:
-        """Read numbers of four bytes each: `i` signed, `I` unsigned."""
-        self._position += -self._position % _ALIGNMENT
-        values = struct.unpack_from(self._order + kinds, self._bytes, self._position)
-        self._position += _ALIGNMENT * len(kinds)
-        return values
+    def flag(self) -> bool:
+        """Read a truth value of one octet."""
+        self._position += 1
+        return bool(self._bytes[self._position - 1])
 
-    def octets(self, length: int) -> memoryview:
-        """View some bytes."""
-        end = self._position + length
-        if end > len(self._bytes):
+    def fields(self, kinds: str = "") -> tuple[list[int], memoryview]:
+        """Read numbers, `i` signed and `I` unsigned, and view the string or sequence after them."""
+        begin = self._position + -self._position % _NUMBER
+        # The number of its octets precedes a sequence.
+        *numbers, length = struct.unpack_from(f"{self._order}{kinds}I", self._bytes, begin)
+        begin += _NUMBER * (len(kinds) + 1)
+        self._position = begin + length
+        if self._position > len(self._bytes):
             raise ValueError
-        view = self._bytes[self._position : end]
-        self._position = end
-        return view
-
-    def text(self, length: int) -> str:
-        """Read a string of some bytes, the last of which is zero."""
-        return bytes(self.octets(length)).rstrip(b"\0").decode("utf-8", errors="replace")
+        return numbers, self._bytes[begin : self._position]
 
     def header(self) -> MessageHeader:
         """Read a std_msgs/Header."""
-        sec, nanosec, length = self.numbers("iII")
-        return MessageHeader(sec, nanosec, self.text(length))
+        (sec, nanosec), frame_id = self.fields("iI")
+        return MessageHeader(sec, nanosec, _text(frame_id))
+
+
+def _text(octets: memoryview) -> str:
+    """Return the text of a string, which ends with a zero."""
+    return bytes(octets).rstrip(b"\0").decode("utf-8", errors="replace")
 
 
 def read_header(beginning: bytes, *, is_ros1: bool = False) -> MessageHeader | None:
@@ -100,14 +102,12 @@ def read_serialised_image(message: bytes) -> tuple[MessageHeader, RawImage]:
     try:
         reader = _Reader(message)
         header = reader.header()
-        height, width, length = reader.numbers("III")
-        encoding = reader.text(length)
-        is_bigendian = bool(reader.octets(1)[0])
-        step, length = reader.numbers("II")
-        data = reader.octets(length)
+        (height, width), encoding = reader.fields("II")
+        is_bigendian = reader.flag()
+        (step,), data = reader.fields("I")
     except (struct.error, IndexError, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/Image") from error
-    return header, RawImage(encoding, height, width, step, is_bigendian, data)
+    return header, RawImage(_text(encoding), height, width, step, is_bigendian, data)
 
 
 def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, CompressedImage]:
@@ -121,10 +121,8 @@ def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, Com
     try:
         reader = _Reader(message)
         header = reader.header()
-        (length,) = reader.numbers("I")
-        encoding = reader.text(length)
-        (length,) = reader.numbers("I")
-        image = CompressedImage(encoding, reader.octets(length))
+        _, encoding = reader.fields()
+        _, data = reader.fields()
     except (struct.error, IndexError, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/CompressedImage") from error
-    return header, image
+    return header, CompressedImage(_text(encoding), data)
