@@ -129,17 +129,17 @@ def read_twist(
 def make_cross_track(
     factory: MessageFactory,
     header: Message,
-    place: tuple[float, float, float],
+    position: tuple[float, float, float],
     heading: float,
     covariance: FloatArray,
 ) -> Message:
-    """Pack the cable at a place x, y, z [m] and its heading [rad] as PoseWithCovarianceStamped.
+    """Pack the cable at a position x, y, z [m] and its heading [rad] as PoseWithCovarianceStamped.
 
     `covariance` (2, 2) is that of y and the heading. What else the pose has room for gets
     `UNKNOWN_VARIANCE`: x is chosen, not measured.
     """
     known = pose_covariance((Y, YAW), covariance)
-    return make_stamped_pose(factory, header, place, heading, known)
+    return make_stamped_pose(factory, header, position, heading, known)
 
 
 def cross_track_messages(
@@ -157,8 +157,8 @@ def cross_track_messages(
     def make(ahead: float, told: Callable[[], tuple[float, FloatArray]]) -> Message:
         offset, covariance = told()
         own_header = make_header(factory, stamp_of(header), base_frame)
-        place = (ahead, offset, known.depth)
-        return make_cross_track(factory, own_header, place, known.heading, covariance)
+        position = (ahead, offset, known.depth)
+        return make_cross_track(factory, own_header, position, known.heading, covariance)
 
     return {topic: partial(make, *point) for topic, point in points.items()}
 
@@ -168,7 +168,7 @@ def relative_messages(
     header: Message,
     base_frame: str,
     known: TargetMetres,
-    camera_place: FloatArray,
+    camera_position: FloatArray,
 ) -> MessageMakers:
     """Return makers of the messages about a target in metres: bearing and position, if known.
 
@@ -177,8 +177,8 @@ def relative_messages(
     header : Message
         Stamp and frame of the image, in which the bearing is.
     base_frame : str
-        Name of the vehicle's frame, in which the place is.
-    camera_place : FloatArray
+        Name of the vehicle's frame, in which the position is.
+    camera_position : FloatArray
         Position of the camera in that frame, shape (3,) [m].
     """
     ray, state = known.ray, known.relative
@@ -189,7 +189,7 @@ def relative_messages(
         makers[node_topics.RELATIVE_POSE] = lambda: make_relative_pose(
             factory,
             make_header(factory, stamp_of(header), base_frame),
-            state.position() + camera_place,
+            state.position() + camera_position,
             state.position_covariance(),
         )
     return makers

@@ -43,14 +43,14 @@ def altimeter_of(parameters: CableVehicleParameters) -> Altimeter:
     )
 
 
-def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, object]:
+def camera_parameters(rotation: FloatArray, position: FloatArray) -> dict[str, object]:
     """Return the parameters `camera_*` for a camera's optical frame in base_link.
 
     Parameters
     ----------
     rotation : FloatArray
         From the optical frame to base_link, shape (3, 3).
-    place : FloatArray
+    position : FloatArray
         Position of the camera in base_link, shape (3,) [m].
     """
     body = rotation @ OPTICAL_IN_BODY.T
@@ -62,5 +62,5 @@ def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, obje
         roll = math.atan2(float(body[2, 1]), float(body[2, 2]))
         yaw = math.atan2(float(body[1, 0]), float(body[0, 0]))
     angles = np.degrees([roll, pitch, yaw])
-    values = (float(value) for value in (*place, *angles))
+    values = (float(value) for value in (*position, *angles))
     return dict(zip(MOUNTING_PARAMETERS, values, strict=True))

@@ -102,10 +102,12 @@ def follow_frame(
     facts: dict[str, str] = {}
     if instruments is not None and metres is not None:
         parameters = instruments.fusion.parameters
-        place = mounting_of(parameters).position
-        facts = target_facts(metres, place)
+        camera_position = mounting_of(parameters).position
+        facts = target_facts(metres, camera_position)
         results.metres.append(metres_row(frame, facts))
-        output.write_all(relative_messages(factory, header, parameters.base_frame, metres, place))
+        output.write_all(
+            relative_messages(factory, header, parameters.base_frame, metres, camera_position)
+        )
     output.write_all(
         target_messages(factory, header, estimate, particles, ms=ms, metres=lambda: facts)
     )

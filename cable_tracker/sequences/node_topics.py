@@ -99,7 +99,7 @@ class TrackerTopics:
         Comes for every frame, and tells its status.
     results, metres : tuple of NodeTopic
         Hold what is claimed, in pixels and in metres, in the order of publishing.
-    place : NodeTopic
+    pose : NodeTopic
         The one of those in metres that a controller follows.
     overlay : NodeTopic
         Holds the JPEG for people.
@@ -109,7 +109,7 @@ class TrackerTopics:
     report: NodeTopic
     results: tuple[NodeTopic, ...]
     metres: tuple[NodeTopic, ...]
-    place: NodeTopic
+    pose: NodeTopic
     overlay: NodeTopic
 
     @property
@@ -129,7 +129,7 @@ CABLE_TOPICS = TrackerTopics(
     report=FRAME_REPORT,
     results=(CENTRELINE,),
     metres=(CROSS_TRACK, CROSS_TRACK_AHEAD),
-    place=CROSS_TRACK,
+    pose=CROSS_TRACK,
     overlay=OVERLAY,
 )
 TARGET_TOPICS = TrackerTopics(
@@ -137,7 +137,7 @@ TARGET_TOPICS = TrackerTopics(
     report=TARGET_REPORT,
     results=(TARGET, BOX, CONTOUR),
     metres=(BEARING, RELATIVE_POSE),
-    place=RELATIVE_POSE,
+    pose=RELATIVE_POSE,
     overlay=TARGET_OVERLAY,
 )
 """Of several targets the topics of the first."""

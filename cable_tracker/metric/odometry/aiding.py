@@ -191,7 +191,7 @@ class MotionAiding:
         observed = wrap_state(estimate.state.to_array(), float(expected[1]))
         self._gate.compare(
             observed[:CHECKED] - expected[:CHECKED],
-            predicted.place_sigmas[:CHECKED] ** 2,
+            predicted.pose_sigmas[:CHECKED] ** 2,
             np.diag(estimate.covariance)[:CHECKED],
         )
 
@@ -199,4 +199,4 @@ class MotionAiding:
 def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotion:
     """Count by how much the picture shows a prediction to be off as unknown."""
     more = excess * UNKNOWN_PER_PIXEL * pose_units(pixel_scale(image_width))
-    return replace(motion, place_sigmas=np.hypot(motion.place_sigmas, more))
+    return replace(motion, pose_sigmas=np.hypot(motion.pose_sigmas, more))

@@ -110,13 +110,13 @@ class PlaneMotion:
         The homography, shape (3, 3).
     seconds : float
         Time between the frames.
-    place_sigmas : FloatArray
+    pose_sigmas : FloatArray
         Standard deviations of d, alpha, w, beta after the motion, shape (4,) [px, rad].
     """
 
     mapping: FloatArray
     seconds: float
-    place_sigmas: FloatArray
+    pose_sigmas: FloatArray
 
     def moved(self, states: FloatArray) -> FloatArray:
         """Return states (N, 8) after the motion."""
@@ -127,4 +127,4 @@ class PlaneMotion:
 
     def scales(self) -> FloatArray:
         """Return the standard deviations of what is unknown, shape (8,)."""
-        return np.concatenate((self.place_sigmas, self.place_sigmas / self.seconds))
+        return np.concatenate((self.pose_sigmas, self.pose_sigmas / self.seconds))

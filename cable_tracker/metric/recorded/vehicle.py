@@ -21,7 +21,7 @@ from cable_tracker.metric.settings import camera_parameters
 from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.messages.static_transforms import place_in
+from cable_tracker.sequences.messages.static_transforms import pose_in
 from cable_tracker.tracking.parameter_files import read_parameter_file
 from cable_tracker.tracking.parameter_table import parameter_table
 
@@ -202,7 +202,7 @@ def _from_frames(
     odometry = source.first(Instrument.ODOMETRY)
     base = str(odometry.child_frame_id).strip("/") if odometry is not None else ""
     base = base or "base_link"
-    camera = place_in(transforms, camera_frame, base)
+    camera = pose_in(transforms, camera_frame, base)
     if camera is None:
         notes.append(
             f"/tf_static does not connect {camera_frame} with {base}; the camera counts as mounted"
@@ -213,7 +213,7 @@ def _from_frames(
         values["base_frame"] = base
     altitude = source.first(Instrument.ALTITUDE)
     if altitude is not None and hasattr(altitude, "header"):
-        altimeter = place_in(transforms, str(altitude.header.frame_id), base)
+        altimeter = pose_in(transforms, str(altitude.header.frame_id), base)
         if altimeter is not None:
             names = ("altimeter_x", "altimeter_y", "altimeter_z")
             values.update(zip(names, altimeter[1].tolist(), strict=True))
@@ -221,10 +221,10 @@ def _from_frames(
                 notes += _note_on_beam(altimeter[0], base)
     imu = source.first(Instrument.IMU)
     if imu is not None:
-        place = place_in(transforms, str(imu.header.frame_id), base)
-        if place is not None and _angle_of(place[0]) > TURNED:
+        pose = pose_in(transforms, str(imu.header.frame_id), base)
+        if pose is not None and _angle_of(pose[0]) > TURNED:
             notes.append(
-                f"the imu is turned by {math.degrees(_angle_of(place[0])):.0f} deg against {base},"
+                f"the imu is turned by {math.degrees(_angle_of(pose[0])):.0f} deg against {base},"
                 " which is not read; the vehicle counts as level (--imu-topic none)"
             )
             source.leave_out(Instrument.IMU)
@@ -234,7 +234,7 @@ def _from_frames(
 def _note_on_beam(rotation: FloatArray, base: str) -> list[str]:
     """Return a note if an altimeter, whose frame is turned so, does not look straight down."""
     # The beam of a Range is the x axis of its frame. A frame that is not turned at all stands for
-    # the place alone: as a beam it would look ahead, and would measure no altitude.
+    # the position alone: as a beam it would look ahead, and would measure no altitude.
     lean = math.acos(max(-1.0, min(1.0, -float(rotation[2, 0]))))
     if lean <= LEANING or _angle_of(rotation) <= TURNED:
         return []

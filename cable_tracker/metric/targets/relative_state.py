@@ -137,8 +137,8 @@ class RelativeState:
 
     def position(self) -> FloatArray:
         """Return where the target is in the axes of base_link, shape (3,) [m]."""
-        place: FloatArray = self.axes @ _cartesian(self.mean[:POSE_SIZE])
-        return place
+        position: FloatArray = self.axes @ _cartesian(self.mean[:POSE_SIZE])
+        return position
 
     def position_covariance(self) -> FloatArray:
         """Return its covariance, shape (3, 3) [m²]."""
@@ -245,9 +245,9 @@ def _cartesian(pose: FloatArray) -> FloatArray:
     )
 
 
-def _polar(place: FloatArray) -> FloatArray:
+def _polar(position: FloatArray) -> FloatArray:
     """Return bearing, elevation and log range of ahead, left, up [m], shape (3,)."""
-    ahead, left, up = (float(value) for value in place)
+    ahead, left, up = (float(value) for value in position)
     flat = math.hypot(ahead, left)
     distance = max(math.hypot(flat, up), LEAST_RANGE)
     return np.array([math.atan2(left, ahead), math.atan2(up, flat), math.log(distance)])

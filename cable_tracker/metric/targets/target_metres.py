@@ -48,7 +48,7 @@ class TargetMetres:
     ray : FloatArray or Withheld
         Unit vector to its centre in the camera optical frame, shape (3,), or the reason for none.
     relative : RelativeState or Withheld
-        Belief about its place from the camera, or the reason for none.
+        Belief about its position from the camera, or the reason for none.
     """
 
     ray: FloatArray | Withheld

@@ -7,7 +7,7 @@ there is to wait for.
 from __future__ import annotations
 
 from cable_tracker.metric.cable_facts import has_metres
-from cable_tracker.metric.targets.target_facts import has_bearing, has_place
+from cable_tracker.metric.targets.target_facts import has_bearing, has_position
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_facts, report_status
@@ -51,6 +51,6 @@ def _target_topics(report: Message) -> list[NodeTopic]:
         topics.append(node_topics.CONTOUR)
     if has_bearing(facts):
         topics.append(node_topics.BEARING)
-    if has_place(facts):
+    if has_position(facts):
         topics.append(node_topics.RELATIVE_POSE)
     return topics

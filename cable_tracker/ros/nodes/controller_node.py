@@ -48,7 +48,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         subscription(
             self, node_topics.ODOMETRY, self.on_odometry, qos.instrument_input(reliability)
         )
-        subscription(self, self.TOPICS.place, self.on_cross_track, qos.RESULTS)
+        subscription(self, self.TOPICS.pose, self.on_cross_track, qos.RESULTS)
 
     @property
     def mode(self) -> Mode:
@@ -61,10 +61,10 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         # Its yaw would be 0: a search would turn towards that again and again.
         if unit_quaternion(pose.orientation) is None:
             return
-        place = Pose(float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation))
-        if all(map(math.isfinite, (place.x, place.y, place.yaw))):
+        read = Pose(float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation))
+        if all(map(math.isfinite, (read.x, read.y, read.yaw))):
             stamp = stamp_of(message.header) or int(self.get_clock().now().nanoseconds)
-            keep(self._poses, stamp, place)
+            keep(self._poses, stamp, read)
 
     def on_cross_track(self, message: Message) -> None:
         """Remember where the cable was."""
@@ -72,8 +72,8 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
         cable = Cable(float(pose.position.y), yaw_of(pose.orientation))
         keep(self._cables, stamp_of(message.header), cable)
 
-    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
-        return self._knows_pose(stamp) and (stamp in self._cables or not is_placed)
+    def _is_complete(self, stamp: int, has_position: bool) -> bool:
+        return self._knows_pose(stamp) and (stamp in self._cables or not has_position)
 
     def _knows_pose(self, stamp: int) -> bool:
         """Tell whether waiting would bring no better pose for a time [ns]."""

@@ -41,8 +41,8 @@ class FollowerNode(GuidanceNode[FollowSettings]):
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FollowSettings(), **node_arguments)
         self._follower = TargetController(self._settings)
-        self._places: OrderedDict[int, TargetPlace] = OrderedDict()
-        subscription(self, self.TOPICS.place, self.on_relative_pose, qos.RESULTS)
+        self._positions: OrderedDict[int, TargetPlace] = OrderedDict()
+        subscription(self, self.TOPICS.pose, self.on_relative_pose, qos.RESULTS)
 
     @property
     def mode(self) -> FollowMode:
@@ -51,13 +51,13 @@ class FollowerNode(GuidanceNode[FollowSettings]):
 
     def on_relative_pose(self, message: Message) -> None:
         """Remember where the target was."""
-        place = message.pose.pose.position
-        kept = TargetPlace(float(place.x), float(place.y), float(place.z))
-        keep(self._places, stamp_of(message.header), kept)
+        position = message.pose.pose.position
+        kept = TargetPlace(float(position.x), float(position.y), float(position.z))
+        keep(self._positions, stamp_of(message.header), kept)
 
-    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
-        return stamp in self._places or not is_placed
+    def _is_complete(self, stamp: int, has_position: bool) -> bool:
+        return stamp in self._positions or not has_position
 
     def _command(self, stamp: int, is_claimed: bool, is_processed: bool) -> Command:
-        place = self._places.get(stamp) if is_claimed else None
-        return self._follower.step(stamp / NANOSECONDS, place)
+        position = self._positions.get(stamp) if is_claimed else None
+        return self._follower.step(stamp / NANOSECONDS, position)

@@ -57,17 +57,17 @@ class Reported:
 
     Attributes
     ----------
-    has_place : bool
-        Whether a place in metres comes with it.
+    has_position : bool
+        Whether a position in metres comes with it.
     is_refused : bool
         Whether it could not be used.
     """
 
-    has_place: bool
+    has_position: bool
     is_refused: bool
 
 
-UNREPORTED = Reported(has_place=True, is_refused=False)
+UNREPORTED = Reported(has_position=True, is_refused=False)
 """Assumed of a frame whose report has not come."""
 
 
@@ -136,15 +136,15 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         """Mode of the node, as diagnostics show it."""
 
     @abstractmethod
-    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
+    def _is_complete(self, stamp: int, has_position: bool) -> bool:
         """Tell whether all has come that belongs to a frame of a time [ns].
 
         Parameters
         ----------
         stamp : int
             The time.
-        is_placed : bool
-            Whether a place in metres belongs to it, as far as is known.
+        has_position : bool
+            Whether a position in metres belongs to it, as far as is known.
         """
 
     @abstractmethod
@@ -190,16 +190,16 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
         )
 
     def on_report(self, message: Message) -> None:
-        """Keep the tracker's status, and whether a place in metres comes with a `state`."""
+        """Keep the tracker's status, and whether a position in metres comes with a `state`."""
         stamp = stamp_of(message.header)
-        has_place = bool(message.status) and self.TOPICS.place in announced_topics(
+        has_position = bool(message.status) and self.TOPICS.pose in announced_topics(
             self.TOPICS, message
         )
         self._status = report_status(message) if message.status else ""
         is_refused = self._status == REFUSED
         # A frame that comes twice is refused the second time; what came with the first still does.
         if not (is_refused and stamp in self._reports):
-            keep(self._reports, stamp, Reported(has_place, is_refused))
+            keep(self._reports, stamp, Reported(has_position, is_refused))
         if not is_refused:
             self._last_accepted = time.monotonic()
 
@@ -240,8 +240,8 @@ class GuidanceNode(ProcessNode, ABC, Generic[Settings]):
             self._stop_while_idle(stamp, idle)
             return
         has_time = time.monotonic() - came < self._own.settle_time
-        is_placed = is_claimed and self._reports.get(stamp, UNREPORTED).has_place
-        if has_time and not self._is_complete(stamp, is_placed):
+        has_position = is_claimed and self._reports.get(stamp, UNREPORTED).has_position
+        if has_time and not self._is_complete(stamp, has_position):
             return
         self._states.pop(0)
         is_processed = self._is_processed(stamp, is_claimed)

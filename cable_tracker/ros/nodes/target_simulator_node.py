@@ -60,7 +60,7 @@ class TargetSimulatorNode(VehicleNode[ChaseWorld, VehicleNodeParameters]):
     def _publish_truth(self, state: VehicleState, stamp: int) -> None:
         assert self._view is not None
         header = make_header(MESSAGES, stamp, BASE)
-        # Of what is out of view the place is told, too; its variance says that it cannot be seen.
+        # What is out of view has a position, too; its variance says that it cannot be seen.
         variance = 0.0 if self._view.mask.any() else UNKNOWN_VARIANCE
         self._true_target.publish(
             make_relative_pose(MESSAGES, header, self._view.place, np.eye(3) * variance)

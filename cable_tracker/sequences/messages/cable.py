@@ -173,7 +173,7 @@ def read_prior(message: Message) -> GivenState:
 
 
 def _variance_across(covariance: FloatArray, normal: FloatArray | None) -> float:
-    """Return the variance of a place along a normal [px²].
+    """Return the variance of a position along a normal [px²].
 
     It is `UNKNOWN_VARIANCE` or more if an x or y that counts there is not known.
 

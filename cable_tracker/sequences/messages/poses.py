@@ -41,10 +41,10 @@ def make_quaternion(factory: MessageFactory, roll: float, pitch: float, yaw: flo
 
 
 def make_pose(
-    factory: MessageFactory, place: tuple[float, float, float], orientation: Message
+    factory: MessageFactory, position: tuple[float, float, float], orientation: Message
 ) -> Message:
-    """Pack a place x, y, z and a Quaternion as a Pose."""
-    x, y, z = place
+    """Pack a position x, y, z and a Quaternion as a Pose."""
+    x, y, z = position
     return factory.make(
         "geometry_msgs/msg/Pose",
         position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
@@ -68,15 +68,15 @@ def make_uncertain_pose(factory: MessageFactory, pose: Message, covariance: Floa
 def make_stamped_pose(
     factory: MessageFactory,
     header: Message,
-    place: tuple[float, float, float],
+    position: tuple[float, float, float],
     yaw: float,
     covariance: FloatArray,
 ) -> Message:
-    """Pack a place x, y, z, a rotation about z and their covariance.
+    """Pack a position x, y, z, a rotation about z and their covariance.
 
     Parameters
     ----------
-    place : (float, float, float)
+    position : (float, float, float)
         In the unit of the frame, [px] or [m].
     yaw : float
         Rotation about z [rad].
@@ -88,7 +88,7 @@ def make_stamped_pose(
     Message
         A PoseWithCovarianceStamped.
     """
-    pose = make_pose(factory, place, make_quaternion(factory, 0.0, 0.0, yaw))
+    pose = make_pose(factory, position, make_quaternion(factory, 0.0, 0.0, yaw))
     return factory.make(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header,

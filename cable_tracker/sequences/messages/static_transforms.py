@@ -39,8 +39,8 @@ def read_transform(message: Message) -> StaticTransform | None:
     """Read a TransformStamped; None if it is no rotation, or not finite."""
     q, t = message.transform.rotation, message.transform.translation
     quaternion = unit_quaternion(q)
-    place = np.array([float(t.x), float(t.y), float(t.z)])
-    if quaternion is None or not np.isfinite(place).all():
+    origin = np.array([float(t.x), float(t.y), float(t.z)])
+    if quaternion is None or not np.isfinite(origin).all():
         return None
     x, y, z, w = quaternion
     rotation = np.array(
@@ -51,10 +51,10 @@ def read_transform(message: Message) -> StaticTransform | None:
         ]
     )
     parent = str(message.header.frame_id).strip("/")
-    return StaticTransform(parent, str(message.child_frame_id).strip("/"), rotation, place)
+    return StaticTransform(parent, str(message.child_frame_id).strip("/"), rotation, origin)
 
 
-def place_in(
+def pose_in(
     transforms: tuple[StaticTransform, ...], frame: str, base: str
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return rotation (3, 3) and origin (3,) [m] of a frame in another; None: not connected.
@@ -64,25 +64,25 @@ def place_in(
     """
     up = _chain(transforms, frame.strip("/"))
     down = _chain(transforms, base.strip("/"))
-    for name, (rotation, place) in up.items():
+    for name, (rotation, origin) in up.items():
         if name in down:
-            base_rotation, base_place = down[name]
-            return base_rotation.T @ rotation, base_rotation.T @ (place - base_place)
+            base_rotation, base_origin = down[name]
+            return base_rotation.T @ rotation, base_rotation.T @ (origin - base_origin)
     return None
 
 
 def _chain(
     transforms: tuple[StaticTransform, ...], frame: str
 ) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the place of a frame in itself and in each of its ancestors."""
+    """Return rotation and origin of a frame in itself and in each of its ancestors."""
     by_child = {each.child: each for each in transforms}
-    rotation, place = np.eye(3), np.zeros(3)
-    chain = {frame: (rotation, place)}
+    rotation, origin = np.eye(3), np.zeros(3)
+    chain = {frame: (rotation, origin)}
     while frame in by_child:
         step = by_child[frame]
         frame = step.parent
         if frame in chain:
             break
-        rotation, place = step.rotation @ rotation, step.rotation @ place + step.translation
-        chain[frame] = (rotation, place)
+        rotation, origin = step.rotation @ rotation, step.rotation @ origin + step.translation
+        chain[frame] = (rotation, origin)
     return chain

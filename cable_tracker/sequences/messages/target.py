@@ -63,13 +63,13 @@ def make_target(factory: MessageFactory, header: Message, estimate: TargetEstima
 
 
 def make_relative_pose(
-    factory: MessageFactory, header: Message, place: FloatArray, covariance: FloatArray
+    factory: MessageFactory, header: Message, position: FloatArray, covariance: FloatArray
 ) -> Message:
     """Pack where a target is, shape (3,), with its covariance (3, 3) [m].
 
     How the target itself is turned is not known: no rotation, with `UNKNOWN_VARIANCE`.
     """
-    x, y, z = (float(value) for value in place)
+    x, y, z = (float(value) for value in position)
     whole = pose_covariance((X, Y, Z), covariance)
     return make_stamped_pose(factory, header, (x, y, z), 0.0, whole)
 

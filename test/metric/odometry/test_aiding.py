@@ -219,7 +219,7 @@ class TestWithTexture:
     def test_what_the_bottom_shows_to_be_off_counts_as_unknown(self, drive, bottom):
         drive.PIXELS_A_FRAME = 8.0
         sigmas = [
-            self.driven(drive, bottom, said, 3, first=drive._frame)[-1].place_sigmas
+            self.driven(drive, bottom, said, 3, first=drive._frame)[-1].pose_sigmas
             for said in (1.0, 1.3)
         ]
         assert (sigmas[1] > 1.5 * sigmas[0]).all()

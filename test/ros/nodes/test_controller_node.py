@@ -420,13 +420,13 @@ def test_no_state_waits_for_odometry_of_its_very_time(world, odometry):
     node = world.controller(**PATIENT)
     for seconds in odometry:
         node.on_odometry(odometry_at(seconds, 2.0))
-    assert node._is_complete(1_000_000_000, is_placed=False)
+    assert node._is_complete(1_000_000_000, has_position=False)
 
 
 def test_a_state_waits_for_odometry_that_is_behind(world):
     node = world.controller(**PATIENT)
     node.on_odometry(odometry_at(0.5, 2.0))
-    assert not node._is_complete(1_000_000_000, is_placed=False)
+    assert not node._is_complete(1_000_000_000, has_position=False)
 
 
 @pytest.mark.parametrize("odometry", [[], [0.997], [1.012], [1.5]])
@@ -434,9 +434,9 @@ def test_in_lockstep_a_state_waits_for_odometry_of_its_very_time(world, odometry
     node = world.controller(lockstep=True, settle_time=60.0)
     for seconds in odometry:
         node.on_odometry(odometry_at(seconds, 2.0))
-    assert not node._is_complete(1_000_000_000, is_placed=False)
+    assert not node._is_complete(1_000_000_000, has_position=False)
     node.on_odometry(odometry_at(1.0, 2.0))
-    assert node._is_complete(1_000_000_000, is_placed=False)
+    assert node._is_complete(1_000_000_000, has_position=False)
 
 
 def test_odometry_without_a_stamp_is_of_the_time_when_it_came(world):

@@ -12,7 +12,7 @@ from cable_tracker.sequences.bags.instruments import (
 from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.messages.headers import make_header
-from cable_tracker.sequences.messages.static_transforms import place_in
+from cable_tracker.sequences.messages.static_transforms import pose_in
 from cable_tracker.simulation.instruments.instrument_messages import (
     make_range,
     make_static_transforms,
@@ -68,6 +68,6 @@ def test_messages_that_cannot_be_read_are_left_out_and_said_once_for_each_topic(
 
 def test_the_mounting_is_read_from_tf_static(bag):
     transforms = instruments_of(bag).static_transforms()
-    rotation, place = place_in(transforms, "camera", "base_link")
+    rotation, origin = pose_in(transforms, "camera", "base_link")
     np.testing.assert_allclose(rotation, Mounting(pitch=math.pi / 2 - 0.3).rotation, atol=1e-12)
-    np.testing.assert_allclose(place, 0.0)
+    np.testing.assert_allclose(origin, 0.0)

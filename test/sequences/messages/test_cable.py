@@ -156,7 +156,7 @@ def test_a_prior_of_unknown_variance_is_not_known():
     assert prior.sigma[:2] == pytest.approx([np.inf, 0.2])
 
 
-def test_a_place_that_is_not_known_is_so_in_every_direction():
+def test_a_position_that_is_not_known_is_so_in_every_direction():
     covariance = np.diag([UNKNOWN_VARIANCE] * 5 + [0.01])
     messages = [
         make_stamped_pose(FACTORY, HEADER, (0.0, 0.0, 0.0), math.radians(degrees), covariance)
@@ -165,10 +165,12 @@ def test_a_place_that_is_not_known_is_so_in_every_direction():
     assert all(np.isinf(read_prior(message).sigma[0]) for message in messages)
 
 
-def prior_of(place, degrees, *, x, y, yaw):
-    """The prior of a place and a direction with these variances."""
+def prior_of(position, degrees, *, x, y, yaw):
+    """The prior of a position and a direction with these variances."""
     covariance = np.diag([x, y, 1e6, 1e6, 1e6, yaw])
-    message = make_stamped_pose(FACTORY, HEADER, (*place, 0.0), math.radians(degrees), covariance)
+    message = make_stamped_pose(
+        FACTORY, HEADER, (*position, 0.0), math.radians(degrees), covariance
+    )
     return read_prior(message)
 
 
@@ -181,20 +183,20 @@ def test_a_line_across_what_is_not_known_has_no_distance(degrees):
 
 
 @pytest.mark.parametrize(("degrees", "x", "y"), [(0, 4.0, 1e6), (180, 4.0, 1e6), (90, 1e6, 4.0)])
-def test_a_place_along_the_line_need_not_be_known(degrees, x, y):
+def test_a_position_along_the_line_need_not_be_known(degrees, x, y):
     prior = prior_of((30.0, 30.0), degrees, x=x, y=y, yaw=0.003)
     assert prior.sigma[0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("degrees", [0, 40, -40])
-def test_a_place_without_a_direction_is_a_point_and_no_distance(degrees):
+def test_a_position_without_a_direction_is_a_point_and_no_distance(degrees):
     prior = prior_of((0.0, 90.0), degrees, x=3.0, y=5.0, yaw=1e6)
     assert np.isinf(prior.sigma).all()
     assert prior.point == (0.0, 90.0, 2.0)
     assert prior.words() == "through x 0.0 px, y 90.0 px"
 
 
-def test_without_a_direction_half_a_place_is_nothing():
+def test_without_a_direction_half_a_position_is_nothing():
     prior = prior_of((0.0, 90.0), 0, x=4.0, y=1e6, yaw=1e6)
     assert np.isinf(prior.sigma).all()
     assert prior.point is None

@@ -41,7 +41,7 @@ def test_a_target_is_its_centre_with_its_angle(sent):
     assert variances.tolist() == [4.0, 9.0, *[UNKNOWN_VARIANCE] * 3, 0.04]
 
 
-def test_a_place_in_metres_has_no_known_rotation(sent):
+def test_a_position_in_metres_has_no_known_rotation(sent):
     message = make_relative_pose(FACTORY, HEADER, np.array([1.0, 2.0, 3.0]), np.eye(3))
     pose = sent(message).pose
     assert (pose.pose.position.x, pose.pose.position.y, pose.pose.position.z) == (1.0, 2.0, 3.0)
