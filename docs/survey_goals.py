@@ -202,7 +202,7 @@ def measure(path: Path, settings: Simulated) -> Measured:
     on_route = _on_routes(cable, [each.route for each in surveyed.routes])
     errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
     sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
-    forwards = smooth(keyframes, dive.disk, way_back=False)
+    forwards = smooth(keyframes, dive.disk, backward_pass=False)
     errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
     where = _Where(course, along)
     events = [

@@ -52,7 +52,7 @@ MAP_REACH = 4.0
 def plot_way(
     path: Path, rows: Sequence[LoopRow], course: FloatArray, burial: Stretch | None
 ) -> None:
-    """Plot the vehicle's way and the cable's course from above.
+    """Plot the vehicle's trajectory and the cable's course from above.
 
     Parameters
     ----------
@@ -152,11 +152,11 @@ class MapPanel:
     def __init__(self, course: FloatArray, burial: Stretch | None) -> None:
         self._course = course
         self._burial = burial
-        self._way: list[tuple[float, float]] = []
+        self._trajectory: list[tuple[float, float]] = []
 
     def draw(self, place: tuple[float, float], yaw: float, words: Sequence[str]) -> Image:
         """Draw the vehicle at x, y [m] with lines of text; (H, W, 3), blue-green-red, uint8."""
-        self._way.append(place)
+        self._trajectory.append(place)
         width, height = PANEL_SIZE
         canvas: Image = np.full((height, width, 3), 40, dtype=np.uint8)
         centre = np.array(place)
@@ -168,7 +168,7 @@ class MapPanel:
             self._line(canvas, under[hidden], centre, STRAW)
         else:
             self._line(canvas, under, centre, WHITE)
-        self._line(canvas, np.array(self._way), centre, ESTIMATE)
+        self._line(canvas, np.array(self._trajectory), centre, ESTIMATE)
         self._vehicle(canvas, yaw)
         for number, line in enumerate(words):
             position = (8, 18 + 16 * number)

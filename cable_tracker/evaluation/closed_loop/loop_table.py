@@ -97,7 +97,7 @@ class LoopSummary:
     seed, frames : int
         Seed of the run, and number of its frames.
     seconds, way : float
-        Duration of the run, and way of the vehicle along the course.
+        Duration of the run, and distance travelled along the course.
     reached_end : bool
         Whether it came to the end of the cable.
     rms, percentile_95, most : float
@@ -166,15 +166,15 @@ def summarise_loop(
         in_sight &= ~burial.holds(x)
     right = [row for row in rows if row.is_measured and row.is_right]
     measured = [row for row in rows if row.is_measured]
-    way = float(x.max())
-    reached_end = way >= length - 1.0
-    late = [row for row in right if row.x >= way - LAST_METRES and row.mode == "FOLLOWING"]
+    travelled = float(x.max())
+    reached_end = travelled >= length - 1.0
+    late = [row for row in right if row.x >= travelled - LAST_METRES and row.mode == "FOLLOWING"]
     losses = _losses(rows)
     return LoopSummary(
         seed=seed,
         frames=len(rows),
         seconds=rows[-1].time - rows[0].time,
-        way=way,
+        way=travelled,
         reached_end=reached_end,
         rms=root_mean_square(errors[settled]),
         percentile_95=percentile_of_size(errors[settled], 95.0),

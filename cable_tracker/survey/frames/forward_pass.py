@@ -69,8 +69,8 @@ INSTRUMENT_PAUSE = 45_000_000
 """Shortest interval between two readings of a fast instrument that are read [ns]."""
 
 POSE_PAUSE = 90_000_000
-"""Shortest interval between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of
-a second."""
+"""Shortest interval between two poses that are kept [ns]: a vehicle's trajectory is smooth over a
+tenth of a second."""
 
 CALIBRATION_PAUSE = NANOSECONDS
 """Shortest interval between two calibrations that are read [ns]."""

@@ -39,7 +39,7 @@ CLEAREST = 3
 goes into the sand, a part of it is seen as clearly as ever."""
 
 SHORTEST = 8.0
-"""A cable that is seen over a shorter way is not judged [px]."""
+"""A cable that is seen over a shorter length is not judged [px]."""
 
 
 def border_profile(image: Image, state: CableState) -> tuple[FloatArray, FloatArray] | None:

@@ -24,8 +24,8 @@ LEAST_WAY = 2.0
 OUTLIER = 4.0
 """Distance from which on a fix is an outlier [standard deviations]."""
 
-WAY_SHARE = 0.1
-"""Share of the way between two fixes by which odometry may be off."""
+DISTANCE_SHARE = 0.1
+"""Share of the distance between two fixes by which odometry may be off."""
 
 MOST_GROUPS = 30
 """Number of groups of fixes that are told apart at a time."""
@@ -90,8 +90,8 @@ class Georeference:
         variances = variances + DRIFT_NOISE * beyond + FIRST_RATE * beyond**2
         # Between fixes the drift takes up an error of the turn, beyond them nothing does.
         last = self.ends[np.where(asked < own[0], 0, 1)]
-        way = np.where(beyond > 0.0, ((places - last) ** 2).sum(axis=1), 0.0)
-        variances = variances + self.turn_variance * way
+        squares = np.where(beyond > 0.0, ((places - last) ** 2).sum(axis=1), 0.0)
+        variances = variances + self.turn_variance * squares
         return turned(places, self.turn) + self.shift + drift, variances
 
 
@@ -123,21 +123,21 @@ class _Fixes:
         )
 
     def residuals(self, turn: float, shift: FloatArray) -> FloatArray:
-        """Return by how much they miss the way, turned [rad] and shifted [m], shape (F, 2) [m]."""
+        """Return by how much they miss the turned [rad] and shifted [m] poses, shape (F, 2) [m]."""
         missed: FloatArray = self.measured - (turned(self.places, turn) + shift)
         return missed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Joints:
-    """Where odometry began anew or jumped, and its way was joined.
+    """Where odometry began anew or jumped, and its trajectory was joined.
 
     Attributes
     ----------
     before, after : IndexArray
         Times of the poses before and after each, shape (J,) [ns].
     variances : FloatArray
-        Variance of each component of the way between, which is not known, shape (J,) [m²].
+        Variance of each component of the motion between, which is not known, shape (J,) [m²].
     """
 
     before: IndexArray
@@ -145,7 +145,7 @@ class _Joints:
     variances: FloatArray
 
     def added(self, start: int, end: int) -> float:
-        """Return the variance of the ways between two times [ns] that are not known [m²]."""
+        """Return the variance of the motion between two times [ns] that is not known [m²]."""
         return float(self.variances[(self.after > start) & (self.after <= end)].sum())
 
 
@@ -228,7 +228,7 @@ def _fit_together(fixes: _Fixes, first: int, second: int, joints: _Joints, scatt
     start, end = int(fixes.stamps[first]), int(fixes.stamps[second])
     variance = max(float(fixes.variances[first] + fixes.variances[second]), scatter)
     variance += joints.added(start, end) + FIRST_RATE * ((end - start) / NANOSECONDS) ** 2
-    return abs(measured - moved) <= OUTLIER * math.sqrt(variance) + WAY_SHARE * moved
+    return abs(measured - moved) <= OUTLIER * math.sqrt(variance) + DISTANCE_SHARE * moved
 
 
 def _fitted(fixes: _Fixes) -> tuple[float, FloatArray, float]:
@@ -245,7 +245,7 @@ def _fitted(fixes: _Fixes) -> tuple[float, FloatArray, float]:
 
 
 def _plausible(residuals: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray:
-    """Tell which fixes belong to the way: near a running median of what is left over."""
+    """Tell which fixes belong to the trajectory: near a running median of what is left over."""
     half = 10
     # Mirrored: the first one repeated would be its own median, however wrong it is.
     padded = np.pad(residuals, ((half, half), (0, 0)), mode="reflect")

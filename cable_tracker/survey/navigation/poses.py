@@ -34,7 +34,7 @@ BAD_PLACE = 1e7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Poses:
-    """A vehicle's way in one frame, without jumps.
+    """A vehicle's trajectory in one frame, without jumps.
 
     Attributes
     ----------
@@ -47,8 +47,8 @@ class Poses:
     strays : int
         Number of readings with stamps of another time, which do not count.
     joints : tuple of int
-        Rows that the way was joined before: how far the vehicle moved since the row before is not
-        known.
+        Rows that the trajectory was joined before: how far the vehicle moved since the row before
+        is not known.
     """
 
     stamps: IndexArray
@@ -78,22 +78,22 @@ class Poses:
 
 
 def joined_poses(samples: Samples, disk: Disk) -> Poses:
-    """Return the way of a vehicle, with the pieces of an odometry that jumps put together.
+    """Return the trajectory of a vehicle, with the pieces of an odometry that jumps put together.
 
     Over a jump the vehicle is taken to have gone on as before: how far it moved meanwhile is not
     known, and nothing else is.
     """
-    way, jumps, strays = _in_order(samples, disk)
-    if not len(way):
+    trajectory, jumps, strays = _in_order(samples, disk)
+    if not len(trajectory):
         return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    stamps = disk.filled(len(way), lambda rows: way["stamp"][rows], np.int64)
-    places = disk.filled(len(way), lambda rows: way["place"][rows])
-    if not _states_its_speed(way, disk):
-        for rows in disk.blocks(len(way)):
-            way["speed"][rows] = FASTEST
+    stamps = disk.filled(len(trajectory), lambda rows: trajectory["stamp"][rows], np.int64)
+    places = disk.filled(len(trajectory), lambda rows: trajectory["place"][rows])
+    if not _states_its_speed(trajectory, disk):
+        for rows in disk.blocks(len(trajectory)):
+            trajectory["speed"][rows] = FASTEST
     broken: list[int] = []
-    for rows in disk.blocks(len(way), 1):
-        broken += _broken(way[rows.start - 1 : rows.stop], rows.start)
+    for rows in disk.blocks(len(trajectory), 1):
+        broken += _broken(trajectory[rows.start - 1 : rows.stop], rows.start)
     for start in broken:
         _join_at(places, start, stamps, disk)
     jumps += [int(stamps[k]) for k in broken]
@@ -127,7 +127,7 @@ on unseen before, as the clock had gone back [s]."""
 def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
     """Return usable poses whose stamps grow, where the clock went back [ns], and how many stray."""
     all_stamps, all_values = samples.arrays()
-    way, jumps, yaws = disk.growing(POSE), list[int](), Unwrapping()
+    trajectory, jumps, yaws = disk.growing(POSE), list[int](), Unwrapping()
     strays = _strays(all_stamps, disk)
     latest: int | None = None
     before = hidden = 0
@@ -150,8 +150,8 @@ def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
         poses["hidden"], hidden = _hidden(running[:-1] - stamps, fresh, hidden)
         poses["place"][:, :2] = values[fresh, :2]
         poses["place"][:, 2] = yaws.apply(values[fresh, 2])
-        way.extend(poses)
-    return way.rows(), jumps, len(strays)
+        trajectory.extend(poses)
+    return trajectory.rows(), jumps, len(strays)
 
 
 def _strays(stamps: IndexArray, disk: Disk) -> list[int]:
@@ -207,32 +207,32 @@ def _hidden(back: IndexArray, fresh: BoolArray, before: int) -> tuple[FloatArray
     return most[:-1] / NANOSECONDS, int(most[-1])
 
 
-def _states_its_speed(way: Rows, disk: Disk) -> bool:
-    """Tell whether the speeds of a way (N,) are those of its steps, or at least of half of them.
+def _states_its_speed(poses: Rows, disk: Disk) -> bool:
+    """Tell whether the speeds of poses (N,) are those of their steps, or at least of half.
 
     Odometry without a twist says 0.
     """
     moving = too_far = 0
-    for rows in disk.blocks(len(way), 1):
-        seconds, steps = _steps(way[rows.start - 1 : rows.stop])
-        speeds = np.maximum(way["speed"][rows], way["speed"][rows.start - 1 : rows.stop - 1])
+    for rows in disk.blocks(len(poses), 1):
+        seconds, steps = _steps(poses[rows.start - 1 : rows.stop])
+        speeds = np.maximum(poses["speed"][rows], poses["speed"][rows.start - 1 : rows.stop - 1])
         moving += int(np.count_nonzero(steps > SLOW * seconds))
         too_far += int(np.count_nonzero(steps > (2.0 * speeds + SLOW) * seconds))
     return 2 * too_far <= moving
 
 
-def _steps(way: Rows) -> tuple[FloatArray, FloatArray]:
-    """Return times between the poses of a way (N,), and distances, shapes (N - 1,) [s, m]."""
-    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0) + way["hidden"][1:]
-    return seconds, np.hypot(*np.diff(way["place"][:, :2], axis=0).T)
+def _steps(poses: Rows) -> tuple[FloatArray, FloatArray]:
+    """Return times between poses (N,), and distances, shapes (N - 1,) [s, m]."""
+    seconds = np.maximum(np.diff(poses["stamp"]) / NANOSECONDS, 0.0) + poses["hidden"][1:]
+    return seconds, np.hypot(*np.diff(poses["place"][:, :2], axis=0).T)
 
 
-def _broken(way: Rows, first: int) -> list[int]:
-    """Return where a way (N,) jumps, whose second pose has the number `first`."""
-    seconds, steps = _steps(way)
-    speeds = np.maximum(way["speed"][1:], way["speed"][:-1])
+def _broken(poses: Rows, first: int) -> list[int]:
+    """Return where poses (N,) jump, the second of which has the number `first`."""
+    seconds, steps = _steps(poses)
+    speeds = np.maximum(poses["speed"][1:], poses["speed"][:-1])
     reach = JUMP + seconds * np.minimum(2.0 * speeds + SLOW, FASTEST)
-    turns = np.abs(np.diff(way["place"][:, 2]))
+    turns = np.abs(np.diff(poses["place"][:, 2]))
     jumps = (steps > reach) | (turns > JUMP_TURN + 2.0 * seconds)
     return [first + int(k) for k in np.flatnonzero(jumps)]
 

@@ -40,12 +40,12 @@ ROW_GROUP = 4096
 def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
     """Write the table of a dive, some rows at a time."""
     count = len(dive.table)
-    way = None if course is None else poses_of_rows(dive.table.rows, course.poses, dive.disk)
+    poses = None if course is None else poses_of_rows(dive.table.rows, course.poses, dive.disk)
     with ExitStack() as stack:
         writer: pq.ParquetWriter | None = None
         for first in range(0, max(count, 1), ROW_GROUP):
             part = slice(first, min(first + ROW_GROUP, count))
-            table = _table(recording, dive, course, way, part)
+            table = _table(recording, dive, course, poses, part)
             if writer is None:
                 writer = stack.enter_context(
                     pq.ParquetWriter(path, table.schema, compression="zstd")
@@ -55,9 +55,9 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
 
 
 def _table(
-    recording: str, dive: ForwardDive, course: Course | None, way: FloatArray | None, part: slice
+    recording: str, dive: ForwardDive, course: Course | None, poses: FloatArray | None, part: slice
 ) -> pa.Table:
-    """Return some rows of the table; `way` (N, 3) is where the vehicle was in all of them."""
+    """Return some rows of the table; `poses` (N, 3) are those of the vehicle in all of them."""
     rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
@@ -69,8 +69,8 @@ def _table(
     columns["no_metres"] = _words(rows["reason"], dive.table.reasons)
     columns["again"] = _words(rows["again"], AGAIN)
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
-    if course is not None and way is not None:
-        places = way[part]
+    if course is not None and poses is not None:
+        places = poses[part]
         cable, keyframe = course.cable, course.keyframes.of_rows(part)
         known = (keyframe >= 0) & np.isfinite(places).all(axis=1)
         keyframe = keyframe[known]

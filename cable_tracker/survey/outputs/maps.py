@@ -108,7 +108,7 @@ def band(route: MergedRoute) -> FloatArray:
 
 
 def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
-    """Return ways along a route (K,) [m] and the places there (K, 2) [m]."""
+    """Return arc lengths along a route (K,) [m] and the places there (K, 2) [m]."""
     step = 1000.0 * KILOMETRE_STEP
     while route.along[-1] < 5 * step and step > 10.0:
         step /= 10.0
@@ -118,7 +118,7 @@ def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
 
 
 def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
-    """Return the columns of a route at every metre of its way."""
+    """Return the columns of a route at every metre of its length."""
     along = np.arange(0.0, np.floor(route.along[-1]) + 1.0)
     columns = {
         "x_m": route.places[:, 0],
@@ -224,7 +224,7 @@ def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> _
         points += list(shapely.points(survey.coordinates(places)))
         columns["name"] += [name] * len(along)
         columns["kp_m"] += along.tolist()
-        columns["label"] += [f"KP {way / 1000:.3f}" for way in along]
+        columns["label"] += [f"KP {metres_along / 1000:.3f}" for metres_along in along]
     return _Layer("kp", "Point", points, columns)
 
 

@@ -124,16 +124,16 @@
     }
     pen.setLineDash([]);
     pen.fillStyle = colour("--dim");
-    const [ways, xs, ys] = route.kp;
+    const [marks, xs, ys] = route.kp;
     let last = [-1e9, -1e9];
-    ways.forEach((way, k) => {
+    marks.forEach((along, k) => {
       const [x, y] = toScreen(xs[k], ys[k], width, height);
       if (Math.hypot(x - last[0], y - last[1]) < 70) return;
       last = [x, y];
       pen.beginPath();
       pen.arc(x, y, 3, 0, 7);
       pen.fill();
-      pen.fillText(kp(way), x + 6, y + 24);
+      pen.fillText(kp(along), x + 6, y + 24);
     });
     for (const { x, y, events } of markers(width, height)) {
       const radius = (events.length > 1 ? 9 : 5) + (events.includes(chosen) ? 3 : 0);
@@ -212,7 +212,7 @@
     const [pen, width, height] = sharpened(profile);
     const route = data.routes[current], left = 60, right = width - 12;
     const end = route.along[route.along.length - 1], each = (height - 34) / rows.length;
-    const x = (way) => left + (right - left) * way / end;
+    const x = (along) => left + (right - left) * along / end;
     const own = data.events.filter((event) => event.route === current);
     // So many would hide what they stand for: ticks above it.
     const high = own.length > (right - left) / 10 ? 6 : height - 38;
@@ -242,9 +242,9 @@
     pen.fillStyle = colour("--dim");
     const step = nice(end / Math.max(2, (right - left) / 110));
     let free = 0;
-    for (let way = 0; way <= end * 1.0001; way += step) {
-      const label = kp(way), size = pen.measureText(label).width;
-      const start = Math.min(x(way), right - size);
+    for (let along = 0; along <= end * 1.0001; along += step) {
+      const label = kp(along), size = pen.measureText(label).width;
+      const start = Math.min(x(along), right - size);
       if (start < free) continue;
       pen.fillText(label, start, height - 10);
       free = start + size + 8;
@@ -322,11 +322,11 @@
   });
   profile.addEventListener("click", (e) => {
     const route = data.routes[current], box = profile.getBoundingClientRect();
-    const way = (e.offsetX - 60) / (box.width - 72) * route.along[route.along.length - 1];
+    const along = (e.offsetX - 60) / (box.width - 72) * route.along[route.along.length - 1];
     let best = -1, nearest = Infinity;
     data.events.forEach((event, k) => {
       if (event.route !== current) return;
-      const away = way < event.from ? event.from - way : way > event.to ? way - event.to : 0;
+      const away = along < event.from ? event.from - along : along > event.to ? along - event.to : 0;
       if (away < nearest) { nearest = away; best = k; }
     });
     if (best >= 0) choose(best);

@@ -25,7 +25,7 @@ class LocatedObservation(NamedTuple):
     Attributes
     ----------
     along : float
-        Way along the route [m].
+        Arc length along the route [m].
     direction, across : float
         Direction on the sea bed, and angle against the cable [rad].
     row : int
@@ -44,7 +44,7 @@ class Crossing(NamedTuple):
     Attributes
     ----------
     along : float
-        Way along the route [m].
+        Arc length along the route [m].
     across : float
         Angle against the cable, positive [rad].
     pictures : int
@@ -57,7 +57,7 @@ class Crossing(NamedTuple):
 
 
 def find_crossings(dive: ForwardDive, course: Course, start: float, piece: int) -> list[Crossing]:
-    """Return the crossings of a connected piece, along a route that starts at a way [m]."""
+    """Return the crossings of a connected piece, along a route that starts at an arc length [m]."""
     keyframes, cable, crossings = course.keyframes, course.cable, dive.table.crossings
     observations = []
     for part in dive.disk.blocks(len(crossings)):

@@ -20,12 +20,12 @@ SMOOTHED_BINS = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
-    """Visibility of a cable along its way.
+    """Visibility of a cable along its length.
 
     Attributes
     ----------
     start : float
-        Beginning along the way [m]; the places are `PROFILE_SPACING` apart.
+        Arc length of the beginning [m]; the places are `PROFILE_SPACING` apart.
     seen : FloatArray
         Clearness of the borders, shape (B,); NaN where it was not measured.
     in_view : BoolArray
@@ -42,7 +42,7 @@ class Profile:
 
     @property
     def along(self) -> FloatArray:
-        """Middle of each place along the way, shape (B,) [m]."""
+        """Middle of each place along the cable, shape (B,) [m]."""
         return np.array(self.start + PROFILE_SPACING * (np.arange(len(self.seen)) + 0.5))
 
     @property
@@ -71,9 +71,9 @@ class DiveRoute:
     Attributes
     ----------
     start : float
-        Start of the route along the way of `SmoothedCable` [m].
+        Arc length at which the route starts, as `SmoothedCable` has it [m].
     along : FloatArray
-        Way along the cable from there [m].
+        Arc length along the cable from there [m].
     places : FloatArray
         x, y, shape (N, 2) [m].
     headings : FloatArray

@@ -123,13 +123,13 @@ MERGED_BURIALS = 0.6
 """Stretches that are nearer to each other are one [m]."""
 
 USUAL_WAY = 20.0
-"""Way over which the usual diameter is taken [m]."""
+"""Length over which the usual diameter is taken [m]."""
 
 WIDTH_SHARE = 0.3
 """Deviation of an unusual diameter from the usual one, as a share."""
 
 LEAST_WIDTH_WAY = 1.0
-"""Shortest way over which an unusual diameter is reported [m]."""
+"""Shortest length over which an unusual diameter is reported [m]."""
 
 HIDDEN_WORDS = {
     EventKind.BURIED: "not to be seen",
@@ -138,10 +138,10 @@ HIDDEN_WORDS = {
 """What is said of stretches on which the cable is hidden."""
 
 LEAST_ASIDE_WAY = 1.0
-"""Excursions over a shorter way are not reported [m]."""
+"""Excursions over a shorter length are not reported [m]."""
 
 LEAST_LOST = 1.0
-"""Silence over a shorter way is no event [m]."""
+"""Silence over a shorter length is no event [m]."""
 
 JUMP_REACH = 3.0
 """Time before the first and after the last point of a route in which a jump of odometry belongs to
@@ -171,7 +171,7 @@ def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Lim
 class _EventMaker:
     """Makes events at places of a route; `piece` is the number of its connected piece.
 
-    Of the way along the cable the next piece begins where the one before ends.
+    The arc length along the cable of the next piece begins where the one before ends.
     """
 
     def __init__(self, dive: ForwardDive, course: Course, route: DiveRoute) -> None:
@@ -200,12 +200,12 @@ class _EventMaker:
 
 def _found_and_lost(maker: _EventMaker) -> list[Event]:
     route, cable, disk = maker.route, maker.course.cable, maker.dive.disk
-    way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
+    along = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
     end = int(np.searchsorted(cable.piece, maker.piece, "right"))
     rows, first_rows = maker.dive.table.rows, maker.course.keyframes.first
 
     def claimed(part: slice) -> BoolArray:
-        inside = (way[part] >= -0.5) & (way[part] <= route.along[-1] + 0.5)
+        inside = (along[part] >= -0.5) & (along[part] <= route.along[-1] + 0.5)
         inside &= cable.piece[part] == maker.piece
         counts = cable.weights[part] > LEAST_WEIGHT
         found: BoolArray = inside & (counts | is_withheld(rows[first_rows[part]]))
@@ -213,19 +213,20 @@ def _found_and_lost(maker: _EventMaker) -> list[Event]:
 
     def goes_on(after: int) -> bool:
         rest = disk.blocks(end, after)
-        return any(np.abs(way[part] - way[after - 1]).max() >= LEAST_LOST for part in rest)
+        return any(np.abs(along[part] - along[after - 1]).max() >= LEAST_LOST for part in rest)
 
     events: list[Event] = []
-    for first, last in _long_claims(disk.filled(len(way), claimed, np.bool_), way):
-        events.append(maker.at(EventKind.FOUND, float(way[first]), "the tracker claims the cable"))
+    for first, last in _long_claims(disk.filled(len(along), claimed, np.bool_), along):
+        start = float(along[first])
+        events.append(maker.at(EventKind.FOUND, start, "the tracker claims the cable"))
         if goes_on(last):
             detail = "from here on no claims, or only such as disagree with the route"
-            events.append(maker.at(EventKind.LOST, float(way[last - 1]), detail))
+            events.append(maker.at(EventKind.LOST, float(along[last - 1]), detail))
     return events
 
 
 def _long_claims(claimed: BoolArray, along: FloatArray) -> list[tuple[int, int]]:
-    """Return runs of claims; silence over a short way does not end one."""
+    """Return runs of claims; silence over a short length does not end one."""
     return _joined_runs(
         claimed, lambda end, first: bool(abs(along[first] - along[end - 1]) < LEAST_LOST)
     )

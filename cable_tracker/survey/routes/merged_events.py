@@ -20,17 +20,17 @@ SAME_SHARE = 0.5
 
 
 def merged_events(
-    route: MergedRoute, group: Sequence[PlacedRoute], ways: Sequence[FloatArray]
+    route: MergedRoute, group: Sequence[PlacedRoute], along_axis: Sequence[FloatArray]
 ) -> list[Event]:
     """Take the events of all dives to the merged route; what was seen several times is one.
 
-    `ways` are those of the dives' own points along the route, in points.
+    `along_axis` holds the arc lengths of the dives' own points along the axis, in points.
     """
     seen: list[tuple[int, Event]] = []
     points = np.arange(len(route.along))
-    for number, (placed, way) in enumerate(zip(group, ways, strict=True)):
+    for number, (placed, along) in enumerate(zip(group, along_axis, strict=True)):
         for event in placed.events:
-            ends = np.interp([event.along, event.end], placed.route.along, way)
+            ends = np.interp([event.along, event.end], placed.route.along, along)
             start, end = np.interp(ends, points, route.along).tolist()
             told = event if start <= end else event.reversed()
             start, end = sorted((start, end))
@@ -40,12 +40,12 @@ def merged_events(
 
 
 def _joined(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Event]:
-    """Join events (number of the way along the cable, event): each way has seen one once."""
+    """Join events (number of the dive, event): each dive has seen one once."""
     groups: list[list[tuple[int, Event]]] = []
     for number, event in events:
         for group in reversed(groups[-4:]):
-            is_other_way = all(number != each for each, _ in group)
-            if is_other_way and _is_same(event, [each for _, each in group]):
+            is_other_dive = all(number != each for each, _ in group)
+            if is_other_dive and _is_same(event, [each for _, each in group]):
                 group.append((number, event))
                 break
         else:

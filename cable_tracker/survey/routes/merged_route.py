@@ -35,7 +35,7 @@ class MergedRoute:
     Attributes
     ----------
     along : FloatArray
-        Way from the beginning [m].
+        Arc length from the beginning [m].
     places : FloatArray
         x, y, shape (N, 2) [m].
     headings : FloatArray

@@ -26,7 +26,7 @@ REACH = 5.0
 SIGMAS = 4.0
 
 LEAST_OVERLAP = 5.0
-"""Dives that share less way at a stretch are not of one route [m]."""
+"""Dives that share a shorter stretch are not of one route [m]."""
 
 ALONG, ROUGHLY_ALONG = 0.9, 0.5
 """Least cosine of the angle between two routes of one cable, whichever way they run, and of that
@@ -39,7 +39,7 @@ DISAGREEMENT = 10.8
 """Chi square of one degree of freedom that sound dives exceed once in a thousand times."""
 
 LEAST_DISAGREEMENT = 2.0
-"""Dives that disagree over a shorter way are no event [m]."""
+"""Dives that disagree over a shorter stretch are no event [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,12 +62,12 @@ class _Axis:
 class _Beside:
     """A route as seen from an axis of N points; NaN where it does not reach.
 
-    Where it has left the cable of the axis it does not count. `way` is that of the route's own
-    points along the axis, in points.
+    Where it has left the cable of the axis it does not count. `along` holds the arc
+    lengths of the route's own points along the axis, in points.
     """
 
     recording: str
-    way: FloatArray
+    along: FloatArray
     asides: FloatArray
     counts: BoolArray
     variances: FloatArray
@@ -99,7 +99,7 @@ class _WeightedMean(NamedTuple):
 
 
 def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
-    """Merge routes of one frame; those that share no way stay routes of their own.
+    """Merge routes of one frame; those that share no stretch stay routes of their own.
 
     So do stretches on which a dive has left the cable that it shares with others.
     """
@@ -168,8 +168,8 @@ def _directions(axis: FloatArray) -> FloatArray:
 def _along_and_aside(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return for the points of a route (M, 2) how far along an axis [points] and to its left [m].
 
-    Places beyond its ends have a way below 0 or above N - 1. Where the axis crosses itself, the
-    branch counts that runs as the route does.
+    Places beyond its ends have an arc length below 0 or above N - 1. Where the axis crosses itself,
+    the branch counts that runs as the route does.
     """
     from_axis = np.empty((len(places), 2))
     directions, own_directions = _directions(axis), _directions(places)
@@ -178,9 +178,9 @@ def _along_and_aside(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, 
         part = places[begin : begin + block]
         nearest = _nearest(axis, directions, part, own_directions[begin : begin + block])
         apart = part - axis[nearest]
-        way = (apart * directions[nearest]).sum(axis=1) / SPACING
+        beyond = (apart * directions[nearest]).sum(axis=1) / SPACING
         normal = np.column_stack((-directions[nearest, 1], directions[nearest, 0]))
-        from_axis[begin : begin + block, 0] = nearest + way
+        from_axis[begin : begin + block, 0] = nearest + beyond
         from_axis[begin : begin + block, 1] = (apart * normal).sum(axis=1)
     return from_axis[:, 0], from_axis[:, 1]
 
@@ -208,33 +208,35 @@ def _nearest(
 
 
 def _overlap(axis: _Axis, route: DiveRoute) -> float:
-    """Return the longest way at a stretch that a route shares with an axis [m]."""
-    way, aside = _along_and_aside(axis.places, route.places)
-    shared = (way >= 0) & (way <= len(axis.places) - 1) & _of_one_cable(axis, route, way, aside)
+    """Return the length of the longest stretch that a route shares with an axis [m]."""
+    along, aside = _along_and_aside(axis.places, route.places)
+    shared = (
+        (along >= 0) & (along <= len(axis.places) - 1) & _of_one_cable(axis, route, along, aside)
+    )
     return max((last - first for first, last in true_runs(shared)), default=0) * SPACING
 
 
-def _nearest_points(axis: _Axis, way: FloatArray) -> IndexArray:
-    """Return the points of an axis that are nearest to ways along it (M,), in points."""
-    nearest: IndexArray = np.clip(np.round(way), 0, len(axis.places) - 1).astype(np.int64)
+def _nearest_points(axis: _Axis, along: FloatArray) -> IndexArray:
+    """Return the points of an axis that are nearest to arc lengths along it (M,), in points."""
+    nearest: IndexArray = np.clip(np.round(along), 0, len(axis.places) - 1).astype(np.int64)
     return nearest
 
 
-def _in_reach(axis: _Axis, route: DiveRoute, way: FloatArray, aside: FloatArray) -> BoolArray:
+def _in_reach(axis: _Axis, route: DiveRoute, along: FloatArray, aside: FloatArray) -> BoolArray:
     """Tell which points of a route (N,) are not too far from an axis for one cable.
 
-    `way` and `aside` are those of `_along_and_aside`.
+    `along` and `aside` are those of `_along_and_aside`.
     """
-    sigmas = np.hypot(route.total_sigmas, axis.sigmas[_nearest_points(axis, way)])
+    sigmas = np.hypot(route.total_sigmas, axis.sigmas[_nearest_points(axis, along)])
     in_reach: BoolArray = np.abs(aside) <= np.maximum(REACH, SIGMAS * sigmas)
     return in_reach
 
 
-def _of_one_cable(axis: _Axis, route: DiveRoute, way: FloatArray, aside: FloatArray) -> BoolArray:
+def _of_one_cable(axis: _Axis, route: DiveRoute, along: FloatArray, aside: FloatArray) -> BoolArray:
     """Tell which points of a route (N,) are near an axis, and run along it; see `_in_reach`."""
-    directions = _directions(axis.places)[_nearest_points(axis, way)]
+    directions = _directions(axis.places)[_nearest_points(axis, along)]
     cosines = (_directions(route.places) * directions).sum(axis=1)
-    fits: BoolArray = _in_reach(axis, route, way, aside) & (np.abs(cosines) > ALONG)
+    fits: BoolArray = _in_reach(axis, route, along, aside) & (np.abs(cosines) > ALONG)
     return fits
 
 
@@ -243,14 +245,14 @@ def _prolonged(axis: _Axis, route: DiveRoute) -> tuple[_Axis, int]:
 
     And how many points that is before its beginning.
     """
-    way, aside = _along_and_aside(axis.places, route.places)
+    along, aside = _along_and_aside(axis.places, route.places)
     places, sigmas, in_reach = (
-        route.places, route.total_sigmas, _in_reach(axis, route, way, aside)
+        route.places, route.total_sigmas, _in_reach(axis, route, along, aside)
     )  # fmt: skip
-    if way[-1] < way[0]:
-        way, places, sigmas, in_reach = way[::-1], places[::-1], sigmas[::-1], in_reach[::-1]
-    before = np.flatnonzero(way < -0.5)
-    after = np.flatnonzero(way > len(axis.places) - 0.5)
+    if along[-1] < along[0]:
+        along, places, sigmas, in_reach = along[::-1], places[::-1], sigmas[::-1], in_reach[::-1]
+    before = np.flatnonzero(along < -0.5)
+    after = np.flatnonzero(along > len(axis.places) - 0.5)
     parts, doubts, added = [axis.places], [axis.sigmas], 0
     if len(before) and in_reach[before[-1]]:
         shift = axis.places[0] - _directions(axis.places)[0] * SPACING - places[before[-1]]
@@ -272,29 +274,29 @@ def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
     """
     route, is_axis = placed.route, begin is not None
     if begin is None:
-        all_way, aside = _along_and_aside(axis.places, route.places)
+        all_along, aside = _along_and_aside(axis.places, route.places)
     else:
         # Not looked for: a cable that crosses itself comes near to itself.
         count = len(route.along)
-        all_way, aside = begin + np.arange(count, dtype=np.float64), np.zeros(count)
-    order = np.argsort(all_way, kind="stable")
-    way, asked = all_way[order], np.arange(len(axis.places), dtype=np.float64)
-    reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
+        all_along, aside = begin + np.arange(count, dtype=np.float64), np.zeros(count)
+    order = np.argsort(all_along, kind="stable")
+    along, asked = all_along[order], np.arange(len(axis.places), dtype=np.float64)
+    reaches = (asked >= along[0] - 0.5) & (asked <= along[-1] + 0.5)
     visible, unjudged = (x.astype(float) for x in (route.visible(), route.unjudged()))
 
     def on_axis(values: FloatArray) -> FloatArray:
-        found = np.interp(asked, way, values[order])
+        found = np.interp(asked, along, values[order])
         return np.where(reaches, found, np.nan)
 
-    of_one_cable = is_axis | _of_one_cable(axis, route, all_way, aside)[order]
-    counts = reaches & (np.interp(asked, way, of_one_cable) == 1.0)
+    of_one_cable = is_axis | _of_one_cable(axis, route, all_along, aside)[order]
+    counts = reaches & (np.interp(asked, along, of_one_cable) == 1.0)
 
     def of_the_cable(values: FloatArray) -> FloatArray:
         return np.where(counts, on_axis(values), np.nan)
 
     return _Beside(
         placed.recording,
-        all_way,
+        all_along,
         on_axis(aside),
         counts,
         on_axis(route.total_sigmas**2),
@@ -330,7 +332,7 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     )
     apart = (mean.counts > 1) & (mean.excess > DISAGREEMENT)
     disagreements = _disagreements(merged, apart, asides, recordings)
-    events = [*merged_events(merged, group, [each.way for each in beside]), *disagreements]
+    events = [*merged_events(merged, group, [each.along for each in beside]), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return replace(merged, events=tuple(events))
 

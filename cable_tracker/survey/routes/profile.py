@@ -69,7 +69,7 @@ class SmoothedDive:
 
 
 def make_profile(dive: SmoothedDive, piece: slice, wanted: FloatArray) -> Profile:
-    """Gather what each picture showed of each place along the way.
+    """Gather what each picture showed of each place along the cable.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def make_profile(dive: SmoothedDive, piece: slice, wanted: FloatArray) -> Profil
     piece : slice
         Its connected keyframes that the route is made of.
     wanted : FloatArray
-        Ways along the cable of the route's points, shape (N,) [m].
+        Arc lengths along the cable of the route's points, shape (N,) [m].
     """
     cable, rows, disk, first = dive.cable, dive.rows, dive.disk, float(wanted[0])
     count = max(1, int(np.ceil((float(wanted[-1]) - first) / PROFILE_SPACING)))
@@ -122,7 +122,7 @@ def _judged_rows(cable: SmoothedCable, rows: Rows, owner: IndexArray) -> IndexAr
 
 
 def _in_view(dive: SmoothedDive, piece: slice) -> Iterator[tuple[FloatArray, BoolArray]]:
-    """Yield ways along the cable, and whether it passed through a picture with the camera there."""
+    """Yield arc lengths, and whether the cable passed through a picture with the camera there."""
     half_views = filled(dive.rows["half_view"], dive.disk)
     for part in dive.disk.blocks(piece.stop, piece.start):
         seen = half_views[dive.keyframes.first[part]]
@@ -130,7 +130,7 @@ def _in_view(dive: SmoothedDive, piece: slice) -> Iterator[tuple[FloatArray, Boo
 
 
 def _withheld(dive: SmoothedDive, piece: slice) -> Iterator[tuple[FloatArray, BoolArray]]:
-    """Yield ways along the cable, and whether claims with the camera there were without metres."""
+    """Yield arc lengths, and whether claims with the camera there were without metres."""
     for part, owner in dive.row_blocks(piece):
         withheld = is_withheld(dive.rows[part])
         used = (owner >= 0) & (is_measured(dive.rows[part]) | withheld)
@@ -142,8 +142,8 @@ def _mostly(
 ) -> BoolArray:
     """Tell for each of the places from `first` [m] on whether something is so mostly, (count,).
 
-    Each block says for some ways along the cable (K,) [m] whether it is so there, (K,). Between
-    places of which none says anything, it is interpolated.
+    Each block says for some arc lengths along the cable (K,) [m] whether it is so there, (K,).
+    Between places of which none says anything, it is interpolated.
     """
     so, passed = disk.array(count), disk.array(count)
     for along, is_so in blocks:

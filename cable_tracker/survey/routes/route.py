@@ -28,7 +28,7 @@ BEYOND = 1.0
 FEWEST_KEYFRAMES = 4
 
 BIN = SPACING / 4
-"""Keyframes are averaged over this way [m]."""
+"""Keyframes are averaged over this length [m]."""
 
 PLACED = np.dtype([("place", "i8"), ("value", "f8")])
 """Number of a point of a route, and what was measured there."""
@@ -89,7 +89,7 @@ def make_routes(
 
 @dataclass(slots=True)
 class _Claimed:
-    """Keyframes with claims of a connected piece: number, first, last, least and most way [m]."""
+    """Keyframes with claims of a connected piece: number, first, last, and span [m]."""
 
     count: int = 0
     first: int = 0
@@ -148,7 +148,7 @@ def _cable_points(dive: SmoothedDive, part: slice) -> FloatArray:
 class _Piece:
     """Keyframes `own`, which are connected; see `make_routes`.
 
-    `claimed` is the least and the most way of those with claims [m].
+    `claimed` is the least and the most arc length of those with claims [m].
     """
 
     def __init__(self, dive: SmoothedDive, own: slice, claimed: tuple[float, float]) -> None:
@@ -192,7 +192,7 @@ class _Piece:
 
         They are the first keyframes at or beyond the wanted places, along the cable.
 
-        Keyframes are averaged in bins of a quarter of the spacing: a way gone twice counts once.
+        Keyframes are averaged in bins of a quarter of the spacing: a stretch seen twice is one.
         """
         disk, along, wanted = self._disk, self._along, self._wanted
         order = disk.array(len(along), np.int64)
@@ -220,8 +220,8 @@ class _Piece:
             )
             return mean
 
-        way = means(totals[0])
-        found = [_at_even_places(wanted, way, means(total), disk) for total in totals[1:]]
+        along = means(totals[0])
+        found = [_at_even_places(wanted, along, means(total), disk) for total in totals[1:]]
         return np.column_stack(found), following + self._own.start
 
     def _headings(self, order: IndexArray) -> FloatArray:

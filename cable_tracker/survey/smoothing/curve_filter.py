@@ -13,7 +13,7 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.smoothing.keyframes import Keyframes
 
 BEND_LENGTH = 6.0
-"""Way over which the curvature forgets itself [m]."""
+"""Arc length over which the curvature forgets itself [m]."""
 
 ROUGHNESS = 1e-4
 """Variance that odometry adds to the place, per second [m²/s]."""
@@ -32,8 +32,8 @@ class SmoothedCable(NamedTuple):
     Attributes
     ----------
     along : FloatArray
-        Way along the cable since the first keyframe, shape (S,) [m]; smaller where the vehicle went
-        back.
+        Arc length along the cable since the first keyframe, shape (S,) [m]; smaller where the
+        vehicle went back.
     states : FloatArray
         Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
     covariances : FloatArray
@@ -62,7 +62,7 @@ class SmoothedCable(NamedTuple):
 
 @compiled
 def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArray:
-    """Return a cable's state at the next look line, and the way to it: y, h, kappa, s."""
+    """Return a cable's state at the next look line, and the arc length to it: y, h, kappa, s."""
     turn = after[2] - place[2]
     cos, sin = math.cos(turn), math.sin(turn)
     dx, dy = after[0] - place[0], after[1] - place[1]
@@ -77,40 +77,40 @@ def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArra
     if slope < LEAST_SLOPE:
         result[:] = np.nan
         return result
-    way = -bx / slope
-    result[0] = by + way * math.sin(heading) + 0.5 * state[2] * way * way / slope
-    result[1] = heading + state[2] * way
+    arc = -bx / slope
+    result[0] = by + arc * math.sin(heading) + 0.5 * state[2] * arc * arc / slope
+    result[1] = heading + state[2] * arc
     result[2] = state[2]
-    result[3] = way
+    result[3] = arc
     return result
 
 
 @compiled
 def _transition(before: FloatArray, moved: FloatArray) -> FloatArray:
     """Return the transition matrix of changes of y, h, kappa to the next look line, (3, 3)."""
-    way = moved[3]
-    slope = math.cos(moved[1] - before[2] * way)
+    arc = moved[3]
+    slope = math.cos(moved[1] - before[2] * arc)
     move = np.zeros((3, 3))
     move[0, 0] = math.cos(before[1]) / slope
-    move[0, 1] = way / slope
-    move[0, 2] = 0.5 * way * way / slope
+    move[0, 1] = arc / slope
+    move[0, 2] = 0.5 * arc * arc / slope
     move[1, 1] = 1.0
-    move[1, 2] = way
-    move[2, 2] = math.exp(-abs(way) / BEND_LENGTH)
+    move[1, 2] = arc
+    move[2, 2] = math.exp(-abs(arc) / BEND_LENGTH)
     return move
 
 
 @compiled
-def _bending(way: float, bend: float) -> FloatArray:
+def _bending(arc: float, bend: float) -> FloatArray:
     """Return the process noise of a randomly changing curvature over a distance, (3, 3)."""
-    size = abs(way)
+    size = abs(arc)
     fresh = bend * bend * (1.0 - math.exp(-2.0 * size / BEND_LENGTH))
     noise = np.empty((3, 3))
     noise[0, 0] = fresh * size**4 / 20.0
-    noise[0, 1] = noise[1, 0] = fresh * size * size * way / 8.0
+    noise[0, 1] = noise[1, 0] = fresh * size * size * arc / 8.0
     noise[0, 2] = noise[2, 0] = fresh * size * size / 6.0
     noise[1, 1] = fresh * size * size / 3.0
-    noise[1, 2] = noise[2, 1] = fresh * way / 2.0
+    noise[1, 2] = noise[2, 1] = fresh * arc / 2.0
     noise[2, 2] = fresh
     return noise
 
@@ -160,9 +160,8 @@ def filter_forwards(
             moved = _moved(places[k - 1], places[k], states[k - 1])
             is_new = not np.isfinite(moved[3])
         if is_new:
-            # The way along the cable since then is not of the cable before: a vehicle that has
-            # turned away goes on along nothing, and one that has turned round along the same cable
-            # again.
+            # The arc length since then is not of the cable before: a vehicle that has turned away
+            # goes on along nothing, and one that has turned round along the same cable again.
             piece[k] += 1
             mean, spread = np.zeros(3), np.diag(np.array((*FIRST, bend * bend)))
             along[k] = along[k - 1] if k > 0 else 0.0

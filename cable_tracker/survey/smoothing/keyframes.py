@@ -103,7 +103,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
             rows, places, (first[part], last[part]),
             (claims[part], covariances[part], diameters[part], border_steps[part]),
         )  # fmt: skip
-    gaps = disk.filled(count, lambda part: way_to(own, part))
+    gaps = disk.filled(count, lambda part: step_lengths(own, part))
     breaks = disk.filled(count, lambda part: gaps[part] > MOST_SPACING, np.bool_)
     breaks[:1] = True
     isolated = _isolated_claims(summed(gaps, disk), claims, disk)
@@ -191,7 +191,7 @@ def _write_claims(
         border_steps[number] = np.median(clear[members])
 
 
-def way_to(places: FloatArray, part: slice) -> FloatArray:
+def step_lengths(places: FloatArray, part: slice) -> FloatArray:
     """Return how far it is to each of some places (N, 2 or more) from the one before [m]."""
     some = places[max(part.start - 1, 0) : part.stop, :2]
     steps: FloatArray = np.hypot(*np.diff(some, axis=0, prepend=some[:1]).T)
@@ -234,25 +234,25 @@ def _usual(values: FloatArray, disk: Disk) -> float:
     return disk.median(values, lambda part: np.isfinite(values[part]))
 
 
-def _isolated_claims(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
+def _isolated_claims(travelled: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
     """Tell which claims (S, 2) are of a short run between silences, shape (S,); none if most are.
 
-    `way` (S,) is how far the look line has gone [m].
+    `travelled` (S,) is the distance that the look line has travelled [m].
     """
-    isolated: BoolArray = disk.array(len(way), np.bool_)
+    isolated: BoolArray = disk.array(len(travelled), np.bool_)
     runs: list[tuple[int, int, int, float, float]] = []
-    for part in disk.blocks(len(way)):
+    for part in disk.blocks(len(travelled)):
         claimed = np.flatnonzero(np.isfinite(claims[part, 0])) + part.start
         if not len(claimed):
             continue
-        edges = np.flatnonzero(np.diff(way[claimed]) > SILENCE) + 1
+        edges = np.flatnonzero(np.diff(travelled[claimed]) > SILENCE) + 1
         for some in np.split(claimed, edges):
             run = (
                 int(some[0]),
                 int(some[-1]),
                 len(some),
-                float(way[some[0]]),
-                float(way[some[-1]]),
+                float(travelled[some[0]]),
+                float(travelled[some[-1]]),
             )
             if runs and not run[3] - runs[-1][4] > SILENCE:
                 before = runs.pop()

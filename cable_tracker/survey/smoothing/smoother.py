@@ -26,17 +26,17 @@ import math
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.smoothing.curve_filter import (
     SmoothedCable,
     filter_forwards,
     smooth_backwards,
 )
-from cable_tracker.survey.smoothing.keyframes import LEAST_SPACING, Keyframes, summed, way_to
+from cable_tracker.survey.smoothing.keyframes import LEAST_SPACING, Keyframes, step_lengths, summed
 
 CORRELATION = 0.7
-"""Way over which the errors of claims are correlated [m]."""
+"""Distance over which the errors of claims are correlated [m]."""
 
 UNSURE = 1.5
 """Standard deviation of the place of an unsure claim, as a multiple of the dive's usual one. Where
@@ -75,7 +75,7 @@ FITTING, SURE_ENOUGH = 3.0, 0.25
 deviation of the place from the other claims for that [m]."""
 
 
-def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> SmoothedCable:
+def smooth(keyframes: Keyframes, disk: Disk, *, backward_pass: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards.
 
     The arrays of the result are allocated by `disk`.
@@ -91,7 +91,7 @@ def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> Smooth
         (1.0, 1.0),
         BEND,
     )
-    steps = disk.filled(count, lambda part: way_to(keyframes.places, part))
+    steps = disk.filled(count, lambda part: step_lengths(keyframes.places, part))
     inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
     usual = _usual_variance(keyframes, disk)
     for _ in range(ROUNDS):
@@ -99,7 +99,7 @@ def smooth(keyframes: Keyframes, disk: Disk, *, way_back: bool = True) -> Smooth
             noise = _noise(keyframes.covariances[part], cable.scales, usual)
             noise *= inflation[part, None]
             filter_forwards(keyframes, noise, part.start, cable)
-        for part in disk.blocks_reversed(count) if way_back else ():
+        for part in disk.blocks_reversed(count) if backward_pass else ():
             smooth_backwards(keyframes, part.start, part.stop, cable)
         cable = _with_new_weights(keyframes, cable, usual, disk)
     return cable
@@ -163,34 +163,37 @@ def _normalised_squares(
     return squares
 
 
-def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
+def _covariance_inflation(travelled: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
     """Return by how much each claim's covariance is multiplied, shape (S,), at least 1.
 
     It is because errors of neighbouring claims are correlated over `CORRELATION` metres.
 
     Parameters
     ----------
-    way : FloatArray
-        Way of the look line since the first keyframe, shape (S,) [m].
+    travelled : FloatArray
+        Distance travelled by the look line since the first keyframe, shape (S,) [m].
     claims : FloatArray
         Claims of the keyframes, shape (S, 2); NaN where a keyframe has none.
     disk : Disk
         Allocator of the arrays.
     """
-    inflation: FloatArray = disk.filled(len(way), lambda part: np.ones(part.stop - part.start))
+    count = len(travelled)
+    inflation: FloatArray = disk.filled(count, lambda part: np.ones(part.stop - part.start))
     where = disk.growing(np.int64)
-    for part in disk.blocks(len(way)):
+    for part in disk.blocks(count):
         where.extend(np.flatnonzero(np.isfinite(claims[part].sum(axis=1))) + part.start)
     claimed = where.rows()
     last = len(claimed) - 1
+
+    def distance_to_next(numbers: IndexArray) -> FloatArray:
+        distances: FloatArray = travelled[claimed[numbers + 1]] - travelled[claimed[numbers]]
+        return distances
+
     for part in disk.blocks(len(claimed)) if last > 0 else ():
         number = np.arange(part.start, part.stop)
         # The first and the last have a neighbour on one side only, which stands for both.
-        before = way[claimed[np.maximum(number, 1)]] - way[claimed[np.maximum(number, 1) - 1]]
-        after = (
-            way[claimed[np.minimum(number, last - 1) + 1]]
-            - way[claimed[np.minimum(number, last - 1)]]
-        )
+        before = distance_to_next(np.maximum(number - 1, 0))
+        after = distance_to_next(np.minimum(number, last - 1))
         # Beside a silence the claims on the other side tell how dense they are.
         before, after = (
             np.where(before > CORRELATION, after, before),

@@ -63,8 +63,8 @@ def test_claims_of_something_thinner_over_a_buried_stretch_do_not_draw_the_cable
 def test_a_short_claim_of_something_else_in_a_buried_stretch_does_not_bend_the_cable(clear):
     dive = make_dive(Plan(hidden=((15.0, 24.0),), rope=((18.0, 18.7),), rope_diameter=0.16))
     rows = dive.table.rows
-    way = 0.05 * np.arange(len(rows)) + LOOK
-    other = (way > 18.0) & (way < 18.7)
+    along = 0.05 * np.arange(len(rows)) + LOOK
+    other = (along > 18.0) & (along < 18.7)
     if clear:
         rows["profile_score"][other] = 3.0
     keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
@@ -92,9 +92,9 @@ def test_a_cable_that_looks_thin_where_it_is_known_to_be_counts():
     assert smooth(keyframes, DISK).weights[keyframes.doubtful].min() > 0.2
 
 
-def test_without_the_way_back_claims_that_come_later_tell_nothing():
+def test_without_the_backward_pass_claims_that_come_later_tell_nothing():
     keyframes, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
-    forwards = smooth(keyframes, DISK, way_back=False)
+    forwards = smooth(keyframes, DISK, backward_pass=False)
     gap = ~np.isfinite(keyframes.claims[:, 0])
     assert rms((forwards.states[:, 0] - truth)[gap]) > 2 * rms((cable.states[:, 0] - truth)[gap])
 
@@ -144,22 +144,22 @@ def test_a_gap_in_the_navigation_ends_a_piece():
 def test_a_cable_that_is_followed_back_the_other_way_is_another_piece(course):
     dive = make_dive(Plan(bend=0.0, length=20.0))
     there = dive.table.rows
-    ways = [poses_of(dive).at(there["stamp"])]
+    poses = [poses_of(dive).at(there["stamp"])]
     rows = [there.copy()]
     if course == "on the spot":
-        turn = np.repeat(ways[0][-1:], 30, axis=0)
+        turn = np.repeat(poses[0][-1:], 30, axis=0)
         turn[:, 2] += np.linspace(0.1, np.pi - 0.1, 30)
         unseen = np.repeat(there[-1:], 30)
         unseen["status"], unseen["aside"], unseen["heading"] = 0, np.nan, np.nan
-        ways.append(turn)
+        poses.append(turn)
         rows.append(unseen)
     back = there[::-1].copy()
     back["aside"] *= -1.0
-    ways.append(ways[0][::-1] + np.array([0.0, 0.0, np.pi]))
+    poses.append(poses[0][::-1] + np.array([0.0, 0.0, np.pi]))
     rows.append(back)
     table = np.concatenate(rows)
     table["stamp"] = there["stamp"][0] + np.arange(len(table)) * 100_000_000
-    cable = smooth(make_keyframes(table, np.concatenate(ways), DISK), DISK)
+    cable = smooth(make_keyframes(table, np.concatenate(poses), DISK), DISK)
     claimed = cable.weights > 0.0
     pieces = np.unique(cable.piece[claimed])
     ends = [np.ptp(cable.along[claimed & (cable.piece == piece)]) for piece in pieces]
