@@ -119,7 +119,7 @@ def root(
     """Follow an underwater cable or pipeline by camera, with a particle filter."""
 
 
-def _say(text: str, style: str | None = None) -> None:
+def _print_message(text: str, style: str | None = None) -> None:
     """Print a message on stderr; the console is imported here, for most commands say nothing."""
     from cable_tracker.commands.console.terminal import messages  # noqa: PLC0415
 
@@ -146,12 +146,12 @@ def main() -> None:
         app()
     except CableTrackerError as error:
         notes = getattr(error, "__notes__", ())
-        _say("; ".join([f"error: {error}", *notes]), style="bold red")
+        _print_message("; ".join([f"error: {error}", *notes]), style="bold red")
         sys.exit(EXIT_USER_ERROR)
     except Stopped as stopped:
         signals.arrived()
         kept = "; ".join(getattr(stopped, "__notes__", ()))
-        _say(f"stopped; {kept or 'nothing was written'}")
+        _print_message(f"stopped; {kept or 'nothing was written'}")
         sys.exit(stopped.exit_code)
 
 

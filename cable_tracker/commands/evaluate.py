@@ -16,7 +16,7 @@ from cable_tracker.commands.campaigns.targets import (
     simulated_targets,
     tuned_targets,
 )
-from cable_tracker.commands.console.terminal import say_left_out
+from cable_tracker.commands.console.terminal import print_left_out
 from cable_tracker.commands.options.campaigns import (
     MEMORY,
     DashboardOption,
@@ -177,7 +177,7 @@ def _cable_sequences(
     if recording is not None:
         return (_as_sequence(RecordingSequence, recording),)
     sequences, left_out = available_sequences(scenarios, frames)
-    say_left_out(left_out)
+    print_left_out(left_out)
     return tuple(sequences)
 
 

@@ -77,12 +77,12 @@ def label(  # noqa: PLR0917
 def _command(chosen: ChosenRecording, labels: Path | None) -> str:
     """Return the command that opens a recording and a label file as they were opened here."""
     options = {"--topic": chosen.topic, "--rate": chosen.rate}
-    words = ["cable-tracker", "label", str(chosen.path)]
+    arguments = ["cable-tracker", "label", str(chosen.path)]
     for name, value in options.items():
-        words += [name, str(value)] if value is not None else []
-    words += ["--allow-outside"] if chosen.allow_outside else []
-    words += ["--labels", str(labels)] if labels is not None else []
-    return shlex.join(words)
+        arguments += [name, str(value)] if value is not None else []
+    arguments += ["--allow-outside"] if chosen.allow_outside else []
+    arguments += ["--labels", str(labels)] if labels is not None else []
+    return shlex.join(arguments)
 
 
 def _count_frames(recording: Source) -> None:

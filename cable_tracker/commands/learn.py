@@ -11,7 +11,7 @@ import typer
 
 from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.measure.borders.response_table import is_table
-from cable_tracker.commands.console.terminal import console, counted, progress_bar, say_left_out
+from cable_tracker.commands.console.terminal import console, counted, print_left_out, progress_bar
 from cable_tracker.commands.options.campaigns import seeds_from
 from cable_tracker.commands.options.common import (
     ForceOption,
@@ -117,7 +117,7 @@ def learn(  # noqa: PLR0917
     _, parameters = chosen_parameters(CABLE, preset_name, params, {}, seed)
     plan = LearningPlan(every, harder, frames, skip_bad_frames, unlabelled_is_empty)
     sequences, left_out = simulated_dives(scenarios, numbers, plan.limit)
-    say_left_out(left_out)
+    print_left_out(left_out)
     counter = FrameCounter(parameters, plan)
     damages: list[RecordingError] = []
     with ExitStack() as stack:
@@ -140,7 +140,7 @@ def learn(  # noqa: PLR0917
         )
         table.save(file)
     console.print(
-        f"{counter.words()}, {counter.counts.border_points} points on borders,"
+        f"{counter.describe()}, {counter.counts.border_points} points on borders,"
         f" {counter.counts.background_points} elsewhere",
         soft_wrap=True,
     )

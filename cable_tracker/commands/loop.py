@@ -336,7 +336,7 @@ def _print(summary: LoopSummary) -> None:
 
 
 def verdict_on(summary: LoopSummary) -> str:
-    """Say in words how a run ended, with an RMS that can be told from the goal."""
+    """Describe how a run ended, with an RMS that can be told from the goal."""
     end = "lost for good" if summary.lost_for_good else "not lost for good"
     goal = "within" if summary.is_within_goal else "not within"
     digits = 3

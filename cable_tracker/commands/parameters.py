@@ -67,6 +67,6 @@ def _is_parameter_file(path: Path) -> bool:
 def _print_parameter(spec: ParameterSpec, values: TrackerParameters) -> None:
     """Print name, value, unit and range on a line, and below it what the parameter means."""
     value = str(values.as_mapping()[spec.name]) or "(empty)"
-    words = [f"{spec.name} = {value}", spec.unit, f"({spec.range_text()})"]
-    console.print(Text(" ".join(filter(None, words)), style="bold"))
+    parts = [f"{spec.name} = {value}", spec.unit, f"({spec.range_text()})"]
+    console.print(Text(" ".join(filter(None, parts)), style="bold"))
     console.print(Padding(Text(spec.meaning), (0, 0, 0, 4)))

@@ -180,8 +180,8 @@ def _holds_nothing(output: Path) -> bool:
 def _states(result: SurveyResult) -> str:
     """Return how many recordings were kept from an earlier survey and how many failed, if any."""
     counts = Counter(outcome.state for outcome in result.outcomes)
-    words = {TaskState.KEPT: "kept from before", TaskState.FAILED: "failed"}
-    parts = [f"{counts[state]} {word}" for state, word in words.items() if counts[state]]
+    names = {TaskState.KEPT: "kept from before", TaskState.FAILED: "failed"}
+    parts = [f"{counts[state]} {name}" for state, name in names.items() if counts[state]]
     return f" ({', '.join(parts)})" if parts else ""
 
 

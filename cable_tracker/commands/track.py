@@ -135,7 +135,7 @@ def track(  # noqa: PLR0917
             own = {
                 **lockstep.tracker_parameters(compressed=recording.compressed),
                 **parameters.as_mapping(),
-                "initial_state": _words_for_node(start, given),
+                "initial_state": _initial_state_of_node(start, given),
             }
             damage = client.track_cable_over_ros(frames, own, replayed, results, described)
         else:
@@ -156,7 +156,7 @@ def track(  # noqa: PLR0917
         raise damage
 
 
-def _words_for_node(start: str, given: GivenState | None) -> str:
+def _initial_state_of_node(start: str, given: GivenState | None) -> str:
     """Return the tracker node's parameter that starts it in the same way: it knows no truth."""
     return format_initial_state(given.state) if given and start == TRUTH else start
 

@@ -15,18 +15,20 @@ from cable_tracker.tracking.parameter_table import Parameters, parameter_table
 
 
 def variants(presets: Iterable[Parameters]) -> Iterator[Parameters]:
-    """Yield presets, and what changing one word among their parameters makes of them.
+    """Yield presets, and what changing one choice among their parameters makes of them.
 
-    Words choose which code runs: with all of them compiled, a node need not compile anything when
-    one is changed while it runs. Parameters with the same words come once.
+    Choices tell which code runs: with all of them compiled, a node need not compile anything when
+    one is changed while it runs. Parameters with the same choices come once.
     """
     seen: set[tuple[str, ...]] = set()
     for preset in presets:
-        worded = [spec for spec in parameter_table(type(preset)) if spec.choices]
-        changes = [_replaced(preset, spec.name, word) for spec in worded for word in spec.choices]
+        chosen = [spec for spec in parameter_table(type(preset)) if spec.choices]
+        changes = [
+            _replaced(preset, spec.name, choice) for spec in chosen for choice in spec.choices
+        ]
         for parameters in (preset, *changes):
-            if parameters is not None and parameters.words() not in seen:
-                seen.add(parameters.words())
+            if parameters is not None and parameters.choices() not in seen:
+                seen.add(parameters.choices())
                 yield parameters
 
 

@@ -167,8 +167,8 @@ class FrameCounter:
         self.recorded = self.harder = 0
         self._parameters, self._plan = parameters, plan
 
-    def words(self) -> str:
-        """Return the numbers of frames in words."""
+    def describe(self) -> str:
+        """Describe how many frames have been counted."""
         copies = f" and {self.harder} harder copies of them" if self.harder else ""
         return f"{self.recorded} frames{copies}"
 

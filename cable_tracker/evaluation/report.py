@@ -308,8 +308,8 @@ def _sequence_view(number: int, description: str, results: Sequence[RunResult]) 
     )
 
 
-def refusal_words(result: RunResult) -> str:
-    """Say how many frames a method refused in a run, at least one, and why the first."""
+def describe_refusals(result: RunResult) -> str:
+    """Describe how many frames a method refused in a run, at least one, and why the first."""
     frames = "1 frame was" if result.refused == 1 else f"{result.refused} frames were"
     return f"{frames} refused and taken as not claimed ({result.refusal})"
 
@@ -321,7 +321,7 @@ def _method_view(result: RunResult) -> MethodView:
         caption += f": {lost:.1f} % of the frames lost"
         caption += f", longest loss {result.metrics['longest_loss']:.2f} s" if lost else ""
     if result.refused:
-        caption += f"; {refusal_words(result)}"
+        caption += f"; {describe_refusals(result)}"
     return MethodView(
         name=result.method,
         caption=caption,

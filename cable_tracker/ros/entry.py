@@ -47,10 +47,10 @@ def run(node_name: str, arguments: Sequence[str] | None) -> int:
         module_name, class_name = NODES[node_name]
         node_class = getattr(import_module(f"cable_tracker.ros.{module_name}"), class_name)
     except ImportError as error:
-        words = missing_ros_message(error)
-        if not words:
+        message = missing_ros_message(error)
+        if not message:
             raise
-        print(f"error: {words}", file=sys.stderr)
+        print(f"error: {message}", file=sys.stderr)
         return EXIT_USER_ERROR
     strangers = arguments_without_ros(arguments)
     if strangers:

@@ -202,7 +202,7 @@ class ParameterSet:
         """Say which values are accepted but hardly meant, one sentence each."""
         return ()
 
-    def words(self) -> tuple[str, ...]:
+    def choices(self) -> tuple[str, ...]:
         """Return the values that have choices: they choose which code runs, numbers do not."""
         return tuple(
             getattr(self, spec.name) for spec in parameter_table(type(self)) if spec.choices

@@ -108,8 +108,8 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
 
 
 def test_words_are_the_values_with_choices_and_numbers_are_none():
-    assert LampParameters(bulbs=1).words() == LampParameters(bulbs=2).words() == ("white",)
-    assert LampParameters(bulbs=1, colour="red").words() == ("red",)
+    assert LampParameters(bulbs=1).choices() == LampParameters(bulbs=2).choices() == ("white",)
+    assert LampParameters(bulbs=1, colour="red").choices() == ("red",)
 
 
 @pytest.mark.parametrize(

@@ -112,8 +112,8 @@ class GivenState:
         """Whether d, alpha, w and beta are all given, and are those of the cable."""
         return not self.is_guess and not bool(np.isinf(self.sigma[:POSE_SIZE]).any())
 
-    def words(self) -> str:
-        """Return what is known of d, alpha, w and beta, or of a point, for a log."""
+    def describe(self) -> str:
+        """Describe what is known of d, alpha, w and beta, or of a point, for a log."""
         known = [
             words.format(value)
             for words, value, sigma in zip(

@@ -28,7 +28,7 @@ from cable_tracker.evaluation.report import (
     REPORT,
     ReportHeader,
     TableView,
-    refusal_words,
+    describe_refusals,
     summary_table,
     write_report,
 )
@@ -58,15 +58,15 @@ START_NOTES = {
 
 
 def tuned_filters(
-    files: Sequence[Path] | None, words: Sequence[str] | None, table: Path | None
+    files: Sequence[Path] | None, assignments: Sequence[str] | None, table: Path | None
 ) -> tuple[ConfiguredFilter, ...]:
-    """Return the trackers with parameters of the user's: one for each file, or one for the words.
+    """Return the trackers with parameters of the user's: one for each file, or one.
 
     Parameters
     ----------
     files : sequence of Path or None
         Parameter files; each tracker is named after its file.
-    words : sequence of str or None
+    assignments : sequence of str or None
         Single values, `name=value`, for all of them.
     table : Path or None
         Response table for all of them.
@@ -76,7 +76,7 @@ def tuned_filters(
     ParameterError
         A value is not acceptable, two files have one name, or a file is named like a method.
     """
-    if not (files or words or table is not None):
+    if not (files or assignments or table is not None):
         return ()
     given: dict[str, Path | None] = {file.stem: file for file in files or ()} or {"tuned": None}
     taken = sorted(set(given) & set(METHODS))
@@ -84,7 +84,7 @@ def tuned_filters(
         raise ParameterError(
             f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
         )
-    single = single_values(words)
+    single = single_values(assignments)
     return tuple(
         ConfiguredFilter(name, _tuned(file, single, table)) for name, file in given.items()
     )
@@ -128,7 +128,7 @@ def evaluate_cables(
                 sequences={each.name: each.description for each in campaign.sequences},
             )
     _print(summary_table(results, PRINTED_METRICS))
-    _say_refusals(results)
+    _print_refusals(results)
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
     print_files(output, (REPORT, *(name for name, _ in CSV_FILES)))
 
@@ -141,11 +141,11 @@ def _descriptions(campaign: Campaign) -> dict[str, str]:
     return {name: METHODS[name].description for name in campaign.methods} | tuned
 
 
-def _say_refusals(results: Sequence[RunResult]) -> None:
-    """Say which methods refused frames of which sequence, once for all seeds."""
+def _print_refusals(results: Sequence[RunResult]) -> None:
+    """Print which methods refused frames of which sequence, once for all seeds."""
     refusing = {(each.sequence, each.method): each for each in results if each.refused}
     for (sequence, method), result in refusing.items():
-        print_note(f"{method} on {sequence}: {refusal_words(result)}")
+        print_note(f"{method} on {sequence}: {describe_refusals(result)}")
 
 
 def _print(view: TableView) -> None:

@@ -19,11 +19,11 @@ CPU_INFORMATION = Path("/proc/cpuinfo")
 
 def typed_command(*, without: str | None = None) -> str:
     """Return the command line as it was typed, but for an option and its value."""
-    words = [word for word in sys.argv[1:] if not word.startswith(f"{without}=")]
-    if without in words:
-        place = words.index(without)
-        del words[place : place + 2]
-    return shlex.join(("cable-tracker", *words))
+    arguments = [each for each in sys.argv[1:] if not each.startswith(f"{without}=")]
+    if without in arguments:
+        index = arguments.index(without)
+        del arguments[index : index + 2]
+    return shlex.join(("cable-tracker", *arguments))
 
 
 def machine() -> str:

@@ -74,8 +74,8 @@ def need_usable_frames(
 def print_statuses(statuses: Sequence[str]) -> None:
     """Say how many frames there are of each status."""
     counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
-    words = ", ".join(f"{count} {status}" for status, count in counts.items())
-    console.print(f"{len(statuses)} frames: {words}", soft_wrap=True)
+    summary = ", ".join(f"{count} {status}" for status, count in counts.items())
+    console.print(f"{len(statuses)} frames: {summary}", soft_wrap=True)
 
 
 def event_notes(rows: Sequence[TrackedFrame]) -> list[str]:

@@ -20,7 +20,7 @@ def need_ros(name: str) -> ModuleType:
     try:
         return import_module(f"cable_tracker.ros.{name}")
     except ImportError as error:
-        words = missing_ros_message(error)
-        if not words:
+        message = missing_ros_message(error)
+        if not message:
             raise
-        raise RosError(words) from error
+        raise RosError(message) from error

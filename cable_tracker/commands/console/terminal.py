@@ -103,8 +103,8 @@ def print_note(text: str) -> None:
     messages.print(f"note: {text}", soft_wrap=True)
 
 
-def say_left_out(reasons: Mapping[str, str]) -> None:
-    """Say which scenarios of a pattern are left out, and why; `reasons` by name."""
+def print_left_out(reasons: Mapping[str, str]) -> None:
+    """Print which scenarios of a pattern are left out, and why; `reasons` by name."""
     for reason in dict.fromkeys(reasons.values()):
         names = [name for name, other in reasons.items() if other == reason]
         verb = "is" if len(names) == 1 else "are"
@@ -117,6 +117,6 @@ def print_facts(title: str, facts: Iterable[tuple[str, str]]) -> None:
 
 
 def print_files(folder: Path, names: Iterable[str]) -> None:
-    """Say which files a command has written into a folder."""
+    """Print which files a command has written into a folder."""
     for name in names:
         console.print(f"  {folder / name}", soft_wrap=True)

@@ -128,8 +128,8 @@ def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
     timings = []
     for trial in trials:
         width, height = trial.shown.size
-        words = f"node {trial.name}, {width}x{height}, {trial.parameters.particle_count}"
-        with progress_bar(words, None) as progress:
+        title = f"node {trial.name}, {width}x{height}, {trial.parameters.particle_count}"
+        with progress_bar(title, None) as progress:
             timings.append(measure_node(trial, partial(advance, progress)))
     return tuple(timings)
 

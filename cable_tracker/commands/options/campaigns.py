@@ -61,10 +61,10 @@ def chosen_cluster(
             "dashboard: one worker needs no Dask, which would serve it; give --workers 2 or more,"
             " or leave out --dashboard"
         )
-    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where, print_note)
+    return ClusterSettings(workers, scheduler, memory, dashboard, _print_address, print_note)
 
 
-def _say_where(dashboard: str) -> None:
+def _print_address(dashboard: str) -> None:
     messages.print(f"Dask's pages: {dashboard}", soft_wrap=True)
 
 

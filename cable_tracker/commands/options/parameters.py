@@ -85,7 +85,7 @@ def parse_value(word: str) -> tuple[str, object]:
     return name, parse_parameters(f"{name}: {text}", f"-p {word}").get(name)
 
 
-def single_values(words: Iterable[str] | None) -> dict[str, object]:
+def single_values(assignments: Iterable[str] | None) -> dict[str, object]:
     """Read single values as of `parse_value`; notes say which of them do nothing.
 
     Raises
@@ -93,7 +93,7 @@ def single_values(words: Iterable[str] | None) -> dict[str, object]:
     ParameterError
         One of them cannot be read.
     """
-    values = dict(map(parse_value, words or ()))
+    values = dict(map(parse_value, assignments or ()))
     _note_unread(values.keys(), ((OF_NODES_ALONE, "only nodes read this"), *UNREAD))
     return values
 

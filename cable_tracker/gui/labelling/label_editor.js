@@ -275,12 +275,12 @@ export default {
       this.dropWaiting();
       this.wanted = frame;
     },
-    proposed({ frame, state, words }) {
+    proposed({ frame, state, message }) {
       const isWanted = this.asked === frame && frame === this.frame;
       if (this.asked === frame) this.asked = null;
       if (!isWanted || this.drag) return;
-      this.proposal = state ? { state, words } : null;
-      if (!state) this.say({ text: words, kind: "warning" });
+      this.proposal = state ? { state, message } : null;
+      if (!state) this.say({ text: message, kind: "warning" });
       this.showLabel();
     },
     say(message) {
@@ -316,7 +316,7 @@ export default {
       const without = this.asked === this.frame ? "waiting" : "none";
       this.flag = this.proposal ? "proposal" : label?.flag ?? without;
       this.shown = this.drag?.state ?? this.proposal?.state ?? label?.state ?? null;
-      this.how = this.proposal?.words ?? "";
+      this.how = this.proposal?.message ?? "";
       if (!this.drag) this.showCounts();
       this.view.redraw();
     },

@@ -26,7 +26,7 @@ COLOURS: Mapping[str, Colour] = {
     "proposal": SKY,
     "warning": AMBER,
 }
-"""Colours of labels by their flags; words and line styles say the same."""
+"""Colours of labels by their flags; texts and line styles say the same."""
 
 
 class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
@@ -69,12 +69,12 @@ class LabelEditor(Element, component="label_editor.js", esm=BROWSER_MODULES):
         """Lead the user to a frame."""
         self.run_method("goTo", frame)
 
-    def propose(self, frame: int, state: list[float] | None, words: str) -> None:
-        """Show a proposal, or say why there is none."""
-        self.run_method("proposed", {"frame": frame, "state": state, "words": words})
+    def propose(self, frame: int, state: list[float] | None, message: str) -> None:
+        """Show a proposal, or why there is none."""
+        self.run_method("proposed", {"frame": frame, "state": state, "message": message})
 
-    def say(self, text: str, kind: str = "") -> None:
-        """Say something; `kind` is ``warning``, ``error`` or nothing."""
+    def show_message(self, text: str, kind: str = "") -> None:
+        """Show a message; `kind` is ``warning``, ``error`` or nothing."""
         self.run_method("say", {"text": printable(text), "kind": kind})
 
 

@@ -39,13 +39,13 @@ class LabelProposal:
         Number of the frame.
     state : CableState or None
         Proposed state of the cable [px, rad]; None if nothing was found.
-    words : str
-        Words about how it was found, or why it was not.
+    message : str
+        How it was found, or why it was not.
     """
 
     frame: int
     state: CableState | None
-    words: str
+    message: str
 
 
 class Proposer:
@@ -106,11 +106,11 @@ class Proposer:
                 estimate = None
                 if number == frame:
                     return LabelProposal(frame, None, str(error))
-        words = f"tracked from frame {start}"
+        message = f"tracked from frame {start}"
         if estimate is not None and estimate.is_claimed:
-            return LabelProposal(frame, estimate.state.at_rest(), words)
+            return LabelProposal(frame, estimate.state.at_rest(), message)
         if estimate is not None and frame - start <= MOST_FRAMES_IN_DOUBT:
-            return LabelProposal(frame, estimate.state.at_rest(), f"{words}, in doubt")
+            return LabelProposal(frame, estimate.state.at_rest(), f"{message}, in doubt")
         return LabelProposal(frame, None, f"the tracker has lost the cable since frame {start}")
 
     def _moving_state(self, start: int, labels: Labels) -> CableState:

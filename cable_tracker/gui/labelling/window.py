@@ -175,7 +175,7 @@ class LabelPage:
             return await self._read(self._server.reader, self._workspace.picture, frame)
         except (IndexError, RecordingError) as error:
             if not quietly:
-                self._editor.say(str(error), "error")
+                self._editor.show_message(str(error), "error")
                 self._lead_back_from(frame)
             return None
 
@@ -235,7 +235,7 @@ class LabelPage:
         rows = [label_row(*item) for item in changes.items()]
         self._editor.update_labels({"labels": rows, **self._status()})
         if self._workspace.trouble:
-            self._editor.say(self._workspace.trouble, "error")
+            self._editor.show_message(self._workspace.trouble, "error")
 
     # Edits
 
@@ -247,7 +247,7 @@ class LabelPage:
             self._workspace.need_frame(frame)
             label = _label_of(event.args["label"])
         except (CableTrackerError, ValueError) as error:
-            self._editor.say(str(error), "error")
+            self._editor.show_message(str(error), "error")
             self._workspace.notify({frame: document.labels.get(frame)})
             return
         merges = bool(event.args["merges"])
@@ -271,7 +271,7 @@ class LabelPage:
         try:
             await action()
         except CableTrackerError as error:
-            self._editor.say(
+            self._editor.show_message(
                 str(error), "warning" if isinstance(error, ParameterError) else "error"
             )
 
@@ -283,7 +283,7 @@ class LabelPage:
 
     def _after_step(self, step: tuple[int, Changes] | None, otherwise: str) -> None:
         if step is None:
-            self._editor.say(otherwise)
+            self._editor.show_message(otherwise)
             return
         frame, _ = step
         self._editor.go_to(frame)
@@ -297,15 +297,18 @@ class LabelPage:
         still = [gap for gap in document.gaps_to_fill(None) if gap in wanted]
         self._workspace.interpolate(frame, still)
         count = sum(len(gap.frames) for gap in still)
-        self._say_done(f"interpolated {count} frame{'s' if count != 1 else ''}", damage)
+        self._show_done(f"interpolated {count} frame{'s' if count != 1 else ''}", damage)
 
     async def _read_times(self, frames: Iterable[int]) -> RecordingError | None:
         """Learn the times of frames that are not known yet; returns the damage that was met."""
         missing = self._workspace.missing_stamps(frames)
         return await self._read(self._server.reader, self._workspace.read_stamps, missing)
 
-    def _say_done(self, words: str, damage: RecordingError | None) -> None:
-        self._editor.say(f"{words}; {damage}" if damage else words, "error" if damage else "")
+    def _show_done(self, message: str, damage: RecordingError | None) -> None:
+        if damage is None:
+            self._editor.show_message(message)
+        else:
+            self._editor.show_message(f"{message}; {damage}", "error")
 
     async def _propose(self, frame: int) -> None:
         self._asked = frame
@@ -322,7 +325,7 @@ class LabelPage:
             # The browser waits for an answer.
             found = LabelProposal(frame, None, str(error))
         if self._asked == frame:
-            self._editor.propose(frame, places(FrameLabel(found.state)), found.words)
+            self._editor.propose(frame, places(FrameLabel(found.state)), found.message)
 
     # Files
 
@@ -342,10 +345,10 @@ class LabelPage:
             save(overwrite=False)
         except OverwriteError as error:
             if not await self._confirm(str(error), "Overwrite"):
-                self._editor.say("nothing was saved", "warning")
+                self._editor.show_message("nothing was saved", "warning")
                 return
             save(overwrite=True)
-        self._say_done(f"saved {self._workspace.path}", damage)
+        self._show_done(f"saved {self._workspace.path}", damage)
 
     async def _open(self) -> None:
         given = await self._ask_path("Open a label file", "Open", self._workspace.path)
@@ -355,7 +358,7 @@ class LabelPage:
         if self._workspace.is_changed and not await self._confirm(question, "Open all the same"):
             return
         self._workspace.open(given)
-        self._editor.say(f"opened {given}")
+        self._editor.show_message(f"opened {given}")
 
     async def _ask_path(self, title: str, action: str, path: Path) -> Path | None:
         with ui.dialog() as dialog, ui.card().classes("w-[560px] max-w-full"):
@@ -395,7 +398,7 @@ class LabelPage:
             ui.card().classes("w-[520px] max-w-full"),
         ):
             ui.label("Labels that were not saved").classes("text-lg")
-            ui.label(printable(self._workspace.autosaved_words())).classes("break-words")
+            ui.label(printable(self._workspace.describe_autosaved())).classes("break-words")
             with ui.row().classes("w-full justify-end"):
                 ui.button("Discard them", on_click=self._workspace.discard).props("flat")
                 ui.button("Resume", on_click=self._workspace.resume).props("autofocus")

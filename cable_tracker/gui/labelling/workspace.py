@@ -144,7 +144,7 @@ class Workspace:
         labels = read_autosave(kept, self._names)
         return labels if labels != content.labels else None
 
-    def autosaved_words(self) -> str:
+    def describe_autosaved(self) -> str:
         """Describe the unsaved labels of an earlier run to the user."""
         kept = autosave_path(self.path)
         count = len(self.autosaved or {})
@@ -154,8 +154,8 @@ class Workspace:
         except OSError:
             return f"There are {count} labelled frames of an earlier run."
         when = time.strftime("%Y-%m-%d %H:%M", time.localtime(written))
-        words = f"{count} labelled frames of {when} were found in {kept.name}."
-        return f"{words} They are older than {self.path.name}." if is_older else words
+        message = f"{count} labelled frames of {when} were found in {kept.name}."
+        return f"{message} They are older than {self.path.name}." if is_older else message
 
     @property
     def path(self) -> Path:

@@ -18,7 +18,7 @@ SPEEDS = {
     "10": 10.0,
     "max": math.inf,
 }
-"""Speeds by the words of the page."""
+"""Speeds by their labels on the page."""
 
 LEAP = 10
 """Frames of a long step."""
@@ -36,7 +36,7 @@ class KeyBinding:
         Keys, as browsers name them.
     shown : str
         The keys, for people.
-    words : str
+    description : str
         Description of the command for the help page.
     needs_player : bool
         Whether it makes sense on recordings alone.
@@ -45,7 +45,7 @@ class KeyBinding:
     name: str
     keys: tuple[str, ...]
     shown: str
-    words: str
+    description: str
     needs_player: bool = False
 
 
@@ -99,21 +99,21 @@ POINTER_HELP = {
 def commands_for(*, is_player: bool, noun: str) -> tuple[KeyBinding, ...]:
     """Return the commands of a recording or of a live node; `noun` is what is followed."""
     return tuple(
-        replace(command, words=command.words.replace("cable", noun))
+        replace(command, description=command.description.replace("cable", noun))
         for command in COMMANDS
         if is_player or not command.needs_player
     )
 
 
-def speed_words(speed: float) -> str:
-    """Return the words of the speed that is nearest."""
-    return min(SPEEDS, key=lambda words: 0.0 if SPEEDS[words] == speed else _apart(words, speed))
+def speed_label(speed: float) -> str:
+    """Return the label of the speed that is nearest."""
+    return min(SPEEDS, key=lambda label: 0.0 if SPEEDS[label] == speed else _apart(label, speed))
 
 
-def _apart(words: str, speed: float) -> float:
-    if math.isinf(SPEEDS[words]) or math.isinf(speed):
+def _apart(label: str, speed: float) -> float:
+    if math.isinf(SPEEDS[label]) or math.isinf(speed):
         return math.inf
-    return abs(math.log(SPEEDS[words] / speed))
+    return abs(math.log(SPEEDS[label] / speed))
 
 
 def command_player(player: RecordingSession, name: str, value: object = None) -> None:
@@ -141,9 +141,9 @@ def _seek(player: RecordingSession, name: str, value: object) -> None:
 
 
 def _change_speed(player: RecordingSession, name: str, value: object) -> None:
-    words = list(SPEEDS)
+    labels = list(SPEEDS)
     if name == "speed":
         player.set_speed(SPEEDS.get(str(value), player.speed))
         return
-    place = words.index(speed_words(player.speed)) + (1 if name == "faster" else -1)
-    player.set_speed(SPEEDS[words[min(max(place, 0), len(words) - 1)]])
+    index = labels.index(speed_label(player.speed)) + (1 if name == "faster" else -1)
+    player.set_speed(SPEEDS[labels[min(max(index, 0), len(labels) - 1)]])

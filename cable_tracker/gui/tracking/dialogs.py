@@ -60,9 +60,9 @@ class FormDialog(ABC):
         self.refuse("")
         self.dialog.open()
 
-    def refuse(self, words: str) -> None:
+    def refuse(self, message: str) -> None:
         """Show why the action failed."""
-        self._refusal.set_text(printable(words))
+        self._refusal.set_text(printable(message))
 
     async def submit(self) -> None:
         """Run the dialog's action, and close the dialog if it succeeded."""
@@ -94,7 +94,7 @@ class OpenDialog(FormDialog):
     ----------
     template : callable
         Returns the last request, whose other options stay.
-    start_words : str
+    start_hint : str
         Text about the possible initialisations.
     """
 
@@ -102,9 +102,9 @@ class OpenDialog(FormDialog):
         self,
         template: Callable[[], RecordingRequest],
         opening: Callable[[RecordingRequest], Awaitable[None]],
-        start_words: str,
+        start_hint: str,
     ) -> None:
-        self._start_words = start_words
+        self._start_hint = start_hint
         self._template = template
         self._opening = opening
         super().__init__("Open a recording", "open")
@@ -113,7 +113,7 @@ class OpenDialog(FormDialog):
         """Put the fields into it."""
         self._path = _field("path on the server: bag, video, folder or sequence file", "open-path")
         self._path.on("keydown.enter", self.submit)
-        self._init = _field(self._start_words, "open-init")
+        self._init = _field(self._start_hint, "open-init")
         self._topic = _field("image topic of a bag that has several", "open-topic")
         self._truth = _field("sequence file with labels", "open-truth")
 
@@ -245,17 +245,17 @@ class HelpDialog:
     commands : sequence of KeyBinding
         Key bindings in force.
     pointer : sequence of (str, str)
-        Mouse action and its effect, in words.
+        Mouse action and its effect.
     """
 
     def __init__(self, commands: Sequence[KeyBinding], pointer: Sequence[tuple[str, str]]) -> None:
         self.dialog = ui.dialog().props('aria-label="Keys"')
         with self.dialog, ui.card().style("max-width: 640px"):
             ui.label("Keys").classes("text-lg")
-            lines = [(command.shown, command.words) for command in commands]
+            lines = [(command.shown, command.description) for command in commands]
             rows = "".join(
-                f"<tr><td><kbd>{keys}</kbd></td><td>{words}</td></tr>"
-                for keys, words in (*lines, *pointer)
+                f"<tr><td><kbd>{keys}</kbd></td><td>{description}</td></tr>"
+                for keys, description in (*lines, *pointer)
             )
             ui.html(f'<table class="ct-keys">{rows}</table>', sanitize=False)
             ui.button("close", on_click=self.dialog.close).props("flat")

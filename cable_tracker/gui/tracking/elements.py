@@ -50,16 +50,16 @@ class _Changing(Element):
 class PlainButton(Element):
     """A button of HTML; those of the library are too large for a panel of instruments."""
 
-    def __init__(self, words: str, action: Callable[[], Awaitable[None]], title: str) -> None:
+    def __init__(self, text: str, action: Callable[[], Awaitable[None]], title: str) -> None:
         super().__init__("button")
         self.props(f'type=button title="{title}"')
         self.on("click", lambda _event: action())
-        self._text = words
+        self._text = text
 
-    def say(self, words: str) -> None:
+    def set_text(self, text: str) -> None:
         """Write something else on it."""
-        if words != self._text:
-            self._text = words
+        if text != self._text:
+            self._text = text
             self.update()
 
 

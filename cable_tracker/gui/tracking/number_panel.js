@@ -31,13 +31,13 @@ export default {
         </tr>
       </tbody>
     </table>
-    <p v-if="metres" class="ct-why" data-test="no-metres" :title="words">{{ why && "no metres: " + why }}</p>
+    <p v-if="metres" class="ct-why" data-test="no-metres" :title="detail">{{ why && "no metres: " + why }}</p>
     <dl>
       <div v-for="item in items" :key="item[0]"><dt>{{ item[0] }}</dt><dd :data-test="item[2]">{{ item[1] }}</dd></div>
     </dl>
   </section>`,
   props: { channel: String, names: Array, units: Array, truths: Number, count: Number },
-  data: () => ({ rows: [], items: [], metres: null, why: "", words: "" }),
+  data: () => ({ rows: [], items: [], metres: null, why: "", detail: "" }),
   mounted() {
     this.drawn = [];
     this.rows = this.names.map(() => ["–", "–", "–"]);
@@ -66,7 +66,7 @@ export default {
         ["frame", description.frame === null ? "live" : `${description.frame}${of}`, "frame"],
         ["time", `${digits(description.time % 100000, 2)} s`, "time"],
         ["presence", description.presence === null ? "–" : `${digits(100 * description.presence, 1)} %`, "presence"],
-        ...description.facts.map(([words, value, places, name]) => [words, digits(value, places, places === 2), name]),
+        ...description.facts.map(([title, value, places, name]) => [title, digits(value, places, places === 2), name]),
         ["N_eff", digits(description.n_eff, 0), "n-eff"],
         ["particles N", String(description.particle_count), "particles"],
         ["per frame", `${digits(description.ms, 1)} ms`, "ms"],
@@ -81,7 +81,7 @@ export default {
         return [name, digits(value, places, true), digits(sigma, places), unit];
       });
       this.why = metres?.why ?? "";
-      this.words = metres?.words ?? "";
+      this.detail = metres?.detail ?? "";
     },
     /** Pictures per second that this browser draws. */
     rate() {

@@ -46,7 +46,7 @@ Parts: TypeAlias = tuple[dict[str, object], FloatArray, FloatArray]
 """What the page shows of a cable or of a target: a part of the description, lines for the particles
 (see browser/frame_view.js), and the particles in units of the page, weights last, shape (M, K).
 
-Of the further numbers, `facts`, each has words, a value, decimal places and a name.
+Of the further numbers, `facts`, each has a title, a value, decimal places and a name.
 """
 
 
@@ -75,15 +75,15 @@ def _in_metres(known: CrossTrack | Withheld | None) -> dict[str, object] | None:
         return None
     offset: tuple[float | None, float | None] = (None, None)
     heading = offset
-    why = words = ""
+    why = detail = ""
     if isinstance(known, CrossTrack):
         sigma = known.standard_deviations().tolist()
         offset = finite(known.offset), finite(sigma[0])
         heading = finite(known.heading * DEGREE), finite(sigma[2] * DEGREE)
     else:
-        why, words = known.reason.value, known.detail
+        why, detail = known.reason.value, known.detail
     rows = [("offset", *offset, "m"), ("heading", *heading, "deg")]
-    return {"rows": rows, "why": why, "words": words}
+    return {"rows": rows, "why": why, "detail": detail}
 
 
 def _parts_of_target(snapshot: TargetSnapshot) -> Parts:

@@ -28,7 +28,7 @@ from cable_tracker.gui.tracking.commands import (
     SPEEDS,
     command_player,
     commands_for,
-    speed_words,
+    speed_label,
 )
 from cable_tracker.gui.tracking.dialogs import (
     CABLE_FIELDS,
@@ -171,8 +171,8 @@ class TrackingPage:
             self._trouble = ui.label().classes("ct-trouble")
             self._trouble.props('role="status" data-test="trouble"')
             if session is not None:
-                words = f"Type where the {self._shared.subject.noun} is (i)"
-                PlainButton("start at …", lambda: self._do("start"), words)
+                hint = f"Type where the {self._shared.subject.noun} is (i)"
+                PlainButton("start at …", lambda: self._do("start"), hint)
                 PlainButton("reset", lambda: self._do("reset"), "Forget everything (r)")
                 self._enable = PlainButton("", lambda: self._do("enable"), "Tracker off or on (e)")
             if not is_live:
@@ -222,12 +222,12 @@ class TrackingPage:
             self._panels.classes(remove="ct-stale")
         if self._picture is not None:
             self._picture.show(stale=is_stale)
-        self._enable.say("switch off" if shared.session.is_enabled else "switch on")
+        self._enable.set_text("switch off" if shared.session.is_enabled else "switch on")
         if shared.player is not None and self._transport is not None and self._numbers is not None:
             count = shared.player.frame_count or 0
             self._transport.show(
                 playing=shared.player.is_playing,
-                speed=speed_words(shared.player.speed),
+                speed=speed_label(shared.player.speed),
                 count=count,
             )
             self._numbers.show(count=count)

@@ -118,7 +118,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
         await receive()
         await send({"type": "websocket.close", "code": REFUSED_BY_CLOSING})
         return
-    words = b"refused: open the address that cable-tracker printed, with its token if it has one\n"
+    text = b"refused: open the address that cable-tracker printed, with its token if it has one\n"
     kind = (b"content-type", b"text/plain; charset=utf-8")
     await send({"type": "http.response.start", "status": 403, "headers": [kind]})
-    await send({"type": "http.response.body", "body": words})
+    await send({"type": "http.response.body", "body": text})

@@ -127,8 +127,8 @@ class LiveSession(Session):
         if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
             is_news = self._health.age(self.name) <= SILENCE
             status = self._health.status(self.name)
-            words = f"says {status}" if is_news and status else "says nothing"
-            return f"no pictures from {self.name}, which {words}"
+            state = f"says {status}" if is_news and status else "says nothing"
+            return f"no pictures from {self.name}, which {state}"
         return ""
 
     @property

@@ -200,5 +200,5 @@ def _finish(replay: NodeProcess, damage: RecordingError | None) -> None:
     if code is None:
         raise RosError(f"the replay has not ended for {END_TIMEOUT:g} s after all frames")
     if code != (0 if damage is None else EXIT_USER_ERROR):
-        words = replay.last_line()
-        raise RosError(f"the replay ended with exit code {code} after all frames: {words}")
+        last = replay.last_line()
+        raise RosError(f"the replay ended with exit code {code} after all frames: {last}")

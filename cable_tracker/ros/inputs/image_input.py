@@ -216,8 +216,8 @@ class ImageInput:
     def _publishers(self) -> list[Any]:
         return list(self._node.get_publishers_info_by_topic(self.topic)) if self.is_open else []
 
-    def words_on_silence(self, seconds: float) -> str:
-        """Say that nothing usable has come for some time [s], and what is known of the reason."""
+    def describe_silence(self, seconds: float) -> str:
+        """Return a warning that nothing usable has come for some time [s], and what may be why."""
         publishers = self._publishers()
         types = sorted({str(publisher.topic_type) for publisher in publishers})
         kinds = f" of type {', '.join(types)}" if types else ""
@@ -226,11 +226,11 @@ class ImageInput:
         reason = f"; the last was refused: {refused}" if refused else ""
         return (
             f"no usable image on {self.topic} for {seconds:g} s;"
-            f" {len(publishers)} publishers there{kinds}{self._words_on_types(types)}{reason}"
+            f" {len(publishers)} publishers there{kinds}{self._advice_on_types(types)}{reason}"
         )
 
-    def _words_on_types(self, types: Sequence[str]) -> str:
-        """Say how to hear images of the other type, where none of those published is read."""
+    def _advice_on_types(self, types: Sequence[str]) -> str:
+        """Tell how to hear images of the other type, where none of those published is read."""
         transport = "raw" if self._is_compressed else "compressed"
         other, own = _TOPICS[transport], self._heard.type_name
         if own in types or other.type_name not in types:

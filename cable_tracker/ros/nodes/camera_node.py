@@ -92,7 +92,7 @@ class CameraNode(ProcessNode, ABC):
         A parameter given at start is not acceptable.
     """
 
-    EVENT_WORDS: ClassVar[str] = "tracking starts anew: "
+    EVENT_PREFIX: ClassVar[str] = "tracking starts anew: "
     """What the log says before the tracker's reason."""
 
     _decode = staticmethod(decode_grey)
@@ -338,7 +338,7 @@ class CameraNode(ProcessNode, ABC):
         if not self._enabled or self._warm_up is not None:
             self._statistics.ignored += 1
             self._note_usable()
-            self._tell_status()
+            self._publish_changed_status()
             self._outputs.answer_without_estimate(header, self.status, "")
             return
         try:
@@ -393,7 +393,7 @@ class CameraNode(ProcessNode, ABC):
                 f"the camera has sent the same picture for {self._watch.same_for:.1f} s;"
                 " tracking goes on when it changes (parameter frozen_timeout)"
             )
-        self._tell_status()
+        self._publish_changed_status()
 
     def _note_usable(self) -> None:
         self._statistics.refused_in_a_row = 0
@@ -402,7 +402,7 @@ class CameraNode(ProcessNode, ABC):
     def _note_event(self, event: str) -> None:
         if event:
             self._statistics.last_event = event
-            self.get_logger().warning(f"{self.EVENT_WORDS}{event}")
+            self.get_logger().warning(f"{self.EVENT_PREFIX}{event}")
 
     def _note_refusal(self, reason: str) -> None:
         self._statistics.refused += 1
@@ -414,9 +414,9 @@ class CameraNode(ProcessNode, ABC):
         if status != self._status:
             self._status = status
             self.get_logger().info(status)
-        self._tell_status()
+        self._publish_changed_status()
 
-    def _tell_status(self) -> None:
+    def _publish_changed_status(self) -> None:
         """Publish diagnostics if they said another status than the present one.
 
         Also where one has hidden another, as that of a camera that was silent does.
@@ -486,7 +486,7 @@ class CameraNode(ProcessNode, ABC):
         if self._warm_up is not None and not self._warm_up.running:
             self._end_warm_up()
         elif self._warm_up is None and self._watch.falls_silent(now):
-            self.get_logger().warning(self._input.words_on_silence(self._watch.timeout))
+            self.get_logger().warning(self._input.describe_silence(self._watch.timeout))
             self.publish_diagnostics()
         elif self._diagnostics.is_due(now):
             self.publish_diagnostics()

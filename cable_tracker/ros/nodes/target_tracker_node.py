@@ -60,7 +60,7 @@ class TargetTrackerNode(CameraNode):
         A parameter given at start is not acceptable.
     """
 
-    EVENT_WORDS = ""
+    EVENT_PREFIX = ""
 
     _decode = staticmethod(decode_bgr_levels)
 
@@ -134,7 +134,7 @@ class TargetTrackerNode(CameraNode):
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._group.parameters
-        return WarmUp(("target", *parameters.words()), partial(warm_up_target, parameters))
+        return WarmUp(("target", *parameters.choices()), partial(warm_up_target, parameters))
 
     def _subscribe_more(self) -> None:
         for number, prefix in enumerate(self._prefixes):

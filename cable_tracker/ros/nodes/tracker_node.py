@@ -124,7 +124,7 @@ class TrackerNode(CameraNode):
 
     def _make_warm_up(self) -> WarmUp:
         parameters = self._tracker.parameters
-        return WarmUp(parameters.words(), partial(warm_up, parameters))
+        return WarmUp(parameters.choices(), partial(warm_up, parameters))
 
     def _subscribe_more(self) -> None:
         self._endpoints.subscription(CABLE_TOPICS.start, self.on_initial_state, qos.RESULTS)
@@ -171,7 +171,7 @@ class TrackerNode(CameraNode):
             self._refuse_prior(error)
             return
         self._note_start(frame_id)
-        self.get_logger().info(f"initial_state taken: {prior.words()}")
+        self.get_logger().info(f"initial_state taken: {prior.describe()}")
         if not self._enabled:
             self._prior_while_disabled = prior
 

@@ -63,14 +63,16 @@ class NodeGroup:
         module : str
             Python module to run, with the node's name as its first argument.
         """
-        words = ["-r", f"__ns:={self._namespace}"]
+        arguments = ["-r", f"__ns:={self._namespace}"]
         if parameters:
             file = self._folder / f"{name}.yaml"
             write_node_parameters(file, parameters)
-            words += ["--params-file", str(file)]
+            arguments += ["--params-file", str(file)]
         for old, new in {**self._remappings, **(remappings or {})}.items():
-            words += ["-r", f"{old}:={new}"]
-        process = self._stack.enter_context(NodeProcess(name, words, local_environment(), module))
+            arguments += ["-r", f"{old}:={new}"]
+        process = self._stack.enter_context(
+            NodeProcess(name, arguments, local_environment(), module)
+        )
         self._running.append((process, name, may_end))
         return process
 

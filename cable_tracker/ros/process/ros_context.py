@@ -48,10 +48,10 @@ def started_context(arguments: Sequence[str] = ()) -> Context:
     except RuntimeError as error:
         # rclpy's own errors derive from it: a bad parameter file, unknown arguments.
         where = "the --ros-args" if arguments else "its environment"
-        words = f"ROS does not start; look at {where} ({one_line(error)})"
+        message = f"ROS does not start; look at {where} ({one_line(error)})"
         if PLAIN_FILE in str(error):
-            words += f"; {PLAIN_FILE_ADVICE}"
-        raise RosError(words) from error
+            message += f"; {PLAIN_FILE_ADVICE}"
+        raise RosError(message) from error
     return context
 
 
@@ -67,10 +67,10 @@ def made_node(make: Callable[[Context], NodeType], context: Context) -> NodeType
         return make(context)
     except ImportError as error:
         # Of a topic's messages, which are looked up by the name of their type.
-        words = missing_ros_message(error)
-        if not words:
+        message = missing_ros_message(error)
+        if not message:
             raise
-        raise RosError(words) from error
+        raise RosError(message) from error
     except rclpy_implementation.RCLError as error:
         # Security that it was not built with, a domain out of range.
         raise RosError(

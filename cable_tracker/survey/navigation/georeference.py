@@ -18,7 +18,7 @@ from cable_tracker.survey.navigation.poses import JUMP, Poses, turned
 from cable_tracker.tracking.robust import GAUSSIAN_MAD, RAYLEIGH_MEDIAN
 
 FEWEST_FIXES = 3
-LEAST_WAY = 2.0
+LEAST_EXTENT = 2.0
 """Smallest extent of the fixes from which a dive is turned on the earth [m]."""
 
 OUTLIER = 4.0
@@ -163,7 +163,7 @@ def georeference(
     candidates = placed.chosen(_of_one_way(placed, joints))
     kept = candidates
     for _ in range(3):
-        if len(kept.stamps) < FEWEST_FIXES or np.ptp(kept.places, axis=0).max() < LEAST_WAY:
+        if len(kept.stamps) < FEWEST_FIXES or np.ptp(kept.places, axis=0).max() < LEAST_EXTENT:
             return None
         turn, shift, turn_variance = _fitted(kept)
         kept = candidates.chosen(

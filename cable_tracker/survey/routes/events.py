@@ -122,13 +122,13 @@ class Limits:
 MERGED_BURIALS = 0.6
 """Stretches that are nearer to each other are one [m]."""
 
-USUAL_WAY = 20.0
+USUAL_LENGTH = 20.0
 """Length over which the usual diameter is taken [m]."""
 
 WIDTH_SHARE = 0.3
 """Deviation of an unusual diameter from the usual one, as a share."""
 
-LEAST_WIDTH_WAY = 1.0
+LEAST_WIDTH_LENGTH = 1.0
 """Shortest length over which an unusual diameter is reported [m]."""
 
 HIDDEN_WORDS = {
@@ -137,7 +137,7 @@ HIDDEN_WORDS = {
 }
 """What is said of stretches on which the cable is hidden."""
 
-LEAST_ASIDE_WAY = 1.0
+LEAST_ASIDE_LENGTH = 1.0
 """Excursions over a shorter length are not reported [m]."""
 
 LEAST_LOST = 1.0
@@ -282,22 +282,22 @@ def _without_metres(maker: _EventMaker) -> list[Event]:
     """Return where the tracker claims the cable, but no instrument tells where that is."""
     route, table = maker.route, maker.dive.table
 
-    def words(stretch: slice) -> str:
+    def detail(stretch: slice) -> str:
         first, last = sorted((int(route.rows[stretch.start]), int(route.rows[stretch.stop - 1])))
         rows = table.rows[first : last + 1]
         reasons = rows["reason"][is_withheld(rows)]
         return table.reasons[int(np.bincount(reasons).argmax())] if len(reasons) else ""
 
-    return _stretches(maker, EventKind.NO_METRES, route.unjudged(), LEAST_LOST, words)
+    return _stretches(maker, EventKind.NO_METRES, route.unjudged(), LEAST_LOST, detail)
 
 
 def _widths(maker: _EventMaker) -> list[Event]:
     route = maker.route
     diameters = np.where(route.visible(), route.diameters, np.nan)
     known = np.isfinite(diameters)
-    if known.sum() < 2 * LEAST_WIDTH_WAY / SPACING:
+    if known.sum() < 2 * LEAST_WIDTH_LENGTH / SPACING:
         return []
-    half = round(USUAL_WAY / SPACING / 2)
+    half = round(USUAL_LENGTH / SPACING / 2)
     usual = np.array(
         [
             np.nanmedian(diameters[max(0, k - half) : k + half + 1])
@@ -309,30 +309,32 @@ def _widths(maker: _EventMaker) -> list[Event]:
     with np.errstate(invalid="ignore"):
         odd = known & (np.abs(diameters - usual) > WIDTH_SHARE * usual)
 
-    def words(stretch: slice) -> str:
+    def detail(stretch: slice) -> str:
         value, normal = float(np.median(diameters[stretch])), float(usual[stretch.start])
         return f"diameter {value:.3f} m, usually {normal:.3f} m"
 
-    return _stretches(maker, EventKind.WIDTH, odd, LEAST_WIDTH_WAY, words)
+    return _stretches(maker, EventKind.WIDTH, odd, LEAST_WIDTH_LENGTH, detail)
 
 
 def _bends(maker: _EventMaker, limits: Limits) -> list[Event]:
     route = maker.route
     sharp = (np.abs(route.bends) - SURE * route.bend_sigmas) * limits.bend_radius > 1.0
 
-    def words(stretch: slice) -> str:
+    def detail(stretch: slice) -> str:
         return f"radius down to {1.0 / float(np.abs(route.bends[stretch]).max()):.1f} m"
 
-    return _stretches(maker, EventKind.BEND, sharp, 0.0, words)
+    return _stretches(maker, EventKind.BEND, sharp, 0.0, detail)
 
 
 def _asides(maker: _EventMaker, limits: Limits) -> list[Event]:
     asides = np.abs(maker.route.asides)
 
-    def words(stretch: slice) -> str:
+    def detail(stretch: slice) -> str:
         return f"up to {float(asides[stretch].max()):.1f} m beside the cable"
 
-    return _stretches(maker, EventKind.ASIDE, asides > limits.most_aside, LEAST_ASIDE_WAY, words)
+    return _stretches(
+        maker, EventKind.ASIDE, asides > limits.most_aside, LEAST_ASIDE_LENGTH, detail
+    )
 
 
 def _stretches(
@@ -340,12 +342,12 @@ def _stretches(
     kind: EventKind,
     mask: BoolArray,
     least: float,
-    words: Callable[[slice], str],
+    detail: Callable[[slice], str],
 ) -> list[Event]:
     """Return an event for each run of a mask over the route's points, from a length on [m]."""
     along = maker.route.along
     return [
-        maker.at(kind, float(along[first]), words(slice(first, last)), float(along[last - 1]))
+        maker.at(kind, float(along[first]), detail(slice(first, last)), float(along[last - 1]))
         for first, last in true_runs(mask)
         if (last - 1 - first) * SPACING >= least
     ]

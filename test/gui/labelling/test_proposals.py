@@ -33,14 +33,14 @@ def assert_is_the_cable(state, frame):
 
 def test_without_labels_a_detector_looks_at_the_frame(proposer):
     found = proposer.propose(4, {})
-    assert found.words == "detected in this frame"
+    assert found.message == "detected in this frame"
     assert_is_the_cable(found.state, 4)
 
 
 def test_the_tracker_starts_at_the_last_label_before(proposer):
     labels = {0: FrameLabel(true_state(0)), 2: FrameLabel(true_state(2)), 9: WITHOUT_CABLE}
     found = proposer.propose(6, labels)
-    assert found.words == "tracked from frame 2"
+    assert found.message == "tracked from frame 2"
     assert_is_the_cable(found.state, 6)
 
 
@@ -51,7 +51,7 @@ def test_it_knows_from_two_labels_how_the_cable_moves(proposer):
 
 @pytest.mark.parametrize("labels", [{1: WITHOUT_CABLE}, {9: FrameLabel(true_state(9))}])
 def test_where_no_cable_is_labelled_before_a_detector_looks(proposer, labels):
-    assert proposer.propose(3, labels).words == "detected in this frame"
+    assert proposer.propose(3, labels).message == "detected in this frame"
 
 
 def test_a_proposal_is_at_rest(proposer):
@@ -67,7 +67,7 @@ def test_the_same_labels_give_the_same_proposal(proposer):
 def test_a_proposal_that_is_not_waited_for_is_given_up(proposer):
     answers = iter([False, False, False, True])
     found = proposer.propose(5, {0: FrameLabel(true_state(0))}, lambda: next(answers))
-    assert found.words == "stopped"
+    assert found.message == "stopped"
 
 
 def mud(number):
@@ -77,7 +77,7 @@ def mud(number):
 
 def test_shortly_behind_a_label_an_unclaimed_cable_is_proposed_in_doubt():
     found = Proposer(mud, preset("default")).propose(1, {0: FrameLabel(true_state(0))})
-    assert found.words == "tracked from frame 0, in doubt"
+    assert found.message == "tracked from frame 0, in doubt"
     assert found.state is not None
 
 

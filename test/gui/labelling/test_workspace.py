@@ -152,10 +152,10 @@ def test_undoing_everything_ends_it_too(workspace, path):
 
 def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, folder, path):
     write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, names_of(open_source(folder)))
-    assert "older" not in start().autosaved_words()
+    assert "older" not in start().describe_autosaved()
     path.write_text("1 0.1 40 0 # dive/000.png\n")
     os.utime(autosave_path(path), (1, 1))
-    assert start().autosaved_words() == (
+    assert start().describe_autosaved() == (
         f"1 labelled frames of {time.strftime('%Y-%m-%d %H:%M', time.localtime(1))} were found in"
         " labels.txt.autosave. They are older than labels.txt."
     )

@@ -9,7 +9,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, RecordingError
 from cable_tracker.gui.session.recording_request import RecordingRequest
-from cable_tracker.gui.tracking.commands import COMMANDS, SPEEDS, command_player, speed_words
+from cable_tracker.gui.tracking.commands import COMMANDS, SPEEDS, command_player, speed_label
 from cable_tracker.gui.tracking.shared_session import SharedSession, drawn_state, start_at
 
 SIZE = (320, 240)
@@ -71,7 +71,7 @@ def test_speeds_go_up_and_down_and_stay_in_their_range(shared, dive):
     assert player.speed == math.inf
     for _ in range(2 * len(SPEEDS)):
         command_player(player, "slower")
-    assert speed_words(player.speed) == "0.1"
+    assert speed_label(player.speed) == "0.1"
     command_player(player, "speed", "2")
     assert player.speed == 2.0
     command_player(player, "dance")

@@ -64,13 +64,13 @@ def test_images_of_the_other_type_are_told_and_are_no_second_camera(
     # One process cannot have both types under one name.
     publishers = [endpoint("CompressedImage")]
     monkeypatch.setattr(node, "get_publishers_info_by_topic", lambda _: publishers)
-    assert node._input.words_on_silence(2.0) == (
+    assert node._input.describe_silence(2.0) == (
         f"no usable image on {world.namespace}/image for 2 s; 1 publishers there of type"
         " sensor_msgs/msg/CompressedImage, and it is read as sensor_msgs/msg/Image; set"
         " image_transport to compressed and remap `image/compressed` to it"
     )
     publishers.append(endpoint("Image"))
-    assert "image_transport" not in node._input.words_on_silence(2.0)
+    assert "image_transport" not in node._input.describe_silence(2.0)
     assert node._input.several_cameras() == ""
 
 

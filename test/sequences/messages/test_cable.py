@@ -193,14 +193,14 @@ def test_a_position_without_a_direction_is_a_point_and_no_distance(degrees):
     prior = prior_of((0.0, 90.0), degrees, x=3.0, y=5.0, yaw=1e6)
     assert np.isinf(prior.sigma).all()
     assert prior.point == (0.0, 90.0, 2.0)
-    assert prior.words() == "through x 0.0 px, y 90.0 px"
+    assert prior.describe() == "through x 0.0 px, y 90.0 px"
 
 
 def test_without_a_direction_half_a_position_is_nothing():
     prior = prior_of((0.0, 90.0), 0, x=4.0, y=1e6, yaw=1e6)
     assert np.isinf(prior.sigma).all()
     assert prior.point is None
-    assert prior.words() == "nothing is known"
+    assert prior.describe() == "nothing is known"
 
 
 @pytest.mark.parametrize(

@@ -184,7 +184,7 @@ def _freeze(rig: SoakRig) -> None:
 
 def _kill_tracker(rig: SoakRig) -> None:
     if not rig.tracker.running:
-        rig.record.broken(f"the tracker had died: {rig.last_words()}")
+        rig.record.broken(f"the tracker had died: {rig.last_line()}")
     rig.tracker.kill()
     rig.start_tracker()
 

@@ -220,8 +220,8 @@ class SoakRig:
 
     def restart_tracker(self, promise: str) -> None:
         """Note a broken promise and go on, with a new tracker if this one is gone."""
-        words = "" if self._running else f"; the tracker has died: {self.last_words()}"
-        self.record.broken(f"{promise}{words}")
+        cause = "" if self._running else f"; the tracker has died: {self.last_line()}"
+        self.record.broken(f"{promise}{cause}")
         if self._tracker is not None:
             self._tracker.kill()
         self.start_tracker()
@@ -230,7 +230,7 @@ class SoakRig:
     def _running(self) -> bool:
         return self._tracker is not None and self._tracker.running
 
-    def last_words(self) -> str:
+    def last_line(self) -> str:
         """Return the last line that the tracker wrote."""
         return "" if self._tracker is None else self._tracker.last_line()
 
@@ -272,9 +272,11 @@ class SoakRig:
         parameters = {"source": str(bag), "lockstep": "true", "loop": str(loop).lower()}
         return self._process("replay", parameters)
 
-    def _process(self, name: str, parameters: Mapping[str, object], *words: str) -> SoakedProcess:
+    def _process(
+        self, name: str, parameters: Mapping[str, object], *arguments: str
+    ) -> SoakedProcess:
         given = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
-        remapped = ("-r", f"__ns:={self._namespace}", *words)
+        remapped = ("-r", f"__ns:={self._namespace}", *arguments)
         return SoakedProcess(name, [*remapped, *given], local_environment())
 
     def _await_first_answer(self) -> None:
@@ -283,7 +285,7 @@ class SoakRig:
         answers = self.camera.answers
         while self.camera.answers == answers:
             if time.monotonic() > deadline or not self._running:
-                raise RosError(f"the tracker does not start: {self.last_words()}")
+                raise RosError(f"the tracker does not start: {self.last_line()}")
             self.camera.send(self.frames.next_message())
             self.camera.spin_until(lambda: self.camera.answers > answers, 0.2)
         self.settle()
