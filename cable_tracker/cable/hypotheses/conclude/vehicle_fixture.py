@@ -44,9 +44,9 @@ KEPT = 0.8
 FEWEST_LOOKS = 3
 """Looks after which a hypothesis may be taken for a fixture."""
 
-STILL = 0.25
-"""Travel of a fixture across itself, at most, as a share of that of the ground. From twice as much
-on it moves with the ground."""
+STILL, MOVING = 0.15, 0.5
+"""Travel of a strip across itself as a share of that of the ground: up to the first it stands
+still, from the second on it moves with the ground."""
 
 LEAST_ACROSS = 0.25
 """Share of the ground's travel that leads across a fixture, at least."""
@@ -135,7 +135,7 @@ def fixture_test_after(
     if abs(told.ground) >= travel:
         if told.is_still:
             fixture = leader
-        elif abs(told.strip) >= 2.0 * STILL * abs(told.ground):
+        elif abs(told.strip) >= MOVING * abs(told.ground):
             fixture = None
     patches = _patches(leader, image)
     return replace(told, seconds=0.0, state=leader, patches=patches, fixture=fixture)
