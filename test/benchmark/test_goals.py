@@ -73,7 +73,7 @@ def test_only_baselines_that_are_as_good_count():
     assert goal(result, "`default` over the fastest baseline").measured == pytest.approx(0.5)
 
 
-def test_node_and_memory():
+def test_latency_of_the_node_and_growth_of_memory_are_held_against_goals():
     tail = Percentiles(3.0, 4.0, 6.0, 10)
     alone = Percentiles(2.0, 2.0, 2.5, 10)
     node = NodeTiming("thesis", (640, 480), 500, 30.0, tail, tail, alone, alone, 0, 0.1, 0.05)

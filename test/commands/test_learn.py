@@ -263,7 +263,7 @@ def test_the_origin_names_no_folders():
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"source": 1}', "[" * 100_000])
-def test_what_is_no_table(tmp_path, content):
+def test_other_files_are_recognised_as_no_table(tmp_path, content):
     (tmp_path / "x.json").write_text(content)
     assert not is_table(tmp_path / "x.json")
 

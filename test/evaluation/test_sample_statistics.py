@@ -17,7 +17,7 @@ from cable_tracker.evaluation.sample_statistics import (
 )
 
 
-def test_figures_of_a_sample():
+def test_figures_of_a_sample_are_those_worked_out_by_hand():
     values = np.array([-3.0, 4.0, 0.0, 0.0])
     assert mean(values) == pytest.approx(0.25)
     assert mean([True, False, True, True]) == pytest.approx(0.75)

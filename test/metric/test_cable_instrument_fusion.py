@@ -12,7 +12,7 @@ from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.odometry.motion import SWITCHED_OFF
-from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.metric.withheld import Reason
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import Instrument
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
@@ -27,22 +27,18 @@ def estimate(make_estimate):
     return make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01, 1.0, 0.01), stamp=SECOND)
 
 
-def calibrated(**values):
+def cable_fusion(**values):
+    """Return a fusion that knows the calibration of the camera."""
     fusion = CableInstrumentFusion(CableVehicleParameters(**values))
     fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     return fusion
 
 
-def reason(result) -> Reason:
-    assert isinstance(result, Withheld)
-    return result.reason
-
-
 def test_calibration_altitude_and_attitude_make_metres(estimate):
     fusion = CableInstrumentFusion(CableVehicleParameters())
-    assert reason(fusion.measure(estimate)) is Reason.NO_ALTITUDE
+    assert fusion.measure(estimate).reason is Reason.NO_ALTITUDE
     fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
-    assert reason(fusion.measure(estimate)) is Reason.NO_CALIBRATION
+    assert fusion.measure(estimate).reason is Reason.NO_CALIBRATION
     fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     fusion.take_message(Instrument.IMU, SECOND, imu())
     result = fusion.measure(estimate)
@@ -52,7 +48,7 @@ def test_calibration_altitude_and_attitude_make_metres(estimate):
 
 @pytest.mark.parametrize("variance", [-1.0, UNKNOWN_VARIANCE])
 def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate, variance):
-    fusion = calibrated()
+    fusion = cable_fusion()
     fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     without = fusion.measure(estimate)
     rates_alone = imu()
@@ -68,7 +64,7 @@ def test_an_imu_of_rates_alone_leaves_the_vehicle_level(estimate, variance):
 def test_an_imu_that_no_longer_knows_its_orientation_is_told_by_its_covariance(
     make_estimate, variance
 ):
-    fusion = calibrated(fixed_altitude=1.4)
+    fusion = cable_fusion(fixed_altitude=1.4)
     fusion.take_message(Instrument.IMU, SECOND, imu())
     unsure = imu()
     unsure.orientation_covariance[0] = variance
@@ -76,13 +72,13 @@ def test_an_imu_that_no_longer_knows_its_orientation_is_told_by_its_covariance(
     told = fusion.measure(
         make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01), stamp=3 * SECOND)
     )
-    assert reason(told) is Reason.STALE_ATTITUDE
+    assert told.reason is Reason.STALE_ATTITUDE
     assert "orientation_covariance" in told.detail
 
 
 def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture():
     rng = np.random.default_rng(0)
-    fusion = calibrated(fixed_altitude=1.4)
+    fusion = cable_fusion(fixed_altitude=1.4)
     pictures = [cv2.blur(rng.integers(0, 255, (240, 320), np.uint8), (5, 5)) for _ in range(2)]
     fusion.motion(SECOND, pictures[0])
     fusion.configure(CableVehicleParameters(fixed_altitude=1.4, motion_aid=False))
@@ -102,7 +98,7 @@ def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):
 
 
 def test_an_altitude_that_is_a_plain_number_counts_as_a_range_would_hold_it():
-    fusion = calibrated()
+    fusion = cable_fusion()
     fusion.take_message(Instrument.ALTITUDE, SECOND, SimpleNamespace(data=1.4))
     altitude = fusion.instruments.altitude_at(SECOND, Attitude())
     assert isinstance(altitude, Altitude)
@@ -110,24 +106,24 @@ def test_an_altitude_that_is_a_plain_number_counts_as_a_range_would_hold_it():
 
 
 def test_an_instrument_that_does_not_count_is_ignored(estimate):
-    fusion = calibrated(fixed_altitude=1.4)
+    fusion = cable_fusion(fixed_altitude=1.4)
     expected = fusion.measure(estimate)
     fusion.take_message(Instrument.FIX, SECOND, object())
     assert fusion.measure(estimate).offset == expected.offset
 
 
 def test_other_values_keep_the_measurements_and_read_the_calibration_anew(estimate):
-    fusion = calibrated()
+    fusion = cable_fusion()
     fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     fusion.configure(CableVehicleParameters(image_is_rectified=True, camera_y=0.5))
     assert fusion.measure(estimate).offset == pytest.approx(0.5 + 50.0 * 1.4 / 250.0, rel=0.01)
 
 
 def test_only_the_calibration_outlasts_a_jump(estimate):
-    fusion = calibrated()
+    fusion = cable_fusion()
     fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     fusion.forget_all()
-    assert reason(fusion.measure(estimate)) is Reason.NO_ALTITUDE
+    assert fusion.measure(estimate).reason is Reason.NO_ALTITUDE
     fusion.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
     assert isinstance(fusion.measure(estimate), CrossTrack)
 
@@ -153,18 +149,18 @@ class TestMotion:
         return make
 
     def test_odometry_that_agrees_aids(self, seen):
-        fusion = calibrated(fixed_altitude=1.4)
+        fusion = cable_fusion(fixed_altitude=1.4)
         assert fusion.unaided is None
         assert self.driven(fusion, seen, 0.0, 30) is not None
         assert fusion.unaided is None
 
     def test_odometry_that_disagrees_does_not(self, seen):
-        fusion = calibrated(fixed_altitude=1.4)
+        fusion = cable_fusion(fixed_altitude=1.4)
         assert self.driven(fusion, seen, 1.5, 30) is None
         assert fusion.unaided.disagrees
 
     def test_missing_odometry_is_no_disagreement(self, seen):
-        fusion = calibrated(fixed_altitude=1.4)
+        fusion = cable_fusion(fixed_altitude=1.4)
         for index in range(2):
             assert fusion.motion(SECOND + index * FRAME, BARE) is None
             fusion.observe(seen(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=SECOND))
@@ -172,12 +168,12 @@ class TestMotion:
         assert not fusion.unaided.disagrees
 
     def test_it_can_be_switched_off(self, seen):
-        fusion = calibrated(fixed_altitude=1.4, motion_aid=False)
+        fusion = cable_fusion(fixed_altitude=1.4, motion_aid=False)
         assert self.driven(fusion, seen, 0.0, 30) is None
         assert fusion.unaided == SWITCHED_OFF
 
     def test_a_copy_goes_on_by_itself(self, seen):
-        fusion = calibrated(fixed_altitude=1.4)
+        fusion = cable_fusion(fixed_altitude=1.4)
         self.driven(fusion, seen, 0.0, 30)
         other = deepcopy(fusion)
         other.forget_all()

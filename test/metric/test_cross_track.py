@@ -245,10 +245,10 @@ class TestWithheld:
         estimate = make_estimate(CableState(10.0, 0.1, 40.0), status=status)
         assert reason(meter, estimate) is Reason.NOT_TRACKING
 
-    def test_no_calibration(self, estimate):
+    def test_without_a_calibration_metres_are_withheld(self, estimate):
         assert reason(CrossTrackMeter(MetricSettings()), estimate) is Reason.NO_CALIBRATION
 
-    def test_a_calibration_of_another_aspect(self, meter, make_estimate):
+    def test_a_calibration_of_another_aspect_withholds_metres(self, meter, make_estimate):
         other = make_estimate(CableState(10.0, 0.1, 40.0), size=(320, 200))
         assert reason(meter, other) is Reason.OTHER_IMAGE_SIZE
 
@@ -256,7 +256,7 @@ class TestWithheld:
         missing = Withheld(Reason.NO_ALTITUDE, "none has come")
         assert meter.measure(estimate, missing, LEVEL) is missing
 
-    def test_an_attitude_that_is_no_number(self, meter, estimate):
+    def test_an_attitude_that_is_no_number_withholds_metres(self, meter, estimate):
         assert reason(meter, estimate, attitude=Attitude(math.nan)) is Reason.BAD_ATTITUDE
 
     @pytest.mark.parametrize(
@@ -264,7 +264,7 @@ class TestWithheld:
         [Altitude(math.nan), Altitude(math.inf), Altitude(500.0), Altitude(-1.0)]
         + [Altitude(1.4, sigma) for sigma in (math.nan, math.inf, -1.0)],
     )
-    def test_an_altitude_that_is_none(self, meter, estimate, altitude):
+    def test_an_altitude_that_is_none_withholds_metres(self, meter, estimate, altitude):
         assert reason(meter, estimate, altitude) is Reason.BAD_ALTITUDE
 
     @pytest.mark.parametrize("setting", ["look_ahead", "cable_height"])
@@ -273,16 +273,16 @@ class TestWithheld:
             MetricSettings(**{setting: math.nan})
 
     @pytest.mark.parametrize("mounting", [{"x": 1e200}, {"y": 1e200}, {"z": 1e200}])
-    def test_a_place_beyond_all_numbers(self, calibrations, estimate, mounting):
+    def test_a_position_beyond_all_numbers_withholds_metres(self, calibrations, estimate, mounting):
         far = meter(calibrations["plumb_bob"], Mounting(**mounting))
         assert reason(far, estimate) is Reason.NOT_COMPUTED
 
     @pytest.mark.parametrize("pitch", [-90.0, -20.0, 0.0, 2.0])
-    def test_a_camera_that_looks_up(self, calibrations, estimate, pitch):
+    def test_a_camera_that_looks_up_withholds_metres(self, calibrations, estimate, pitch):
         upwards = meter(calibrations["plumb_bob"], Mounting(pitch=pitch * DEGREE))
         assert reason(upwards, estimate) is Reason.CAMERA_LOOKS_UP
 
-    def test_a_camera_in_the_ground(self, calibrations, estimate):
+    def test_a_camera_in_the_ground_withholds_metres(self, calibrations, estimate):
         low = meter(calibrations["plumb_bob"], Mounting(z=-1.5))
         assert reason(low, estimate) is Reason.CAMERA_TOO_LOW
 

@@ -158,7 +158,7 @@ def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recordi
     assert statuses.count("TRACKING") == 12
 
 
-def test_where_to_start(make_recording, dive):
+def test_a_track_starts_from_nothing_a_given_state_or_the_truth(make_recording, dive):
     recording = make_recording()
     assert given_state_for(recording, "random", DEFAULT_LIMITS) is None
     assert given_state_for(recording, "1,0.5,30,0", DEFAULT_LIMITS).state == CableState(

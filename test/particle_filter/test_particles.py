@@ -11,7 +11,7 @@ def particles() -> Particles:
     return Particles(np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), np.log([0.5, 0.3, 0.2]))
 
 
-def test_equally_weighted_particles():
+def test_weights_of_equally_weighted_particles_are_equal_and_sum_to_one():
     particles = Particles.equally_weighted(np.zeros((4, 2)))
     assert particles.count == 4
     np.testing.assert_allclose(particles.weights, 0.25)

@@ -59,6 +59,6 @@ def test_a_signal_ends_it_without_a_traceback(
     )
 
 
-def test_it_is_short() -> None:
+def test_the_example_takes_at_most_thirty_lines() -> None:
     lines = EXAMPLE.read_text(encoding="utf-8").partition("class ")[2].splitlines()
     assert len(lines) <= 30

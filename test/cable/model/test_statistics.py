@@ -106,7 +106,7 @@ def test_the_covariance_is_symmetric_positive_and_that_of_the_wrapped_line(angle
     ("degrees", "expected"),
     [([10, 20], 15), ([80, -80], 90), ([170, 0], -5), ([-90, -90], 90), ([45, 45, -30], 33.1030)],
 )
-def test_mean_directions(degrees, expected):
+def test_directions_of_lines_are_averaged_modulo_half_a_turn(degrees, expected):
     angles = np.array(degrees) * DEGREE
     weights = np.full(len(angles), 1 / len(angles))
     assert mean_line_angle(angles, weights) / DEGREE == pytest.approx(expected, abs=1e-4)

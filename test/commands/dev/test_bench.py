@@ -31,7 +31,7 @@ def run(command, monkeypatch):
     return partial(command, "dev", "bench")
 
 
-def test_numbers_tables_and_page(run, tmp_path):
+def test_a_bench_writes_numbers_tables_and_a_page(run, tmp_path):
     result = run("--output", "out.json", "--markdown", "page.md", "--memory", 50)
     assert result.code == 0, result.err
     content = json.loads((tmp_path / "out.json").read_text())

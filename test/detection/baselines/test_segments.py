@@ -45,5 +45,5 @@ def test_a_segment_where_there_is_no_contrast_counts_for_nothing(gradient):
     assert len(lines_of_segments(segments((60, -100, 60, 100)), gradient, 1.0)) == 0
 
 
-def test_lengths():
+def test_the_length_of_a_segment_is_the_distance_between_its_ends():
     np.testing.assert_allclose(segments((0, 0, 3, 4), (1, 1, 1, 1)).lengths, [5.0, 0.0])

@@ -73,6 +73,8 @@ def run(outcome):
         (0.0, 0.0, False, False, False),
     ],
 )
-def test_found_and_measured(run, distance, width, claimed, found, measured):
+def test_a_strip_counts_as_measured_only_with_its_width(
+    run, distance, width, claimed, found, measured
+):
     result = run(distance, width, claimed)
     assert (is_found(result), is_measured(result)) == (found, measured)

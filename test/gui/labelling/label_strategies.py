@@ -14,3 +14,8 @@ skews = st.floats(-math.pi / 4, math.pi / 4)
 states = st.builds(CableState, lengths, angles, widths, skews)
 frame_labels = st.just(WITHOUT_CABLE) | st.builds(FrameLabel, states, st.sampled_from(Origin))
 label_maps = st.dictionaries(st.integers(0, 29), frame_labels, max_size=12)
+
+
+def key_frame(distance=0.0):
+    """Return the label of a key frame whose cable lies at a distance [px]."""
+    return FrameLabel(CableState(distance, 0.1, 40.0))

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
-from label_strategies import frame_labels, label_maps
+from label_strategies import frame_labels, key_frame, label_maps
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
@@ -22,10 +22,6 @@ hand_labels = frame_labels.filter(lambda label: label.is_key)
 def document_of(labels):
     """Return a document whose frames have no times."""
     return LabelDocument(labels, {})
-
-
-def key(distance=0.0):
-    return FrameLabel(CableState(distance, 0.1, 40.0))
 
 
 def distances(document):
@@ -55,44 +51,44 @@ def test_what_an_edit_returns_is_what_has_changed(labels, frame, label):
 
 
 def test_nothing_to_undo_in_a_new_document():
-    document = document_of({0: key()})
+    document = document_of({0: key_frame()})
     assert document.undo() is None
     assert document.redo() is None
 
 
 def test_an_edit_that_changes_nothing_is_no_step():
-    document = document_of({3: key()})
-    assert document.change(3, {3: key()}) == {}
+    document = document_of({3: key_frame()})
+    assert document.change(3, {3: key_frame()}) == {}
     assert not document.can_undo
 
 
 def test_a_new_edit_forgets_what_was_undone():
     document = document_of({})
-    document.change(0, {0: key(1.0)})
+    document.change(0, {0: key_frame(1.0)})
     document.undo()
-    document.change(0, {0: key(2.0)})
+    document.change(0, {0: key_frame(2.0)})
     assert not document.can_redo
 
 
 def test_strokes_of_a_held_key_are_one_step():
-    document = document_of({4: key(0.0)})
-    document.change(4, {4: key(1.0)})
-    document.change(4, {4: key(2.0)}, merges=True)
-    document.change(4, {4: key(3.0)}, merges=True)
+    document = document_of({4: key_frame(0.0)})
+    document.change(4, {4: key_frame(1.0)})
+    document.change(4, {4: key_frame(2.0)}, merges=True)
+    document.change(4, {4: key_frame(3.0)}, merges=True)
     document.undo()
     assert distances(document) == {4: 0.0}
 
 
 def test_strokes_on_another_frame_are_another_step():
-    document = document_of({4: key(0.0), 5: key(0.0)})
-    document.change(4, {4: key(1.0)})
-    document.change(5, {5: key(2.0)}, merges=True)
+    document = document_of({4: key_frame(0.0), 5: key_frame(0.0)})
+    document.change(4, {4: key_frame(1.0)})
+    document.change(5, {5: key_frame(2.0)}, merges=True)
     document.undo()
     assert distances(document) == {4: 1.0, 5: 0.0}
 
 
 def test_interpolation_fills_the_gap_at_a_frame():
-    document = document_of({0: key(0.0), 4: key(40.0), 6: key(60.0)})
+    document = document_of({0: key_frame(0.0), 4: key_frame(40.0), 6: key_frame(60.0)})
     document.interpolate(2, document.gaps_to_fill(2))
     assert distances(document) == pytest.approx(
         {0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0, 6: 60.0}
@@ -100,34 +96,34 @@ def test_interpolation_fills_the_gap_at_a_frame():
 
 
 def test_interpolation_fills_all_gaps():
-    document = document_of({0: key(0.0), 2: key(20.0), 4: key(40.0)})
+    document = document_of({0: key_frame(0.0), 2: key_frame(20.0), 4: key_frame(40.0)})
     document.interpolate(0, document.gaps_to_fill(None))
     assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
 
 
 def test_where_nothing_can_be_interpolated_it_is_said():
     with pytest.raises(ParameterError, match="nothing to interpolate"):
-        document_of({0: key(), 5: WITHOUT_CABLE, 9: key()}).gaps_to_fill(3)
+        document_of({0: key_frame(), 5: WITHOUT_CABLE, 9: key_frame()}).gaps_to_fill(3)
 
 
 def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
-    document = document_of({0: key(0.0), 4: key(40.0)})
+    document = document_of({0: key_frame(0.0), 4: key_frame(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
-    document.change(4, {4: key(80.0)})
+    document.change(4, {4: key_frame(80.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 20.0, 2: 40.0, 3: 60.0, 4: 80.0})
     document.undo()
     assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
 
 
 def test_a_corrected_frame_becomes_a_key_frame_of_its_neighbours():
-    document = document_of({0: key(0.0), 4: key(40.0)})
+    document = document_of({0: key_frame(0.0), 4: key_frame(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
-    document.change(2, {2: key(100.0)})
+    document.change(2, {2: key_frame(100.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 50.0, 2: 100.0, 3: 70.0, 4: 40.0})
 
 
 def filled_document():
-    document = document_of({0: key(0.0), 6: key(60.0)})
+    document = document_of({0: key_frame(0.0), 6: key_frame(60.0)})
     document.interpolate(0, document.gaps_to_fill(0))
     return document
 
@@ -158,24 +154,24 @@ def test_each_gap_is_filled_once_and_an_edit_fills_only_those_beside_it(monkeypa
         return filled_gap(labels, gap, times)
 
     monkeypatch.setattr("cable_tracker.gui.labelling.document.filled_gap", noted)
-    document = document_of({frame: key() for frame in range(0, 1001, 10)})
+    document = document_of({frame: key_frame() for frame in range(0, 1001, 10)})
     document.interpolate(0, document.gaps_to_fill(None))
     assert len(filled) == 100
     filled.clear()
-    document.change(500, {500: key(1.0)})
+    document.change(500, {500: key_frame(1.0)})
     assert [frame for gap in filled for frame in gap.frames] == [*range(491, 500), *range(501, 510)]
 
 
 def test_interpolated_labels_elsewhere_stay_as_the_file_has_them():
     left = FrameLabel(CableState(1.0, 0.1, 40.0), Origin.INTERPOLATED)
-    document = document_of({0: key(), 2: left, 5: WITHOUT_CABLE, 9: key()})
-    document.change(9, {9: key(1.0)})
+    document = document_of({0: key_frame(), 2: left, 5: WITHOUT_CABLE, 9: key_frame()})
+    document.change(9, {9: key_frame(1.0)})
     assert document.labels[2] == left
 
 
 def test_replacing_all_labels_can_be_undone():
-    document = document_of({0: key(1.0), 1: key(2.0)})
-    document.replace({1: key(3.0), 2: key(4.0)})
+    document = document_of({0: key_frame(1.0), 1: key_frame(2.0)})
+    document.replace({1: key_frame(3.0), 2: key_frame(4.0)})
     assert distances(document) == {1: 3.0, 2: 4.0}
     document.undo()
     assert distances(document) == {0: 1.0, 1: 2.0}

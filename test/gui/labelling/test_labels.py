@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from label_strategies import frame_labels, states
+from label_strategies import frame_labels, key_frame, states
 
 from cable_tracker.cable.model.geometry import project_borders, states_in_chart, wrap_angles
 from cable_tracker.cable.model.state import CableState
@@ -22,10 +22,6 @@ from cable_tracker.gui.labelling.labels import (
     interpolated_states,
     state_from_page,
 )
-
-
-def key(distance=0.0):
-    return FrameLabel(CableState(distance, 0.1, 40.0))
 
 
 def distance_between(state, other):
@@ -115,24 +111,31 @@ def test_each_border_moves_evenly():
 
 
 def test_gaps_lie_between_key_frames_with_a_cable():
-    labels = {0: key(), 1: key(), 5: key(), 8: WITHOUT_CABLE, 12: key(), 20: key()}
+    labels = {
+        0: key_frame(),
+        1: key_frame(),
+        5: key_frame(),
+        8: WITHOUT_CABLE,
+        12: key_frame(),
+        20: key_frame(),
+    }
     assert gaps(labels) == [Gap(1, 5), Gap(12, 20)]
 
 
 def test_interpolated_frames_are_no_key_frames():
-    labels = {0: key(), 3: FrameLabel(key().state, Origin.INTERPOLATED), 6: key()}
+    labels = {0: key_frame(), 3: FrameLabel(key_frame().state, Origin.INTERPOLATED), 6: key_frame()}
     assert gaps(labels) == [Gap(0, 6)]
 
 
 @pytest.mark.parametrize(
     ("frame", "gap"), [(0, Gap(0, 5)), (3, Gap(0, 5)), (5, Gap(0, 5)), (8, Gap(5, 9)), (10, None)]
 )
-def test_the_gap_at_a_frame(frame, gap):
-    assert gap_at({0: key(), 5: key(), 9: key()}, frame) == gap
+def test_the_gap_at_a_frame_lies_between_the_key_frames_around_it(frame, gap):
+    assert gap_at({0: key_frame(), 5: key_frame(), 9: key_frame()}, frame) == gap
 
 
 def test_a_gap_is_filled_over_time_not_over_numbers():
-    labels = {0: key(0.0), 3: key(90.0)}
+    labels = {0: key_frame(0.0), 3: key_frame(90.0)}
     filled = filled_gap(labels, Gap(0, 3), {0: 0, 1: 10, 2: 20, 3: 90})
     assert {frame: label.state.distance for frame, label in filled.items()} == pytest.approx(
         {1: 10.0, 2: 20.0}
@@ -142,5 +145,5 @@ def test_a_gap_is_filled_over_time_not_over_numbers():
 
 @pytest.mark.parametrize("stamps", [{}, {0: 0, 1: 10, 3: 90}, {0: 5, 1: 5, 2: 5, 3: 5}])
 def test_without_usable_times_the_frames_are_equally_far_apart(stamps):
-    filled = filled_gap({0: key(0.0), 3: key(90.0)}, Gap(0, 3), stamps)
+    filled = filled_gap({0: key_frame(0.0), 3: key_frame(90.0)}, Gap(0, 3), stamps)
     assert [label.state.distance for label in filled.values()] == pytest.approx([30.0, 60.0])

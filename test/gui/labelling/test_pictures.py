@@ -28,7 +28,7 @@ def test_a_picture_of_a_camera_of_ten_bits_is_not_black(tmp_path):
     assert np.ptp(shown) > 25
 
 
-def test_few_are_kept(folder, monkeypatch):
+def test_pictures_beyond_the_capacity_are_made_anew(folder, monkeypatch):
     monkeypatch.setattr(pictures_module, "KEPT_BYTES", 1)
     made = Pictures(FrameAccess(open_source(folder)))
     first = made.picture(0)

@@ -174,7 +174,7 @@ def test_parameters_of_a_target_are_changed_all_or_none(watch):
     assert watched.session.parameters()["particle_count"] == 50
 
 
-def test_a_desk_of_targets_opens_recordings_of_targets(target_dive, first_box):
+def test_a_shared_session_of_targets_opens_recordings_of_targets(target_dive, first_box):
     shared = SharedSession(RecordingRequest(target_dive), PARAMETERS)
     try:
         assert set(shared.references) == {"default", "thesis", "docking", "diver"}

@@ -302,7 +302,7 @@ def test_a_drawn_cable_is_where_the_filter_starts(window, dive):
     assert window.picture()["frame"] == 40
 
 
-def test_reset_and_switching_off(window):
+def test_keys_reset_the_tracker_and_switch_it_off_and_on(window):
     before = window.picture()["number"]
     window.press("r")
     window.wait_for(f"{PICTURE}.number > {before}")

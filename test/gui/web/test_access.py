@@ -67,7 +67,7 @@ class TestWithToken:
         assert not passes(TOKEN, kind=kind, host="boat:8080", query="token=r%C3%A9")
         assert not passes(TOKEN, kind=kind, host="boat:8080")
 
-    def test_the_cookie_will_do(self, kind):
+    def test_the_cookie_stands_in_for_the_token(self, kind):
         assert passes(TOKEN, kind=kind, cookie=f"a=b; {COOKIE}8080={TOKEN}")
         assert not passes(TOKEN, kind=kind, cookie=f"{COOKIE}8080=wrong")
         assert not passes(TOKEN, kind=kind, cookie="\x00;=;;")

@@ -36,7 +36,8 @@ def turn_of(fusion, instrument, make):
     return motion
 
 
-def calibrated(**others):
+def target_fusion(**others):
+    """Return a fusion that knows the calibration of the camera."""
     fusion = TargetInstrumentFusion(TargetVehicleParameters(**others))
     fusion.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
     return fusion
@@ -46,7 +47,7 @@ def calibrated(**others):
     ("instrument", "make"), [(Instrument.IMU, imu), (Instrument.ODOMETRY, odometry)]
 )
 def test_turns_are_known_from_imu_and_odometry(instrument, make):
-    fusion = calibrated()
+    fusion = target_fusion()
     motion = turn_of(fusion, instrument, make)
     assert fusion.unaided is None
     # What is ahead moves to the right when the vehicle turns to the left.
@@ -54,7 +55,7 @@ def test_turns_are_known_from_imu_and_odometry(instrument, make):
 
 
 def test_an_imu_that_measures_no_turns_says_nothing():
-    fusion = calibrated()
+    fusion = target_fusion()
     assert turn_of(fusion, Instrument.IMU, lambda turn: imu(turn, measures_turns=False)) is None
     assert fusion.unaided.why == "no odometry has come"
 
@@ -65,29 +66,29 @@ def test_an_imu_whose_turns_may_be_anything_says_nothing():
         message.angular_velocity_covariance = np.diag([UNKNOWN_VARIANCE] * 3).ravel().tolist()
         return message
 
-    assert turn_of(calibrated(), Instrument.IMU, unsure) is None
+    assert turn_of(target_fusion(), Instrument.IMU, unsure) is None
 
 
 def test_a_turn_away_from_what_was_seen_is_not_taken_out():
-    fusion = calibrated()
+    fusion = target_fusion()
     fast = math.radians(80.0) / 0.04
     assert turn_of(fusion, Instrument.IMU, lambda turn: imu(turn=turn + fast)) is None
     assert "turned away" in fusion.unaided.why
 
 
 def test_turns_can_be_left_in():
-    fusion = calibrated(motion_aid=False)
+    fusion = target_fusion(motion_aid=False)
     assert turn_of(fusion, Instrument.ODOMETRY, odometry) is None
     assert fusion.unaided.why == "the parameter motion_aid is false"
 
 
 def test_a_target_of_known_size_has_a_range():
-    (metres,) = calibrated(target_size=0.5).take([seen(0)])
+    (metres,) = target_fusion(target_size=0.5).take([seen(0)])
     assert metres.relative.range == pytest.approx(0.5 * 280.0 / 20.0, rel=0.01)
 
 
 def test_other_values_read_the_calibration_anew():
-    fusion = calibrated(target_size=0.5)
+    fusion = target_fusion(target_size=0.5)
     fusion.configure(TargetVehicleParameters(target_size=0.5, image_is_rectified=True))
     (metres,) = fusion.take([seen(0)])
     assert metres.relative.range == pytest.approx(0.5 * 250.0 / 20.0, rel=0.01)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
@@ -21,18 +22,12 @@ def picture(level):
     return raw_from_array(np.full((48, 64), level, np.uint8), "mono8")
 
 
-def header(second):
-    made = Header()
-    made.stamp.sec = second
-    return made
-
-
 def answered_after_many(shown, count):
     """Let a tracker answer the first of many pictures when all of them have come."""
     frames = LiveFrames(shown.append)
     for second in range(1, count + 1):
-        frames.take_image(header(second), picture(second))
-    frames.take(STATE, JointState(header=header(1)))
+        frames.take_image(Header(stamp=Time(sec=second)), picture(second))
+    frames.take(STATE, JointState(header=Header(stamp=Time(sec=1))))
     frames.hand_on_due_frame()
     return [each.row.stamp for each in shown]
 
@@ -50,18 +45,18 @@ def test_what_takes_too_much_memory_or_time_is_given_up(shown, monkeypatch, limi
 def test_of_a_camera_without_stamps_the_newest_picture_is_shown_with_what_is_said_next(shown):
     frames = LiveFrames(shown.append)
     for second in (5, 6):
-        frames.take_image(header(0), picture(10 * second))
-        frames.take(STATE, JointState(header=header(second)))
+        frames.take_image(Header(stamp=Time(sec=0)), picture(10 * second))
+        frames.take(STATE, JointState(header=Header(stamp=Time(sec=second))))
     frames.hand_on_due_frame()
     assert [int(each.image[0, 0]) for each in shown] == [50, 60]
 
 
 def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
     frames = LiveFrames(shown.append)
-    frames.take_image(header(0), picture(10))
-    frames.take_image(header(7), picture(70))
-    frames.take(STATE, JointState(header=header(6)))
-    frames.take(STATE, JointState(header=header(7)))
+    frames.take_image(Header(stamp=Time(sec=0)), picture(10))
+    frames.take_image(Header(stamp=Time(sec=7)), picture(70))
+    frames.take(STATE, JointState(header=Header(stamp=Time(sec=6))))
+    frames.take(STATE, JointState(header=Header(stamp=Time(sec=7))))
     frames.hand_on_due_frame()
     assert [int(each.image[0, 0]) for each in shown] == [70]
 
@@ -70,8 +65,8 @@ def test_a_picture_without_a_stamp_is_forgotten_when_stamps_come(shown):
 def test_a_dim_picture_of_many_bits_is_brightened(shown, kind):
     frames = kind(shown.append)
     steps = np.linspace(70, 170, 64, dtype=np.uint16)
-    frames.take_image(header(1), raw_from_array(np.tile(steps, (48, 1)), "mono16"))
-    frames.take(STATE, JointState(header=header(1)))
+    frames.take_image(Header(stamp=Time(sec=1)), raw_from_array(np.tile(steps, (48, 1)), "mono16"))
+    frames.take(STATE, JointState(header=Header(stamp=Time(sec=1))))
     frames.hand_on_due_frame()
     # Of 65535: in eight bits without a gain all of them are black.
     assert len(np.unique(shown[0].image)) > 16

@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Imu, JointState
 from std_msgs.msg import Header
@@ -29,12 +30,6 @@ class NotedFusion:
         self.taken.append((instrument, stamp))
 
 
-def header(sec: int) -> Header:
-    made = Header()
-    made.stamp.sec = sec
-    return made
-
-
 @pytest.fixture
 def make(world: Any) -> Any:
     def made(required: Any = ()) -> tuple[InstrumentInputs[Any, Any], NotedFusion]:
@@ -48,7 +43,7 @@ def make(world: Any) -> Any:
 
 def test_messages_are_handed_on_with_their_stamps(make: Any) -> None:
     inputs, fusion = make()
-    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=2))))
     assert fusion.taken == [(Instrument.IMU, 2 * SECOND)]
 
 
@@ -68,7 +63,7 @@ def test_each_instrument_has_a_topic_of_its_name(make: Any, world: Any) -> None:
     ):
         publisher = world.me.create_publisher(kind, topic, 10)
         world.spin(publisher.get_subscription_count)
-        publisher.publish(kind(header=header(1)))
+        publisher.publish(kind(header=Header(stamp=Time(sec=1))))
         world.spin(lambda count=index + 1: len(news) == count)
     assert fusion.taken == [(each, SECOND) for each in INSTRUMENTS]
     assert news == [1, 2, 3]
@@ -78,44 +73,44 @@ def test_messages_are_counted_as_their_sender_counts_them(make: Any, world: Any)
     inputs, fusion = make()
     publisher = world.me.create_publisher(Imu, "imu", 10)
     for _ in range(4):
-        publisher.publish(Imu(header=header(1)))
+        publisher.publish(Imu(header=Header(stamp=Time(sec=1))))
     inputs.subscribe("reliable", lambda: None)
     world.spin(publisher.get_subscription_count)
-    publisher.publish(Imu(header=header(2)))
+    publisher.publish(Imu(header=Header(stamp=Time(sec=2))))
     world.spin(lambda: fusion.taken)
     assert inputs._sent._heard == {"imu": 5}
 
 
 def test_what_has_spoken_once_must_speak_of_the_time_of_the_frame(make: Any) -> None:
     inputs, _ = make()
-    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=2))))
     assert not inputs.has_all_of(2 * SECOND)
-    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=Header(stamp=Time(sec=1))))
     assert inputs.has_all_of(2 * SECOND)
-    inputs.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
+    inputs.take_message(Instrument.ODOMETRY, Odometry(header=Header(stamp=Time(sec=1))))
     assert not inputs.has_all_of(2 * SECOND)
 
 
 def test_a_calibration_alone_is_not_all(make: Any) -> None:
     inputs, _ = make()
-    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=Header(stamp=Time(sec=1))))
     assert not inputs.has_all_of(0)
 
 
 def test_what_is_required_is_awaited_before_it_has_spoken(make: Any) -> None:
     inputs, _ = make({Instrument.ODOMETRY})
-    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
-    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=Header(stamp=Time(sec=1))))
+    inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=2))))
     assert not inputs.has_all_of(2 * SECOND)
-    inputs.take_message(Instrument.ODOMETRY, Odometry(header=header(2)))
+    inputs.take_message(Instrument.ODOMETRY, Odometry(header=Header(stamp=Time(sec=2))))
     assert inputs.has_all_of(2 * SECOND)
 
 
 def test_what_a_replay_says_it_has_sent_is_awaited(make: Any) -> None:
     inputs, _ = make()
-    inputs._sent.take(JointState(header=header(2), name=["imu"], position=[1.0]))
+    inputs._sent.take(JointState(header=Header(stamp=Time(sec=2)), name=["imu"], position=[1.0]))
     assert not inputs.has_all_of(2 * SECOND)
-    inputs.take_message(Instrument.IMU, Imu(header=header(1)))
+    inputs.take_message(Instrument.IMU, Imu(header=Header(stamp=Time(sec=1))))
     assert inputs.has_all_of(2 * SECOND)
 
 

@@ -84,7 +84,7 @@ def test_a_damaged_ros1_bag(make_ros1_bag, recordings, tmp_path, *, compression,
 
 @relaxed
 @given(changes=damages, cut=st.just(1.0))
-def test_damaged_metadata(make_bag, recordings, changes, cut):
+def test_damaged_metadata_is_read_or_refused_in_one_line(make_bag, recordings, changes, cut):
     if "metadata" not in recordings:
         folder = make_bag("whole")
         recordings["metadata"] = (folder / "metadata.yaml").read_bytes()

@@ -9,14 +9,14 @@ from cable_tracker.sequences.bags.ros1_recovery import read_messages
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_all_messages_of_an_intact_file(make_ros1_bag, first_stamp, compression):
+def test_all_messages_of_an_intact_file_are_read(make_ros1_bag, first_stamp, compression):
     messages = list(read_messages(make_ros1_bag(compression=compression)))
     assert len(messages) == 5 + 3 + 5
     assert messages[0].msgtype == "sensor_msgs/msg/Image"
     assert messages[0].time == first_stamp + 1000
 
 
-def test_messages_before_the_cut(make_ros1_bag):
+def test_messages_before_the_cut_are_read(make_ros1_bag):
     path = make_ros1_bag(frames=20, size=(64, 48))
     os.truncate(path, path.stat().st_size // 2)
     count = 0

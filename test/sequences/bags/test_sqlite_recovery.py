@@ -8,7 +8,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.sqlite_recovery import read_messages
 
 
-def test_all_messages_of_an_intact_file(make_bag):
+def test_all_messages_of_an_intact_file_are_read(make_bag):
     messages = list(read_messages(make_bag(storage="sqlite3") / "bag.db3"))
     assert len(messages) == 5 + 3 + 5
     assert [m.msgtype for m in messages if m.topic == "/camera/image"] == [
@@ -16,7 +16,7 @@ def test_all_messages_of_an_intact_file(make_bag):
     ] * 5
 
 
-def test_messages_before_the_cut(make_bag):
+def test_messages_before_the_cut_are_read(make_bag):
     path = make_bag(storage="sqlite3", frames=20, size=(64, 48)) / "bag.db3"
     os.truncate(path, path.stat().st_size // 2)
     count = 0

@@ -303,7 +303,7 @@ def test_a_long_name_outside_the_folder_does_not_cut_off_what_to_do(write):
         open_source(path)
 
 
-def test_the_real_labels(footage):
+def test_the_labels_of_the_real_footage_are_read(footage):
     labels = read_labels(footage / "strip.txt")
     assert len(labels) == 138
     assert labels[0] == Label("strip.mp4", 0, state=CableState(199.97, -0.44943, 118.35, 0.00114))

@@ -58,7 +58,7 @@ def test_other_and_hidden_files_are_left_out(folder):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_every_kind_of_picture(tmp_path, suffix):
+def test_every_kind_of_picture_is_decoded(tmp_path, suffix):
     flat = np.full((20, 30) if suffix == ".pgm" else (20, 30, 3), 77, np.uint8)
     cv2.imwrite(str(tmp_path / f"a{suffix}"), flat)
     frame = next(open_source(tmp_path).frames())

@@ -43,7 +43,7 @@ def test_a_velocity_is_reached_through_the_water(command, axis):
     assert craft.velocity[axis] == pytest.approx(wanted[axis], rel=0.02)
 
 
-def test_it_takes_time():
+def test_a_vehicle_takes_time_to_reach_a_commanded_velocity():
     craft = vehicle()
     craft.advance(VelocityCommand(surge=0.5), ALTITUDE, 0.1)
     assert 0.0 < craft.velocity[0] < 0.1

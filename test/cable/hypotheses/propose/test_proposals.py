@@ -59,6 +59,6 @@ def test_what_a_map_shows_is_looked_at_though_no_particle_is_there(candidates, r
     np.testing.assert_array_equal(found, [CABLE, ELSEWHERE])
 
 
-def test_they_are_few(candidates, rng):
+def test_their_number_is_limited(candidates, rng):
     poses = [[20.0 * index - 100.0, 0.4 * (index % 3), 20.0, 0.0] for index in range(10)]
     assert len(candidates(picture_of_a_cable(rng), poses, range(10))) == MOST_CANDIDATES
