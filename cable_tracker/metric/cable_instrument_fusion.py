@@ -15,8 +15,7 @@ from cable_tracker.metric.instrument_fusion import InstrumentFusion
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.messages import read_attitude, read_range, read_twist
 from cable_tracker.metric.odometry.aiding import MotionAiding
-from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry, Unaided
-from cable_tracker.metric.odometry.sea_bed_texture import TextureMotion
+from cable_tracker.metric.odometry.motion import SWITCHED_OFF, Odometry
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters
 from cable_tracker.sequences.bags.instruments import MOST_ALTITUDE, Instrument
@@ -44,6 +43,8 @@ class CableInstrumentFusion(InstrumentFusion[CableVehicleParameters]):
     ----------
     instruments : Instruments
         Calibration, altitude, attitude as they are known so far.
+    aiding : MotionAiding
+        Prediction of the motion, and why the last frame was not aided.
     """
 
     def __init__(
@@ -69,7 +70,7 @@ class CableInstrumentFusion(InstrumentFusion[CableVehicleParameters]):
 
     def _forget_motion(self) -> None:
         self._odometry = Odometry()
-        self._aiding = MotionAiding(self.instruments, self._odometry, self._texture_pause)
+        self.aiding = MotionAiding(self.instruments, self._odometry, self._texture_pause)
 
     def _take_calibration(self, calibration: Calibration) -> None:
         self.instruments.take_calibration(calibration)
@@ -89,16 +90,6 @@ class CableInstrumentFusion(InstrumentFusion[CableVehicleParameters]):
             )
             self._odometry.add(stamp, *read_twist(message, least_sigmas))
 
-    @property
-    def unaided(self) -> Unaided | None:
-        """Why the filter was not told of the motion to the last frame; None if it was."""
-        return self._aiding.unaided
-
-    @property
-    def texture_motion(self) -> TextureMotion | None:
-        """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
-        return self._aiding.texture_motion
-
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before.
 
@@ -113,13 +104,13 @@ class CableInstrumentFusion(InstrumentFusion[CableVehicleParameters]):
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
         if not self.parameters.motion_aid:
-            self._aiding.pause(SWITCHED_OFF)
+            self.aiding.pause(SWITCHED_OFF)
             return None
-        return self._aiding.motion(stamp, image)
+        return self.aiding.motion(stamp, image)
 
     def observe(self, estimate: CableEstimate) -> None:
         """Learn from an estimate how far odometry may be believed; once for each frame."""
-        self._aiding.observe(estimate)
+        self.aiding.observe(estimate)
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""

@@ -83,9 +83,9 @@ def test_motion_that_is_switched_off_and_on_is_not_compared_with_an_old_picture(
     fusion.motion(SECOND, pictures[0])
     fusion.configure(CableVehicleParameters(fixed_altitude=1.4, motion_aid=False))
     fusion.motion(SECOND + FRAME, pictures[1])
-    assert fusion.texture_motion is None
+    assert fusion.aiding.texture_motion is None
     fusion.configure(CableVehicleParameters(fixed_altitude=1.4))
-    assert fusion._aiding._texture.compare(pictures[1], np.eye(3)) is None
+    assert fusion.aiding._texture.compare(pictures[1], np.eye(3)) is None
 
 
 def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):
@@ -150,27 +150,27 @@ class TestMotion:
 
     def test_odometry_that_agrees_aids(self, seen):
         fusion = cable_fusion(fixed_altitude=1.4)
-        assert fusion.unaided is None
+        assert fusion.aiding.unaided is None
         assert self.driven(fusion, seen, 0.0, 30) is not None
-        assert fusion.unaided is None
+        assert fusion.aiding.unaided is None
 
     def test_odometry_that_disagrees_does_not(self, seen):
         fusion = cable_fusion(fixed_altitude=1.4)
         assert self.driven(fusion, seen, 1.5, 30) is None
-        assert fusion.unaided.disagrees
+        assert fusion.aiding.unaided.disagrees
 
     def test_missing_odometry_is_no_disagreement(self, seen):
         fusion = cable_fusion(fixed_altitude=1.4)
         for index in range(2):
             assert fusion.motion(SECOND + index * FRAME, BARE) is None
             fusion.observe(seen(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=SECOND))
-        assert fusion.unaided.why == "no odometry has come"
-        assert not fusion.unaided.disagrees
+        assert fusion.aiding.unaided.why == "no odometry has come"
+        assert not fusion.aiding.unaided.disagrees
 
     def test_it_can_be_switched_off(self, seen):
         fusion = cable_fusion(fixed_altitude=1.4, motion_aid=False)
         assert self.driven(fusion, seen, 0.0, 30) is None
-        assert fusion.unaided == SWITCHED_OFF
+        assert fusion.aiding.unaided == SWITCHED_OFF
 
     def test_a_copy_goes_on_by_itself(self, seen):
         fusion = cable_fusion(fixed_altitude=1.4)

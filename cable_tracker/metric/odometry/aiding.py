@@ -66,6 +66,8 @@ class MotionAiding:
     ----------
     unaided : Unaided or None
         Why the last frame was not aided; None if it was, and before the first.
+    texture_motion : TextureMotion or None
+        How the sea bed moved up to the last frame, beside the prediction; None: not known.
     """
 
     def __init__(
@@ -79,15 +81,10 @@ class MotionAiding:
         self._gate = AgreementGate()
         self._texture = SeaBedTexture()
         self._texture_gate = TextureGate()
-        self._texture_motion: TextureMotion | None = None
+        self.texture_motion: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
         self.unaided: Unaided | None = None
-
-    @property
-    def texture_motion(self) -> TextureMotion | None:
-        """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
-        return self._texture_motion
 
     def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return the motion from the frame before to a frame; None: do not use any.
@@ -116,7 +113,7 @@ class MotionAiding:
             why = str(error)
         except REFUSALS as refusal:
             why = f"the vehicle's motion cannot be compared with the image: {one_line(refusal)}"
-        self._texture_motion = self._predicted = None
+        self.texture_motion = self._predicted = None
         self.unaided = Unaided(why)
         return None
 
@@ -124,7 +121,7 @@ class MotionAiding:
         """Leave a frame unaided. The next is not compared with the picture before the pause."""
         self.unaided = reason
         self._texture = SeaBedTexture()
-        self._texture_motion = self._predicted = None
+        self.texture_motion = self._predicted = None
 
     def _checked_motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return the motion by odometry, unless the sea bed or the cable contradicts it."""
@@ -132,7 +129,7 @@ class MotionAiding:
         prediction = self._predict(stamp, pauses)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None
         motion = self._compare_texture(stamp, image, predicted, pauses)
-        self._texture_motion = motion
+        self.texture_motion = motion
         if predicted is not None and motion is not None and motion.agrees:
             predicted = _widened(predicted, motion.excess, image.shape[1])
         self._predicted = predicted
@@ -143,7 +140,7 @@ class MotionAiding:
         self, stamp: int, image: Image, predicted: PlaneMotion | None, pauses: bool
     ) -> TextureMotion | None:
         """Compare a frame's texture with that of the one before, or keep the last result."""
-        before = self._texture_motion
+        before = self.texture_motion
         if pauses and predicted is not None and self._texture_gate.verdict and before is not None:
             self._texture.before = image
             return before

@@ -83,9 +83,9 @@ class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameter
 
         None without odometry, or while it disagrees with what the camera sees.
         """
-        before = self.fusion.unaided
+        before = self.fusion.aiding.unaided
         motion = self.fusion.motion(stamp, image)
-        unaided = self.fusion.unaided
+        unaided = self.fusion.aiding.unaided
         if unaided is not None and unaided.disagrees and unaided != before:
             self._node.get_logger().warning(
                 f"the filter goes on without odometry: {unaided.why}; {ODOMETRY_ADVICE}",
@@ -128,7 +128,7 @@ class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameter
 
     def diagnostics(self) -> dict[str, str]:
         """Return the key-value pairs of diagnostics about metres, with units in the keys."""
-        result, unaided = self._result, self.fusion.unaided
+        result, unaided = self._result, self.fusion.aiding.unaided
         known = result if isinstance(result, CrossTrack) else None
         return {
             "cross track [m]": f"{known.offset:.3f}" if known else "",
@@ -141,5 +141,5 @@ class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameter
 
     def _odometry_error(self) -> str:
         """Return how far from the prediction the sea bed moved; empty if that is not known."""
-        seen = self.fusion.texture_motion
+        seen = self.fusion.aiding.texture_motion
         return f"{seen.error:.1f} of {seen.length:.1f}" if seen is not None else ""
