@@ -55,10 +55,10 @@ def search():
 
 
 def test_a_line_across_is_noted_with_its_place_and_direction(search):
-    (sight,) = search(picture(CABLE, ACROSS))
-    assert sight.row == 0
-    assert sight.ahead == pytest.approx(0.4, abs=0.05)
-    assert abs(sight.angle) == pytest.approx(math.pi / 2, abs=0.05)
+    (observation,) = search(picture(CABLE, ACROSS))
+    assert observation.row == 0
+    assert observation.ahead == pytest.approx(0.4, abs=0.05)
+    assert abs(observation.angle) == pytest.approx(math.pi / 2, abs=0.05)
 
 
 def test_the_cable_and_what_lies_along_it_are_not_across(search):
@@ -67,12 +67,15 @@ def test_the_cable_and_what_lies_along_it_are_not_across(search):
 
 def test_pictures_are_searched_now_and_then(search):
     pictures = [picture(CABLE, ACROSS)] * 4
-    assert {sight.row for sight in search(*pictures, pause=0.5 * CROSSING_STRIDE)} == {0, 2}
+    assert {observation.row for observation in search(*pictures, pause=0.5 * CROSSING_STRIDE)} == {
+        0,
+        2,
+    }
 
 
 def test_a_clock_that_is_set_back_does_not_end_the_search(search):
     pictures = [picture(CABLE, ACROSS)] * 3
-    assert {sight.row for sight in search(*pictures, back=3600.0)} == {0, 1, 2}
+    assert {observation.row for observation in search(*pictures, back=3600.0)} == {0, 1, 2}
 
 
 def test_a_long_low_picture_is_searched_like_any_other(search):
