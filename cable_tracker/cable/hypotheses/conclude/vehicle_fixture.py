@@ -44,9 +44,9 @@ KEPT = 0.8
 FEWEST_LOOKS = 3
 """Looks after which a hypothesis may be taken for a fixture."""
 
-STILL, MOVING = 0.15, 0.5
+STILL, MOVING = 0.25, 0.5
 """Travel of a strip across itself as a share of that of the ground: up to the first it stands
-still, from the second on it moves with the ground."""
+still, unless it goes to and fro; from the second on it moves with the ground."""
 
 LEAST_ACROSS = 0.25
 """Share of the ground's travel that leads across a fixture, at least."""
@@ -69,8 +69,9 @@ class FixtureTest:
     ground, strip : float
         How far ground and hypothesis have travelled across the hypothesis, less of what is long ago
         [px].
-    way : float
-        How far the ground has travelled in whatever direction, likewise [px].
+    ground_path, strip_path : float
+        Lengths of the ways of the ground in whatever direction, and of the strip across itself, to
+        and fro, likewise [px].
     fixture : FloatArray or None
         The last state (8,) that was found to be fixed to the vehicle.
     """
@@ -81,15 +82,16 @@ class FixtureTest:
     looks: int = 0
     ground: float = 0.0
     strip: float = 0.0
-    way: float = 0.0
+    ground_path: float = 0.0
+    strip_path: float = 0.0
     fixture: FloatArray | None = None
 
     @property
     def is_still(self) -> bool:
         """Whether the ground has moved across the hypothesis, and the hypothesis has not."""
         across = abs(self.ground)
-        stands = abs(self.strip) < STILL * across and across > LEAST_ACROSS * self.way
-        return self.looks >= FEWEST_LOOKS and stands
+        stands = abs(self.strip) < STILL * across and self.strip_path < MOVING * across
+        return self.looks >= FEWEST_LOOKS and stands and across > LEAST_ACROSS * self.ground_path
 
 
 UNTESTED = FixtureTest(0.0, np.zeros(STATE_SIZE), None)
@@ -192,5 +194,6 @@ def _travelled(
         looks=looks,
         ground=KEPT * before.ground + across,
         strip=KEPT * before.strip + strip,
-        way=KEPT * before.way + float(np.hypot(*shifts.T).mean()),
+        ground_path=KEPT * before.ground_path + float(np.hypot(*shifts.T).mean()),
+        strip_path=KEPT * before.strip_path + abs(strip),
     )

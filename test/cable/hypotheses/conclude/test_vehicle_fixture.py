@@ -9,6 +9,7 @@ from cable_tracker.cable.hypotheses.conclude.vehicle_fixture import (
     FEWEST_LOOKS,
     LEAST_ACROSS,
     LOOK_INTERVAL,
+    STILL,
     UNTESTED,
     fixture_test_after,
 )
@@ -57,6 +58,13 @@ def test_ground_that_moves_along_the_strip_tells_nothing():
     assert dive((0.3, 4.0)).fixture is None
 
 
+def test_a_strip_that_goes_to_and_fro_while_the_ground_moves_one_way_is_none():
+    """In perspective the ground may seem to move less than the strip when both go one way."""
+    test = dive((2.0, 0.0), lambda frame: aside(8.0 * (frame // 4 % 2)))
+    assert abs(test.strip) < STILL * abs(test.ground)
+    assert test.fixture is None
+
+
 # At the left edge, so that there is room on its right side alone; its borders meet far up.
 SKEWED = np.array([-110.0, 0.0, 100.0, 0.25, 0.0, 0.0, 0.0, 0.0])
 
@@ -69,7 +77,7 @@ def test_ground_that_moves_along_a_strip_in_perspective_tells_nothing():
     test = dive(velocity, lambda frame: SKEWED)
     assert abs(velocity[0]) > LEAST_ACROSS * 3.0
     assert test.looks >= FEWEST_LOOKS
-    assert test.way > TRAVEL
+    assert test.ground_path > TRAVEL
     assert test.fixture is None
 
 
@@ -93,7 +101,7 @@ def test_ground_that_goes_apart_to_both_sides_as_in_perspective_tells_nothing():
     for frame in range(24):
         image = plain_image(parted_ground(frame))
         test = fixture_test_after(test, UPRIGHT, image, FRAME, TRAVEL, goes_on=frame > 0)
-    assert test.way > TRAVEL
+    assert test.ground_path > TRAVEL
     assert test.looks == 0
     assert test.fixture is None
 
