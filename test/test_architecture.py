@@ -96,7 +96,7 @@ ORDER_WITHIN = {
     ],
     "gui": ["subject", "session", "web", "labelling", "tracking"],
     "simulation": [
-        "setting_checks", "rendering", "borders", "motion", "dive", "seen_cable", "world_settings",
+        "setting_checks", "rendering", "borders", "motion", "dive", "cable_scene", "world_settings",
         "scenarios", "worlds", "fading", "instruments", "live_world", "targets",
     ],
     "survey": [

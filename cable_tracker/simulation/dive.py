@@ -21,6 +21,7 @@ from cable_tracker.simulation.borders import (
 )
 from cable_tracker.simulation.motion.steering import steer
 from cable_tracker.simulation.motion.trajectory import Trajectory
+from cable_tracker.simulation.rendering.appearance import SceneAppearance, Skin
 from cable_tracker.simulation.rendering.camera import (
     NO_DISTORTION,
     Camera,
@@ -29,7 +30,6 @@ from cable_tracker.simulation.rendering.camera import (
 )
 from cable_tracker.simulation.rendering.clutter import random_companions, random_streaks
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable, random_gaps
-from cable_tracker.simulation.rendering.look import Look, Skin
 from cable_tracker.simulation.rendering.photographs import make_photographed_bed
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
@@ -135,7 +135,7 @@ class Surroundings:
 
     Attributes
     ----------
-    look : Look
+    appearance : SceneAppearance
         Appearance of bottom, cable and water.
     has_cable : bool
         Whether the cable is there.
@@ -147,7 +147,7 @@ class Surroundings:
         A folder of pictures that the bottom is made of.
     """
 
-    look: Look
+    appearance: SceneAppearance
     has_cable: bool = True
     stretches: tuple[BuriedStretch, ...] = ()
     others: tuple[tuple[Tube, Skin], ...] = ()
@@ -196,7 +196,7 @@ def render_dive(
     clutter_rng = np.random.default_rng(seeds.clutter)
     picture_rng = np.random.default_rng(seeds.picture)
     scene, cable = lay_out(dive.camera, dive.tube, surroundings, length, (clutter_rng, picture_rng))
-    renderer = SceneRenderer(dive.camera, scene, surroundings.look, picture_rng)
+    renderer = SceneRenderer(dive.camera, scene, surroundings.appearance, picture_rng)
     for start in range(0, frame_count, BATCH):
         views = dive.views(frame_times(start, rate))
         for place in range(min(BATCH, frame_count - start)):
@@ -241,16 +241,16 @@ def lay_out(
         What lies there, and the first cable if it is there.
     """
     clutter_rng, picture_rng = rngs
-    look, radius = surroundings.look, tube.radius
+    appearance, radius = surroundings.appearance, tube.radius
     streaks = random_streaks(
-        -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, look.clutter, clutter_rng
+        -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, appearance.clutter, clutter_rng
     )
-    gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, look.skin, clutter_rng)
+    gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, appearance.skin, clutter_rng)
     streaks += random_companions(
         tube,
         -VIEW_LENGTH / radius,
         (length + VIEW_LENGTH) / radius,
-        look.companions,
+        appearance.companions,
         clutter_rng,
     )
     scale = pixel_scale(camera.image_size[0])
@@ -258,9 +258,9 @@ def lay_out(
     bed = _make_bed(surroundings, resolution, picture_rng)
     own = LaidCable(
         tube,
-        make_cable(resolution, look.skin, picture_rng),
+        make_cable(resolution, appearance.skin, picture_rng),
         gaps + surroundings.stretches,
-        look.skin.shade,
+        appearance.skin.shade,
     )
     others = tuple(
         LaidCable(tube, make_cable(resolution, skin, picture_rng), shade=skin.shade)
@@ -274,7 +274,7 @@ def lay_out(
 def _make_bed(
     surroundings: Surroundings, resolution: int, rng: np.random.Generator
 ) -> TiledTexture:
-    bottom = surroundings.look.bottom
+    bottom = surroundings.appearance.bottom
     if surroundings.photographs is not None:
         return make_photographed_bed(surroundings.photographs, resolution, bottom.tone, rng)
     return make_bed(resolution, bottom, rng)

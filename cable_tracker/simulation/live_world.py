@@ -1,4 +1,4 @@
-"""A cable on the sea bed and a vehicle above it that goes where it is told.
+"""Closed-loop simulation: a vehicle that follows velocity commands above a cable.
 
 The world frame is that of `vehicle`: x along the general course of the cable, y to its left. The
 renderer's has x across to the right and y along.
@@ -14,6 +14,14 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.cable_scene import (
+    BURIAL_RAMP,
+    SCENE_APPEARANCE,
+    CableScene,
+    bent_cable,
+    cable_points,
+    nearest_along,
+)
 from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
 from cable_tracker.simulation.motion.vehicle import (
@@ -23,14 +31,6 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
-from cable_tracker.simulation.seen_cable import (
-    BURIAL_RAMP,
-    LOOK,
-    CableScene,
-    bent_cable,
-    cable_points,
-    nearest_along,
-)
 from cable_tracker.simulation.world_settings import WorldSettings
 from cable_tracker.tracking.parameter_table import number
 
@@ -75,7 +75,7 @@ class LiveSettings(WorldSettings):
 
 @dataclass(frozen=True, slots=True)
 class TrueCrossTrack:
-    """The cable beside the vehicle, as it is.
+    """True cross track: the cable relative to the vehicle.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class TrueCrossTrack:
 
 
 class LiveWorld:
-    """The world of `simulate --live`.
+    """World of the closed-loop simulation, `simulate --live`.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class LiveWorld:
         self._tube = bent_cable(course_rng)
         self._scene = CableScene(
             self._tube,
-            Surroundings(LOOK, stretches=self._stretches()),
+            Surroundings(SCENE_APPEARANCE, stretches=self._stretches()),
             settings.length,
             settings.image_size,
             (np.random.default_rng(seeds.clutter), np.random.default_rng(seeds.picture)),
@@ -155,11 +155,11 @@ class LiveWorld:
         return np.array([*place, self.settings.altitude, course + turned])
 
     def state(self) -> VehicleState:
-        """Return where the vehicle is now, and how it moves."""
+        """Return the true pose and velocity of the vehicle now."""
         return self._vehicle.state()
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
-        """Let the vehicle go on; `altitude` is what its altimeter said last [m]."""
+        """Integrate the motion; `altitude` is the last reading of the altimeter [m]."""
         self._vehicle.advance(command, altitude, seconds)
         self.time += seconds
 
@@ -168,7 +168,7 @@ class LiveWorld:
         return cable_points(self._tube, along)
 
     def cross_track(self, state: VehicleState) -> TrueCrossTrack:
-        """Return where the cable is beside the vehicle."""
+        """Return the true cross track of a vehicle."""
         along = nearest_along(self._tube, state.position[:2], float(state.position[0]))
         point, direction = (part[0] for part in self.cable_at(np.array([along])))
         aside = point[:2] - state.position[:2]
@@ -181,9 +181,9 @@ class LiveWorld:
         return TrueCrossTrack(along, error, offset, heading)
 
     def picture(self, state: VehicleState) -> Image:
-        """Take the next picture: grey, uint8, shape (H, W)."""
+        """Render the next picture: grey, uint8, shape (H, W)."""
         return self._scene.picture(state, self.time)
 
     def true_state(self, state: VehicleState) -> CableState | None:
-        """Return the cable in the image; None if nothing of it can be seen."""
-        return self._scene.seen(state)
+        """Return the true state of the cable in the image; None if none of it is visible."""
+        return self._scene.true_state(state)

@@ -15,6 +15,7 @@ import numpy as np
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences.bags.bag_writer import StorageFormat
 from cable_tracker.sequences.bags.storage_files import TRUTH_FILE
+from cable_tracker.simulation.cable_scene import cable_course
 from cable_tracker.simulation.instruments.instrument_writer import (
     BEARING,
     ORIGIN,
@@ -27,7 +28,6 @@ from cable_tracker.simulation.instruments.survey_dive import (
     SurveyDive,
     SurveyDiveSettings,
 )
-from cable_tracker.simulation.seen_cable import cable_course
 
 COURSE_STEP = 0.25
 """Distance between two points of the true course [m]."""

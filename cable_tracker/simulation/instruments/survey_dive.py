@@ -18,6 +18,14 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.simulation.cable_scene import (
+    BURIAL_RAMP,
+    SCENE_APPEARANCE,
+    CableScene,
+    cable_of_seed,
+    cable_points,
+    nearest_along,
+)
 from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments.instrument_messages import CAMERA
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
@@ -31,17 +39,9 @@ from cable_tracker.simulation.motion.vehicle import (
     Vehicle,
     VelocityCommand,
 )
+from cable_tracker.simulation.rendering.appearance import Skin
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, Stretch
-from cable_tracker.simulation.rendering.look import Skin
 from cable_tracker.simulation.rendering.tube import Tube
-from cable_tracker.simulation.seen_cable import (
-    BURIAL_RAMP,
-    LOOK,
-    CableScene,
-    cable_of_seed,
-    cable_points,
-    nearest_along,
-)
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.stamps import stamp_at
 
@@ -174,7 +174,7 @@ class SurveyDive:
         self._tube = cable_of_seed(settings.cable_seed)
         self.scene = CableScene(
             self._tube,
-            Surroundings(LOOK, stretches=self._stretches(), others=self._others()),
+            Surroundings(SCENE_APPEARANCE, stretches=self._stretches(), others=self._others()),
             settings.length,
             settings.image_size,
             (np.random.default_rng(cables.clutter), np.random.default_rng(cables.picture)),
@@ -210,7 +210,7 @@ class SurveyDive:
                 continue
             self._altitude = self._instruments.altitude(state)
             image = raw_from_array(self.scene.picture(state, number * period), "mono8")
-            stamp, truth = stamp_at(number * period), self.scene.seen(state)
+            stamp, truth = stamp_at(number * period), self.scene.true_state(state)
             frame = Frame(number // TICKS, stamp, image, CAMERA, truth)
             yield Tick(number * period, state, odometry, imu, self._altitude, fix, frame)
             if along >= settings.length:
@@ -227,7 +227,7 @@ class SurveyDive:
             point, _ = self._tube.axis(np.array([along]))
             heading = math.radians(60.0 if number % 2 else -55.0)
             origin = (float(point[0, 0]), float(point[0, 1]))
-            others.append((Tube(CROSSING_RADIUS, (), origin, heading), LOOK.skin))
+            others.append((Tube(CROSSING_RADIUS, (), origin, heading), SCENE_APPEARANCE.skin))
         return tuple(others)
 
     def _start(self) -> FloatArray:

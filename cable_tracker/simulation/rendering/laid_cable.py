@@ -1,4 +1,4 @@
-"""A cable as it lies there: a tube with a surface, growth, and sand over part of it."""
+"""A cable on the sea bed: a tube with a surface, growth, and sand over part of it."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.simulation.rendering.look import Skin
+from cable_tracker.simulation.rendering.appearance import Skin
 from cable_tracker.simulation.rendering.seabed import CABLE_REACH, CHANNELS, burial_cover
 from cable_tracker.simulation.rendering.texture import TiledTexture, smooth_step
-from cable_tracker.simulation.rendering.tube import Sight, Tube
+from cable_tracker.simulation.rendering.tube import ClosestApproach, Tube
 
 SAND_DEPTH = 9.0
 """Height that a buried stretch adds to the level of the sand."""
@@ -27,7 +27,7 @@ class Stretch:
     end: float
 
     def holds(self, along: FloatArray) -> BoolArray:
-        """Tell which places are within it."""
+        """Return which places along the course [m] are within it, a mask of the same shape."""
         return np.asarray((along >= self.start) & (along <= self.end))
 
 
@@ -44,7 +44,7 @@ class BuriedStretch(Stretch):
     ramp: float
 
     def level(self, along: Image) -> Image:
-        """Return what the stretch adds to the level of the sand, of the shape of the places."""
+        """Return the summand of the sand level at places [m], of the same shape."""
         rising = smooth_step(along, self.start - self.ramp, self.start)
         return SAND_DEPTH * (rising - smooth_step(along, self.end, self.end + self.ramp))
 
@@ -75,8 +75,8 @@ class CableSkin:
     outline: Image
     shade: float
 
-    def hides(self) -> BoolArray:
-        """Tell where the cable is covered, of the shape of the places."""
+    def is_covered(self) -> BoolArray:
+        """Return where growth, turf or sand cover the cable, a mask of the arrays' shape."""
         return np.asarray(np.maximum(np.maximum(self.growth, self.turf), self.burial) > 0.5)
 
 
@@ -101,21 +101,23 @@ class LaidCable:
     stretches: tuple[BuriedStretch, ...] = ()
     shade: float = 1.0
 
-    def skin(self, sight: Sight, footprint: Image) -> CableSkin:
-        """Look the surface up.
+    def skin(self, approach: ClosestApproach, footprint: Image) -> CableSkin:
+        """Return the surface where lines of sight meet it, sampled from the texture.
 
         Parameters
         ----------
-        sight : Sight
-            Lines of sight, float32, shape (H, W).
+        approach : ClosestApproach
+            Of lines of sight to the axis, float32, shape (H, W).
         footprint : Image
             Extent of one pixel, of the same shape [radii].
         """
-        across = np.clip(sight.p, 0.01 - CABLE_REACH, CABLE_REACH - 0.01) + np.float32(CABLE_REACH)
-        texels = self.texture.sample(across, sight.q, sight.start, footprint)
-        extra = np.zeros_like(sight.q)
-        along = sight.q * np.float32(self.tube.radius)
-        eye = float(sight.start * self.tube.radius)
+        across = np.clip(approach.p, 0.01 - CABLE_REACH, CABLE_REACH - 0.01) + np.float32(
+            CABLE_REACH
+        )
+        texels = self.texture.sample(across, approach.q, approach.start, footprint)
+        extra = np.zeros_like(approach.q)
+        along = approach.q * np.float32(self.tube.radius)
+        eye = float(approach.start * self.tube.radius)
         first, last = float(along.min()) + eye, float(along.max()) + eye
         for stretch in self.stretches:
             if stretch.start - stretch.ramp < last and stretch.end + stretch.ramp > first:

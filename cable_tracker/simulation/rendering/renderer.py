@@ -1,4 +1,4 @@
-"""Pictures of the sea bed and the cables on it, seen by a camera in turbid water above them."""
+"""Renders the sea bed and the cables on it as a camera in turbid water sees them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.sequences.pictures.encoded_pictures import after_jpeg
+from cable_tracker.simulation.rendering.appearance import SceneAppearance
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.clutter import Streak, draw_streak, streak_cover
 from cable_tracker.simulation.rendering.laid_cable import CableSkin, LaidCable
-from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.seabed import BED_UNIT, CABLE_REACH
 from cable_tracker.simulation.rendering.texture import TiledTexture, in_rows
-from cable_tracker.simulation.rendering.tube import Sight
+from cable_tracker.simulation.rendering.tube import ClosestApproach
 from cable_tracker.simulation.rendering.water import Illumination, Snow, random_lamps
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -87,21 +87,23 @@ class SceneRenderer:
 
     Parameters
     ----------
-    look : Look
+    appearance : SceneAppearance
         Water, light, and the camera's faults.
     rng : numpy.random.Generator
         Draws lamps and flakes once, and then the noise of frame after frame.
     """
 
-    def __init__(self, camera: Camera, scene: Scene, look: Look, rng: np.random.Generator) -> None:
+    def __init__(
+        self, camera: Camera, scene: Scene, appearance: SceneAppearance, rng: np.random.Generator
+    ) -> None:
         self._camera = camera
         self._scene = scene
-        self._look = look
+        self._appearance = appearance
         self._rng = rng
         self._rays = camera.rays()
-        lamps = random_lamps(rng) if look.lamps is None else look.lamps
-        self._light = Illumination(self._rays, lamps, look.water, look.daylight)
-        self._snow = Snow.random(look.water.flakes, rng)
+        lamps = random_lamps(rng) if appearance.lamps is None else appearance.lamps
+        self._light = Illumination(self._rays, lamps, appearance.water, appearance.daylight)
+        self._snow = Snow.random(appearance.water.flakes, rng)
 
     def render(self, position: FloatArray, rotation: FloatArray, time: float) -> Image:
         """Render the next frame.
@@ -118,21 +120,21 @@ class SceneRenderer:
         Image
             Grey, uint8, shape (H, W).
         """
-        view = self._look_down(position, rotation)
+        view = self._viewing_geometry(position, rotation)
         scene = self._ground(view)
         for cable in self._scene.cables:
             self._lay_cable(scene, view, cable)
         scene = self._lay_streaks(scene, view, on_top=True)
-        light = self._light.through_water(scene, view.depth)
+        light = self._light.radiance(scene, view.depth)
         flakes = self._snow.layer(self._camera, position, rotation, time)
         if flakes is not None:
-            light += flakes * self._light.on(np.full_like(view.depth, 1.0))
+            light += flakes * self._light.irradiance(np.full_like(view.depth, 1.0))
         return self._expose(light)
 
     def hidden(
         self, cable: LaidCable, position: FloatArray, world: FloatArray, usable: BoolArray
     ) -> BoolArray:
-        """Tell which points of a cable's borders something covers.
+        """Return which points of a cable's borders are covered, shape (2, K).
 
         Parameters
         ----------
@@ -143,18 +145,18 @@ class SceneRenderer:
         world : FloatArray
             Points of the two borders in the world, (2, K, 3) [m].
         usable : BoolArray
-            Which to look at, (2, K); the others count as hidden.
+            Points to check, shape (2, K); the others count as hidden.
         """
         hidden = np.ones(usable.shape, dtype=np.bool_)
         if not usable.any():
             return hidden
         rays = np.ascontiguousarray((world[usable] - position).T, dtype=np.float32)[:, None]
         fine = np.full(rays.shape[1:], 1e-3, dtype=np.float32)
-        skin = cable.skin(cable.tube.sight(position, rays), fine)
-        covered = skin.hides()
+        skin = cable.skin(cable.tube.closest_approach(position, rays), fine)
+        covered = skin.is_covered()
         for other in self._scene.cables[self._scene.cables.index(cable) + 1 :]:
-            sight = other.tube.sight(position, rays)
-            covered |= (np.abs(sight.p) < 1) & (other.skin(sight, fine).burial < 0.5)
+            approach = other.tube.closest_approach(position, rays)
+            covered |= (np.abs(approach.p) < 1) & (other.skin(approach, fine).burial < 0.5)
         reach = np.float32(-position[2]) / rays[2]
         p, q = self._streak_places(reach * rays[0], reach * rays[1], position)
         for streak in self._scene.streaks:
@@ -165,7 +167,7 @@ class SceneRenderer:
         hidden[usable] = covered[0]
         return hidden
 
-    def _look_down(self, position: FloatArray, rotation: FloatArray) -> _View:
+    def _viewing_geometry(self, position: FloatArray, rotation: FloatArray) -> _View:
         x, y, z = self._rays
         rays = np.stack(
             [row[0] * x + row[1] * y + row[2] * z for row in rotation.astype(np.float32)]
@@ -206,18 +208,18 @@ class SceneRenderer:
         if near.size == 0:
             return
         rays = view.rays.reshape(3, -1)[:, near]
-        sight = cable.tube.sight(view.eye, rays)
-        pixel = sight.distance * np.float32(1 / (self._camera.focal * cable.tube.radius))
+        approach = cable.tube.closest_approach(view.eye, rays)
+        pixel = approach.distance * np.float32(1 / (self._camera.focal * cable.tube.radius))
         pixel /= self._light.length.reshape(-1)[near]
-        skin = cable.skin(sight, pixel)
+        skin = cable.skin(approach, pixel)
         flat = scene.reshape(-1)
-        flat[near] = _blend_cable(flat[near], sight, skin, pixel)
+        flat[near] = _blend_cable(flat[near], approach, skin, pixel)
 
     def _near(self, view: _View, cable: LaidCable) -> Image:
         """Return the flat indices of the pixels that may show the cable, see `in_rows`."""
         height, width = view.depth.shape
         coarse = view.rays[:, ::CELL, ::CELL]
-        p = np.abs(cable.tube.sight(view.eye, np.ascontiguousarray(coarse)).p)
+        p = np.abs(cable.tube.closest_approach(view.eye, np.ascontiguousarray(coarse)).p)
         step = np.zeros_like(p)
         step[:, 1:] = np.abs(np.diff(p, axis=1))
         step[1:] = np.maximum(step[1:], np.abs(np.diff(p, axis=0)))
@@ -230,22 +232,22 @@ class SceneRenderer:
 
     def _expose(self, light: Image) -> Image:
         scale = pixel_scale(self._camera.image_size[0])
-        sigma = self._look.water.blur * max(scale, 0.5)
+        sigma = self._appearance.water.blur * max(scale, 0.5)
         light = cv2.GaussianBlur(light, (0, 0), sigma)
         gain = np.clip(MEAN_TONE / max(float(light.mean()), 1e-3), *EXPOSURE_LIMITS) ** 0.7
         grey = np.float32(255.0 * gain) * light
-        if self._look.noise > 0:
+        if self._appearance.noise > 0:
             grain = self._rng.standard_normal(light.shape, dtype=np.float32)
-            grey += np.float32(self._look.noise) * grain
+            grey += np.float32(self._appearance.noise) * grain
         picture = eight_bits(grey)
-        if self._look.jpeg_quality is None:
+        if self._appearance.jpeg_quality is None:
             return picture
-        return after_jpeg(picture, self._look.jpeg_quality)
+        return after_jpeg(picture, self._appearance.jpeg_quality)
 
 
-def _blend_cable(ground: Image, sight: Sight, skin: CableSkin, pixel: Image) -> Image:
+def _blend_cable(ground: Image, approach: ClosestApproach, skin: CableSkin, pixel: Image) -> Image:
     """Return the reflected light of pixels near a cable: shadow, round body, growth."""
-    p = sight.p
+    p = approach.p
     outside = np.abs(p) - 1 - skin.outline
     bare = (1 - skin.burial) * (1 - skin.turf)
     side = np.clip(outside, 0, None)

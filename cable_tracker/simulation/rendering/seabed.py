@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.simulation.rendering.look import Bottom, Skin
+from cable_tracker.simulation.rendering.appearance import Bottom, Skin
 from cable_tracker.simulation.rendering.texture import (
     TiledTexture,
     cloud_response,
@@ -293,7 +293,7 @@ def _patches(
 
 
 def _turf(shape: tuple[int, int], resolution: int, skin: Skin, rng: np.random.Generator) -> Image:
-    """Return how much growth and sediment with the bottom's look cover the cable, 0 to 1."""
+    """Return how much growth and sediment that resemble the bottom cover the cable, 0 to 1."""
     turf = np.zeros(shape, dtype=np.float32)
     if skin.silt > 0.0:
         film = spectral_noise(cloud_response(shape, resolution, (2.0, 4.0), 0.15), shape, rng)

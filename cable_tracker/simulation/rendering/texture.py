@@ -187,7 +187,7 @@ class TiledTexture:
         return cls(tuple(levels), (columns / resolution, rows / resolution))
 
     def sample(self, across: Image, along: Image, shift: float, footprint: Image) -> Image:
-        """Look the texture up.
+        """Sample the texture.
 
         Parameters
         ----------
@@ -211,13 +211,13 @@ class TiledTexture:
         result: Image | None = None
         for level in range(int(detail.min()), int(np.ceil(detail.max())) + 1):
             share = np.clip(1 - np.abs(detail - np.float32(level)), 0.0, 1.0)
-            texels = self._look_up(level, u, v)
+            texels = self._interpolated(level, u, v)
             term = texels * (share[..., None] if texels.ndim == 3 else share)
             result = term if result is None else result + term
         assert result is not None
         return result
 
-    def _look_up(self, level: int, u: Image, v: Image) -> Image:
+    def _interpolated(self, level: int, u: Image, v: Image) -> Image:
         tile = self.levels[level]
         rows, columns = (extent - 2 * MARGIN for extent in tile.shape[:2])
         x = u * np.float32(columns) + np.float32(MARGIN - 0.5)

@@ -1,4 +1,4 @@
-"""Cables as tubes on the sea bed: where they run, and how lines of sight pass them."""
+"""Cables as tubes on the sea bed: their courses, their silhouettes, and rays that pass them."""
 
 from __future__ import annotations
 
@@ -108,8 +108,8 @@ class Tube:
         lift, reach = self.radius * share * towards, self.radius * np.sqrt(1 - share**2) * aside
         return np.stack((centres + lift - reach, centres + lift + reach), axis=1)
 
-    def sight(self, eye: FloatArray, rays: Image) -> Sight:
-        """Follow lines of sight past the tube; see `Sight`.
+    def closest_approach(self, eye: FloatArray, rays: Image) -> ClosestApproach:
+        """Return where lines of sight are nearest to the tube's axis.
 
         Parameters
         ----------
@@ -153,7 +153,7 @@ class Tube:
         q = (along + (forward - front * parallel) * u_y) / self.radius
         # Towards the horizon the tangent is extended so far that it may come past the eye.
         distance = np.maximum(distance, rays.dtype.type(LEAST_DISTANCE))
-        return Sight(p, q, eye_along / self.radius, distance)
+        return ClosestApproach(p, q, eye_along / self.radius, distance)
 
     def _wander(self, along: Image, eye_across: float, eye_along: float) -> tuple[Image, Image]:
         """Return offset of the axis from the eye, and slope, at places relative to the eye."""
@@ -169,8 +169,8 @@ class Tube:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
-    """How lines of sight pass a tube; arrays of one shape.
+class ClosestApproach:
+    """Where lines of sight are nearest to the axis of a tube; arrays of one shape.
 
     Attributes
     ----------

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.simulation.rendering.appearance import Lamp, Water
 from cable_tracker.simulation.rendering.camera import Camera
-from cable_tracker.simulation.rendering.look import Lamp, Water
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.parameter_table import pixel_scale
 
@@ -70,8 +70,10 @@ class Illumination:
         self._vignette = (1 - 0.25 * ((self.length - 1) / (edge - 1))).astype(np.float32)
         self._glow = self._make_glow()
 
-    def through_water(self, scene: Image, depth: Image) -> Image:
-        """Light the scene and look at it through the water.
+    def radiance(self, scene: Image, depth: Image) -> Image:
+        """Return the light that reaches the camera, float32, shape (H, W), 1 at full scale.
+
+        It is that of the scene, lit and attenuated, and what the water scatters back.
 
         Parameters
         ----------
@@ -81,15 +83,15 @@ class Illumination:
             Distance along the camera's axis, float32, shape (H, W) [m].
         """
         distance = depth * self.length
-        seen = scene * self.on(depth)
-        seen *= np.exp(distance * np.float32(-self._water.absorption))
+        radiance = scene * self.irradiance(depth)
+        radiance *= np.exp(distance * np.float32(-self._water.absorption))
         closed = 1 - np.exp(distance * np.float32(-self._water.scatter))
-        seen += closed * self._glow
-        seen *= self._vignette
-        return np.asarray(seen)
+        radiance += closed * self._glow
+        radiance *= self._vignette
+        return np.asarray(radiance)
 
-    def on(self, depth: Image) -> Image:
-        """Return the light on points at a depth along each ray, float32, shape (H, W)."""
+    def irradiance(self, depth: Image) -> Image:
+        """Return the irradiance of points at a depth along each ray, float32, shape (H, W)."""
         light = np.full(depth.shape, self._daylight, dtype=np.float32)
         x, y = self._rays[0] * depth, self._rays[1] * depth
         for lamp in self._lamps:
@@ -106,7 +108,9 @@ class Illumination:
 
     def _make_glow(self) -> Image:
         """Return the brightness of endless water: brightest where the beams pass."""
-        far = self.on(np.full(self._rays.shape[1:], 1.3 * REFERENCE_RANGE, dtype=np.float32))
+        far = self.irradiance(
+            np.full(self._rays.shape[1:], 1.3 * REFERENCE_RANGE, dtype=np.float32)
+        )
         return np.asarray(np.float32(self._water.veil) * np.sqrt(far + np.float32(0.02)))
 
 

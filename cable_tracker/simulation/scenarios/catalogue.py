@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from cable_tracker.simulation.rendering.look import Bottom, Lamp, Look, Skin, Water
+from cable_tracker.simulation.rendering.appearance import Bottom, Lamp, SceneAppearance, Skin, Water
 from cable_tracker.simulation.scenarios.scenario import (
     BRISK,
     CALM,
@@ -64,7 +64,7 @@ _ALL = (
             width=Sway(40.0, 14.0, BRISK, 0.26),
             skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(frame_move(105, 30, -0.75),)),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(tone=0.33, stones=1.8, algae=1.4, gravel=0.5),
             skin=replace(_OLD_CABLE, cover=0.45, bulge=0.08, drift=0.28, gap_lengths=(1.5, 4.0)),
             water=Water(absorption=0.22, scatter=0.24, veil=0.28, blur=0.9, flakes=0.8),
@@ -85,7 +85,7 @@ _ALL = (
             width=Sway(58.0, 36.0, ROUGH, 5.19),
             skew=Sway(3.2, 3.0, SWELL, 0.034),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(tone=0.33, ripples=2.0, stones=0.6, algae=1.0, ripple_angle=6.0),
             skin=replace(_OLD_CABLE, tone=0.6, turf=0.09, drift=0.26, gap_lengths=(1.0, 3.5)),
             water=Water(absorption=0.2, scatter=0.2, veil=0.3, blur=0.9, flakes=0.7),
@@ -105,7 +105,7 @@ _ALL = (
             width=Sway(44.0, 18.0, BRISK, 0.51),
             skew=Sway(2.0, 1.8, BRISK, 0.004),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(stones=0.7, algae=0.9),
             skin=replace(
                 _OLD_CABLE, stains=0.7, cover=0.38, turf=0.07, bulge=0.05, drift=0.1, shade=0.75
@@ -137,7 +137,7 @@ _ALL = (
                 moves=(frame_move(62, 18, 1.9), frame_move(117, 18, -1.9)),
             ),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(tone=0.3, stones=2.2, gravel=0.8, algae=0.6),
             skin=replace(_OLD_CABLE, cover=0.35, turf=0.08, drift=0.25),
             water=Water(absorption=0.2, scatter=0.18, veil=0.3, blur=0.9, flakes=0.6),
@@ -157,7 +157,7 @@ _ALL = (
             width=Sway(34.0, 11.0, BRISK, 0.21),
             skew=Sway(2.4, 2.6, BRISK, 0.021),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(tone=0.6, ripples=2.0, stones=0.7, algae=0.6, ripple_angle=-8.0),
             skin=replace(
                 _OLD_CABLE, tone=0.21, silt=0.13, drift=0.3, shade=0.5, gap_lengths=(1.5, 4.0)
@@ -179,7 +179,7 @@ _ALL = (
             width=Sway(62.0, 33.0, ROUGH, 7.50, moves=(frame_move(16, 10, -8.0),)),
             skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(frame_move(16, 9, 6.4),)),
         ),
-        Look(
+        SceneAppearance(
             bottom=Bottom(tone=0.32, ripples=1.4, stones=1.2, algae=1.3),
             skin=replace(_OLD_CABLE, tone=0.57, stains=0.9, drift=0.24, shade=0.7),
             water=Water(absorption=0.18, scatter=0.18, veil=0.3, blur=0.85, flakes=0.6),
@@ -217,7 +217,7 @@ _ALL = (
             skew=Sway(2.2, 0.3, CALM),
             speed=0.7,
         ),
-        Look(skin=Skin(cover=0.15)),
+        SceneAppearance(skin=Skin(cover=0.15)),
         buried=(110, 184),
     ),
     Scenario(
@@ -232,7 +232,7 @@ _ALL = (
         "no cable at all, but ropes and tracks",
         250,
         USUAL_MOTION,
-        Look(clutter=1.0),
+        SceneAppearance(clutter=1.0),
         has_cable=False,
     ),
     Scenario(
@@ -240,7 +240,7 @@ _ALL = (
         "no cable, but trenches and pairs of parallel lines that look like one",
         250,
         USUAL_MOTION,
-        Look(clutter=1.0, companions=0.8),
+        SceneAppearance(clutter=1.0, companions=0.8),
         has_cable=False,
     ),
     Scenario(
@@ -248,7 +248,7 @@ _ALL = (
         "no light but one narrow lamp",
         250,
         USUAL_MOTION,
-        Look(
+        SceneAppearance(
             water=Water(absorption=0.28, scatter=0.22, veil=0.16, flakes=0.9),
             daylight=0.012,
             lamps=(Lamp((0.18, 0.05, 0.0), (-0.12, 0.06), 0.28, 1.6),),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from cable_tracker.simulation.motion.trajectory import Bands, Move
-from cable_tracker.simulation.rendering.look import Look, Skin
+from cable_tracker.simulation.rendering.appearance import SceneAppearance, Skin
 
 SCENARIO_RATE = 25.0
 """Frames per second of all scenarios."""
@@ -112,7 +112,7 @@ class Scenario:
         At 25 frames per second.
     motion : Motion
         Motion of the cable in the image.
-    look : Look
+    appearance : SceneAppearance
         Appearance of the scene.
     curvature : float
         The cable never bends more than this [1/m].
@@ -130,7 +130,7 @@ class Scenario:
     description: str
     frame_count: int
     motion: Motion
-    look: Look = field(default_factory=Look)
+    appearance: SceneAppearance = field(default_factory=SceneAppearance)
     curvature: float = 0.012
     mounting: float = 20.0
     has_cable: bool = True

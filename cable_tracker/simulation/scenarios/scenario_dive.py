@@ -20,9 +20,9 @@ from cable_tracker.simulation.dive import (
     random_course,
     render_dive,
 )
+from cable_tracker.simulation.rendering.appearance import SceneAppearance
 from cable_tracker.simulation.rendering.camera import NO_DISTORTION, Distortion
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch
-from cable_tracker.simulation.rendering.look import Look
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
 from cable_tracker.simulation.scenarios.routes import random_trajectory, scenario_trajectory
@@ -99,7 +99,7 @@ def simulate(settings: SimulationSettings) -> Iterator[Frame]:
     Stamps start at 1 s and follow the rate; the frame_id is "camera".
     """
     seeds, dive = Seeds.of(settings.seed), simulated_dive(settings)
-    surroundings = Surroundings(Look.for_clutter(settings.clutter, settings.noise))
+    surroundings = Surroundings(SceneAppearance.for_clutter(settings.clutter, settings.noise))
     for simulated in render_dive(dive, surroundings, settings.frame_count, settings.rate, seeds):
         yield simulated.frame
 
@@ -146,7 +146,7 @@ def simulate_scenario(
     seeds = Seeds.of(seed)
     dive = _scenario_dive(chosen, seeds, image_size)
     surroundings = Surroundings(
-        chosen.look,
+        chosen.appearance,
         chosen.has_cable,
         () if chosen.buried is None else (_bury(dive, chosen.buried),),
         () if chosen.crossing is None else ((_cross(dive, chosen.crossing), chosen.crossing.skin),),

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.cable_scene import cable_of_seed, cable_points
 from cable_tracker.simulation.instruments.survey_dive import (
     TICKS,
     SurveyDive,
     SurveyDiveSettings,
     usual_survey,
 )
-from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 
 SMALL = SurveyDiveSettings(seed=3, length=4.0, image_size=(64, 48), rate=5.0)
 

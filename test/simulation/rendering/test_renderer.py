@@ -9,9 +9,9 @@ from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import project_tube
 from cable_tracker.simulation.motion.steering import steer
+from cable_tracker.simulation.rendering.appearance import Bottom, SceneAppearance, Skin, Water
 from cable_tracker.simulation.rendering.camera import Camera
 from cable_tracker.simulation.rendering.laid_cable import BuriedStretch, LaidCable
-from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.rendering.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.rendering.seabed import make_bed, make_cable
 from cable_tracker.simulation.rendering.tube import Tube
@@ -19,7 +19,7 @@ from cable_tracker.tracking.image_frame import image_to_pixel
 
 SIZE = (320, 240)
 CLEAR = Water(absorption=0.02, scatter=0.02, blur=0.6, flakes=0.0)
-CLEAN = Look(
+CLEAN = SceneAppearance(
     bottom=Bottom(stones=0.3, algae=0.3),
     skin=Skin(tone=0.7, stains=0.2, cover=0.0),
     water=CLEAR,
@@ -31,11 +31,11 @@ CLEAN = Look(
 TUBE = Tube(0.08)
 
 
-def _scene(look, stretches=(), others=()):
+def _scene(appearance, stretches=(), others=()):
     rng = np.random.default_rng(3)
-    cable = LaidCable(TUBE, make_cable(16, look.skin, rng), stretches)
+    cable = LaidCable(TUBE, make_cable(16, appearance.skin, rng), stretches)
     upper = tuple(LaidCable(tube, make_cable(8, Skin(cover=0.0), rng)) for tube in others)
-    return Scene(make_bed(16, look.bottom, rng), (cable, *upper), (), 0.08)
+    return Scene(make_bed(16, appearance.bottom, rng), (cable, *upper), (), 0.08)
 
 
 @pytest.fixture(scope="module")
@@ -43,19 +43,19 @@ def clean_scene():
     return _scene(CLEAN)
 
 
-def _renderer(scene, look=CLEAN, camera=None):
+def _renderer(scene, appearance=CLEAN, camera=None):
     camera = camera or Camera(SIZE, 280.0 * SIZE[0] / 320)
-    return SceneRenderer(camera, scene, look, np.random.default_rng(0))
+    return SceneRenderer(camera, scene, appearance, np.random.default_rng(0))
 
 
 def _poses(camera, state):
     return steer(TUBE, camera, state.to_array()[None], np.array([0.03]), np.array([1.7]))
 
 
-def _picture(scene, state, look=CLEAN, camera=None):
+def _picture(scene, state, appearance=CLEAN, camera=None):
     camera = camera or Camera(SIZE, 280.0)
     poses = _poses(camera, state)
-    return _renderer(scene, look, camera).render(poses.positions[0], poses.rotations[0], 0.0)
+    return _renderer(scene, appearance, camera).render(poses.positions[0], poses.rotations[0], 0.0)
 
 
 def _edge_offsets(image, state, size):

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from cable_tracker.simulation.rendering.look import Bottom, Skin
+from cable_tracker.simulation.rendering.appearance import Bottom, Skin
 from cable_tracker.simulation.rendering.seabed import (
     CABLE_REACH,
     CHANNELS,

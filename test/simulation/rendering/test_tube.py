@@ -15,9 +15,9 @@ def test_lines_of_sight_to_the_silhouette_pass_at_one_radius(tube, x, z, ahead):
     points, _ = tube.axis(np.array([0.0]))
     eye = points[0] + (x, 0.0, z)
     borders = tube.silhouette(eye[None], np.array([[ahead]]))[0]
-    sight = tube.sight(eye, (borders - eye).reshape(2, 3).T)
-    np.testing.assert_allclose(sight.p, [-1.0, 1.0], atol=2e-3)
-    np.testing.assert_allclose((sight.q + sight.start) * tube.radius, ahead, atol=0.03)
+    approach = tube.closest_approach(eye, (borders - eye).reshape(2, 3).T)
+    np.testing.assert_allclose(approach.p, [-1.0, 1.0], atol=2e-3)
+    np.testing.assert_allclose((approach.q + approach.start) * tube.radius, ahead, atol=0.03)
 
 
 def test_the_silhouette_lies_on_the_tube():
@@ -31,9 +31,9 @@ def test_the_top_is_hit_before_the_axis():
     """From behind and above, the top of the tube is met nearer than the axis below it."""
     ray = np.array([[0.0], [1.0], [-1.0]])
     eye = np.array([0.0, 0.0, 1.0])
-    sight = Tube(0.1).sight(eye, ray)
-    assert sight.p[0] == pytest.approx(0.0, abs=1e-12)
-    assert sight.q[0] * 0.1 == pytest.approx(1.0 - 0.07 - 0.1, abs=1e-9)
+    approach = Tube(0.1).closest_approach(eye, ray)
+    assert approach.p[0] == pytest.approx(0.0, abs=1e-12)
+    assert approach.q[0] * 0.1 == pytest.approx(1.0 - 0.07 - 0.1, abs=1e-9)
 
 
 def test_directions_are_derivatives():

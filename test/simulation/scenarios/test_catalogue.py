@@ -170,7 +170,7 @@ def test_another_size_scales_lengths_only():
 
 def test_a_distorted_camera_bends_the_picture_but_not_its_truth():
     size = (160, 120)
-    dive, surroundings = scenario_dive("S3", 1, size), Surroundings(find_scenario("S3").look)
+    dive, surroundings = scenario_dive("S3", 1, size), Surroundings(find_scenario("S3").appearance)
     camera = dataclasses.replace(dive.camera, distortion=(-0.15, 0.02, 0.0, 0.0, 0.0))
     bent, straight = (
         next(render_dive(each, surroundings, 1, SCENARIO_RATE, Seeds.of(1)))

@@ -1,4 +1,4 @@
-"""The cable that a seed lays, and what of it a camera on a vehicle sees.
+"""Cable courses drawn by a seed, and the scene about a cable as a camera on a vehicle sees it.
 
 The world frame is that of `vehicle`: x along the general course of the cable, y to its left.
 """
@@ -13,8 +13,8 @@ from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, CableState
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
 from cable_tracker.simulation.motion.vehicle import VehicleState
+from cable_tracker.simulation.rendering.appearance import Bottom, SceneAppearance, Skin, Water
 from cable_tracker.simulation.rendering.camera import CameraPoses
-from cable_tracker.simulation.rendering.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.rendering.renderer import SceneRenderer
 from cable_tracker.simulation.rendering.tube import Tube
 from cable_tracker.simulation.rendering.world_frame import from_renderer, to_renderer
@@ -25,7 +25,7 @@ CURVATURE = 0.04
 BEND_LENGTHS = (24.0, 45.0)
 """Shortest and longest bend of the cable [m]."""
 
-LOOK = Look(
+SCENE_APPEARANCE = SceneAppearance(
     bottom=Bottom(stones=0.8, algae=0.8),
     skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
     water=Water(absorption=0.1, scatter=0.1, veil=0.25, flakes=0.3),
@@ -65,11 +65,11 @@ def cable_course(seed: int, along: FloatArray) -> FloatArray:
     return cable_points(cable_of_seed(seed), along)[0]
 
 
-def nearest_along(tube: Tube, place: FloatArray, along: float) -> float:
-    """Return where along a cable the point nearest to a place (2,) is; `along` is a guess [m]."""
+def nearest_along(tube: Tube, point: FloatArray, along: float) -> float:
+    """Return the position along a cable nearest to a point (2,), from a guess `along` [m]."""
     for _ in range(NEAREST_STEPS):
         points, directions = cable_points(tube, np.array([along]))
-        way = float((place - points[0, :2]) @ directions[0, :2])
+        way = float((point - points[0, :2]) @ directions[0, :2])
         along += way * float(directions[0, 0])
     return along
 
@@ -112,15 +112,15 @@ class CableScene:
         assert cable is not None
         self._cable = cable
         self.streaks = scene.streaks
-        self._renderer = SceneRenderer(self.camera, scene, surroundings.look, rngs[1])
+        self._renderer = SceneRenderer(self.camera, scene, surroundings.appearance, rngs[1])
 
     def picture(self, state: VehicleState, seconds: float) -> Image:
-        """Take the next picture at a time: grey, uint8, shape (H, W)."""
+        """Render the next picture at a time [s]: grey, uint8, shape (H, W)."""
         poses = self._poses(state)
         return self._renderer.render(poses.positions[0], poses.rotations[0], seconds)
 
-    def seen(self, state: VehicleState) -> CableState | None:
-        """Return the cable in the image; None if nothing of it can be seen.
+    def true_state(self, state: VehicleState) -> CableState | None:
+        """Return the true state of the cable in the image [px, rad]; None if none of it is visible.
 
         Its rates are those at which it moves through the image as the vehicle moves now.
         """
@@ -147,9 +147,9 @@ class CableScene:
         return rates
 
     def hidden(self, position: FloatArray, world: FloatArray, usable: BoolArray) -> BoolArray:
-        """Tell which points of the cable's borders something covers; see `SceneRenderer.hidden`."""
+        """Return which border points are covered, shape (2, K); see `SceneRenderer.hidden`."""
         return self._renderer.hidden(self._cable, position, world, usable)
 
     def _poses(self, state: VehicleState) -> CameraPoses:
-        """Return the pose of the camera, one of them, as the renderer takes it."""
+        """Return the pose of the camera in the world of the renderer, N = 1."""
         return self.camera.poses(to_renderer(state.position)[None], state.angles[None])

@@ -1,4 +1,4 @@
-"""How a scene looks: the bottom, the cable, the water and the light."""
+"""Appearance of a scene: bottom, cable, water, light and sensor."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ class Skin:
         How much grows on it and beside it and how much sand lies on it, 0 to 1; at 1 about four
         tenths of the borders are hidden.
     turf : float
-        Share of the borders' length that is hidden by growth and sediment with the look of the
+        Share of the borders' length that is hidden by growth and sediment that resemble the
         bottom around, 0 to 1. It leaves a soft ridge without edges.
     silt : float
-        Mean opacity of the thin film of the bottom's look on all of the cable, 0 to 0.45. It takes
-        contrast away and hides nothing.
+        Mean opacity of the thin film that resembles the bottom, on all of the cable, 0 to 0.45. It
+        takes contrast away and hides nothing.
     bulge : float
-        Standard deviation of the way by which crusts on the sides push the seen border outwards or
-        keep it inwards [radii].
+        Standard deviation of the distance by which crusts on the sides push the visible border
+        outwards or keep it inwards [radii].
     drift : float
         Share of the cable's length along which sand has drifted over one of its sides, 0 to 0.9.
         There one border is hidden and the edge of the sand runs along the cable instead.
@@ -118,8 +118,8 @@ class Water:
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """Everything about a scene but where things are.
+class SceneAppearance:
+    """Appearance of a scene, without its geometry.
 
     Attributes
     ----------
@@ -155,8 +155,8 @@ class Look:
     jpeg_quality: int | None = None
 
     @classmethod
-    def for_clutter(cls, clutter: float, noise: float) -> Look:
-        """Return the look of a scene between clean (0) and hardly passable (1)."""
+    def for_clutter(cls, clutter: float, noise: float) -> SceneAppearance:
+        """Return the appearance of a scene between clean (0) and hardly passable (1)."""
         return cls(
             skin=Skin(tone=0.66 - 0.18 * clutter, stains=0.4 + 0.6 * clutter, cover=clutter),
             water=Water(
