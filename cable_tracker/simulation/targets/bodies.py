@@ -45,8 +45,8 @@ class ImagePose:
         Length of its unit [px].
     angle : float
         Counter-clockwise as one sees it [rad].
-    shortening : float
-        Factor on its x: it turns towards the camera.
+    foreshortening : float
+        Factor on its x where it is turned towards the camera.
     phase : float
         Phase of the body's own movement [rad].
     """
@@ -55,7 +55,7 @@ class ImagePose:
     y: float
     size: float
     angle: float = 0.0
-    shortening: float = 1.0
+    foreshortening: float = 1.0
     phase: float = 0.0
 
 
@@ -127,7 +127,7 @@ def _limb(start: FloatArray, end: FloatArray, half_width: float) -> FloatArray:
 
 
 def box_vehicle(_phase: float) -> list[Patch]:
-    """Return a vehicle like a box, hardly other than the water in colour; its unit is its width."""
+    """Return a box-shaped vehicle of nearly the colour of the water; its unit is its width."""
     return [
         Patch(_box(-0.5, -0.3, 0.5, 0.3), (105, 110, 72)),
         Patch(_box(-0.5, 0.12, 0.5, 0.3), (118, 128, 92)),
@@ -151,7 +151,7 @@ def paint(patches: list[Patch], pose: ImagePose, size: tuple[int, int]) -> tuple
     c, s = math.cos(pose.angle), math.sin(pose.angle)
     for patch in patches:
         ahead, up = (
-            pose.size * patch.corners[:, 0] * pose.shortening,
+            pose.size * patch.corners[:, 0] * pose.foreshortening,
             pose.size * patch.corners[:, 1],
         )
         x, y = pose.x + c * ahead - s * up, pose.y - s * ahead - c * up

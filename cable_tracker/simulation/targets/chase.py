@@ -1,7 +1,7 @@
 """A vehicle behind a moving target: the world of a chase, with its truth.
 
-A red float is towed through the water, on a way that winds and climbs. Now and then a cloud of silt
-hides it. The camera looks straight ahead from a vehicle with inertia, drag and a current around it.
+A red float is towed through the water, on a trajectory that winds and climbs. Now and then a cloud
+of silt hides it. The camera looks straight ahead from a vehicle with inertia and drag in a current.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from cable_tracker.simulation.motion.vehicle import (
     VelocityCommand,
 )
 from cable_tracker.simulation.rendering.camera import Camera
+from cable_tracker.simulation.targets.background import TargetBackground, random_background
 from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE
-from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 from cable_tracker.simulation.world_settings import WorldSettings
 from cable_tracker.tracking.image_frame import Window, bounding_box, to_pixel
 from cable_tracker.tracking.parameter_table import number
@@ -82,8 +82,8 @@ class ChaseView:
 
 
 @cache
-def shown_size() -> float:
-    """Return the root of the area that the float shows [m], as `target_size` wants it."""
+def target_size() -> float:
+    """Return the root of the area of the float's silhouette [m]: the parameter `target_size`."""
     unit = 120.0
     _, coverage = paint(buoy(0.0), ImagePose(150.0, 150.0, unit), (300, 300))
     return math.sqrt(float(coverage.sum())) / unit * DIAMETER
@@ -102,8 +102,8 @@ class ChaseWorld:
         around = math.ceil(2.0 * math.pi * self.camera.focal)
         width, height = settings.image_size
         # `_closed` lays one margin more beyond the round: both hold a view across the seam.
-        self._surroundings = _closed(
-            make_surroundings((around, height), way_rng, margin=width / 2 - 1), around
+        self._background = _closed(
+            random_background((around, height), way_rng, margin=width / 2 - 1), around
         )
         self._around = around
         rates, phases = way_rng.uniform(0.03, 0.2, 4), way_rng.uniform(0.0, 2.0 * math.pi, 4)
@@ -128,7 +128,7 @@ class ChaseWorld:
         self.time += seconds
 
     def state(self) -> VehicleState:
-        """Return where the vehicle is, and how it moves."""
+        """Return the true pose and velocity of the vehicle now."""
         return self._vehicle.state()
 
     @property
@@ -139,17 +139,17 @@ class ChaseWorld:
         return self.time >= settings.hidden_every and into < settings.hidden_for
 
     def place(self, state: VehicleState) -> FloatArray:
-        """Return where the target is in base_link, shape (3,) [m]; the camera is its origin."""
+        """Return the position of the target in base_link, at the camera, shape (3,) [m]."""
         there: FloatArray = rotation_of(state.angles).T @ (self._target - state.position)
         return there
 
     def view(self, state: VehicleState) -> ChaseView:
-        """Return what the camera sees."""
+        """Return the next picture of the camera, with its truth."""
         width, height = self.settings.image_size
         focal = self.camera.focal
         roll, pitch, yaw = (float(angle) for angle in state.angles)
         offset = ((-yaw * focal) % self._around, math.tan(pitch) * focal)
-        picture = self._surroundings.view((width, height), offset, self.time)
+        picture = self._background.view((width, height), offset, self.time)
         place = self.place(state)
         coverage = np.zeros((height, width), np.float32)
         if place[0] > NEAREST and not self.is_hidden:
@@ -163,13 +163,13 @@ class ChaseWorld:
             clear = math.exp(-float(np.linalg.norm(place)) / CLEAR_RANGE)
             colours = clear * colours + (1.0 - clear) * HAZE * coverage[..., None]
             picture = (1.0 - coverage)[..., None] * picture + colours
-        image = self._surroundings.recorded(picture, self.time, self._noise_rng)
+        image = self._background.recorded(picture, self.time, self._noise_rng)
         return ChaseView(image, coverage > 0.5, place)
 
 
-def _closed(surroundings: TargetBackground, around: int) -> TargetBackground:
-    """Return surroundings whose right end goes over into the left one: one may look all round."""
-    panorama, margin = surroundings.panorama.copy(), surroundings.margin
+def _closed(background: TargetBackground, around: int) -> TargetBackground:
+    """Return a background closed to a ring: its right end goes over into the left one."""
+    panorama, margin = background.panorama.copy(), background.margin
     # What lies beyond the round, on both sides, is what lies at its other end.
     share = np.linspace(0.0, 1.0, margin, dtype=np.float32)[None, :, None]
     begin, end = panorama[:, :margin].copy(), panorama[:, around : around + margin].copy()
@@ -180,4 +180,4 @@ def _closed(surroundings: TargetBackground, around: int) -> TargetBackground:
     wrapped = np.concatenate(
         (panorama[:, : around + margin], panorama[:, margin : margin + right + margin]), axis=1
     )
-    return replace(surroundings, panorama=np.ascontiguousarray(wrapped))
+    return replace(background, panorama=np.ascontiguousarray(wrapped))

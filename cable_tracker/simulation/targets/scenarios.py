@@ -1,4 +1,4 @@
-"""The scenarios: which body, on which way, and what makes it hard."""
+"""The scenarios of targets: body, trajectory in the image, and obstacles."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from cable_tracker.simulation.targets.bodies import (
     vehicle,
 )
 
-Way = Callable[[float], ImagePose | None]
-"""The pose at a time [s]; None while there is no target."""
+ImageTrajectory = Callable[[float], ImagePose | None]
+"""Gives the pose at a time [s]; None while there is no target."""
 
 Body = Callable[[float], list[Patch]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cast:
+class ScenarioRun:
     """Targets and obstacles in one run of a scenario.
 
     Attributes
     ----------
-    way : Way
-        Way of the target.
-    twin : Way or None
-        Way of another target that looks like the first; None: there is none.
+    trajectory : ImageTrajectory
+        Trajectory of the target.
+    twin : ImageTrajectory or None
+        Trajectory of another target that looks like the first; None: there is none.
     twin_in_front : bool
         Which of the two hides the other.
     stalks : tuple of (float, float)
         Upright stalks before everything: middle and half width [px].
     """
 
-    way: Way
-    twin: Way | None = None
+    trajectory: ImageTrajectory
+    twin: ImageTrajectory | None = None
     twin_in_front: bool = False
     stalks: tuple[tuple[float, float], ...] = ()
 
@@ -53,11 +53,11 @@ class TargetScenario:
     Attributes
     ----------
     name : str
-        For people.
+        Displayed name.
     body : Body
         Body of the target.
-    cast : callable
-        Makes the ways from the size of the pictures, the duration [s] and random numbers.
+    draw_run : callable
+        Draws a run, from width and height of the pictures [px], duration [s] and a generator.
     clearness : float
         Share of its own colour that a near target shows; the rest is that of the water.
     surface : float or None
@@ -66,91 +66,103 @@ class TargetScenario:
 
     name: str
     body: Body
-    cast: Callable[[float, float, float, np.random.Generator], Cast]
+    draw_run: Callable[[float, float, float, np.random.Generator], ScenarioRun]
     clearness: float = 0.9
     surface: float | None = None
 
 
 def _sway(rng: np.random.Generator, amplitude: float) -> Callable[[float], float]:
-    """Return a smooth wandering about zero."""
+    """Return a smooth random function of time [s] about zero."""
     rates, phases = rng.uniform(0.5, 2.4, 3), rng.uniform(0.0, 2.0 * math.pi, 3)
     return lambda time: float(amplitude * np.sin(rates * time + phases).sum() / 2.0)
 
 
-def _buoy_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _buoy_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     x, y = width * rng.uniform(0.3, 0.7), height * rng.uniform(0.35, 0.6)
     near, far = rng.uniform(60.0, 85.0), rng.uniform(16.0, 24.0)
     across, up, tilt = _sway(rng, 45.0), _sway(rng, 24.0), _sway(rng, 0.15)
     approaches = rng.random() < 0.5
 
-    def way(time: float) -> ImagePose:
+    def trajectory(time: float) -> ImagePose:
         share = time / duration if approaches else 1.0 - time / duration
         size = far * (near / far) ** share
         return ImagePose(x + across(time), y + up(time), size, tilt(time))
 
-    return Cast(way)
+    return ScenarioRun(trajectory)
 
 
-def _swimming(
+def _swimming_trajectory(
     width: float, height: float, duration: float, rng: np.random.Generator, size: float
-) -> Way:
-    """Return a way to and fro across the picture, turning towards the camera at its ends."""
+) -> ImageTrajectory:
+    """Return a trajectory to and fro across the picture, turning towards the camera at its ends."""
     heading = rng.choice((-1.0, 1.0))
     reach, period = width * rng.uniform(0.25, 0.33), duration * rng.uniform(0.7, 1.1)
     y, phase = height * rng.uniform(0.35, 0.6), rng.uniform(-0.7, 0.7)
     up, tilt, nearness = _sway(rng, 22.0), _sway(rng, 0.22), _sway(rng, 0.28)
 
-    def way(time: float) -> ImagePose:
+    def trajectory(time: float) -> ImagePose:
         turn = 2.0 * math.pi * time / period + phase
         facing = heading * math.cos(turn)
-        shortening = math.copysign(max(abs(facing), 0.35), facing)
+        foreshortening = math.copysign(max(abs(facing), 0.35), facing)
         x = width / 2 + heading * reach * math.sin(turn)
         return ImagePose(
-            x, y + up(time), size * math.exp(nearness(time)), tilt(time), shortening, 7.0 * time
+            x, y + up(time), size * math.exp(nearness(time)), tilt(time), foreshortening, 7.0 * time
         )
 
-    return way
+    return trajectory
 
 
-def _vehicle_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
-    return Cast(_swimming(width, height, duration, rng, rng.uniform(60.0, 85.0)))
+def _vehicle_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
+    return ScenarioRun(_swimming_trajectory(width, height, duration, rng, rng.uniform(60.0, 85.0)))
 
 
-def _diver_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
-    return Cast(_swimming(width, height, duration, rng, rng.uniform(95.0, 125.0)))
+def _diver_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
+    return ScenarioRun(_swimming_trajectory(width, height, duration, rng, rng.uniform(95.0, 125.0)))
 
 
-def _hazy_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
-    way = _swimming(width, height, duration, rng, rng.uniform(55.0, 75.0))
-    return Cast(lambda time: replace(_there(way(time)), shortening=1.0))
+def _hazy_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
+    trajectory = _swimming_trajectory(width, height, duration, rng, rng.uniform(55.0, 75.0))
+    return ScenarioRun(lambda time: replace(_required(trajectory(time)), foreshortening=1.0))
 
 
-def _there(pose: ImagePose | None) -> ImagePose:
+def _required(pose: ImagePose | None) -> ImagePose:
     assert pose is not None
     return pose
 
 
-def _leaving_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _leaving_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     """Out over one side for about a third of the time, and back over the same."""
     side, size = rng.choice((-1.0, 1.0)), rng.uniform(34.0, 46.0)
     y, up = height * rng.uniform(0.35, 0.6), _sway(rng, 16.0)
     back_lower = rng.uniform(-30.0, 30.0)
     reach = width * 0.5 + size * rng.uniform(1.6, 2.2)
 
-    def way(time: float) -> ImagePose:
+    def trajectory(time: float) -> ImagePose:
         out = math.sin(math.pi * time / duration) ** 2
         x = width / 2 + side * (reach * 1.25 * out - width * 0.15)
         lower = back_lower if time > duration / 2 else 0.0
         return ImagePose(x, y + lower + up(time), size)
 
-    return Cast(way)
+    return ScenarioRun(trajectory)
 
 
-def _occlusion_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _occlusion_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     size, side = rng.uniform(30.0, 40.0), rng.choice((-1.0, 1.0))
     y, up = height * rng.uniform(0.35, 0.6), _sway(rng, 14.0)
 
-    def way(time: float) -> ImagePose:
+    def trajectory(time: float) -> ImagePose:
         x = width * (0.5 + side * (0.36 - 0.72 * time / duration))
         return ImagePose(x, y + up(time), size)
 
@@ -158,46 +170,54 @@ def _occlusion_cast(width: float, height: float, duration: float, rng: np.random
         (width * (0.5 + side * place), half)
         for place, half in ((0.14, 0.3 * size), (-0.12, size * rng.uniform(0.55, 0.8)))
     )
-    return Cast(way, stalks=stalks)
+    return ScenarioRun(trajectory, stalks=stalks)
 
 
-def _crossing_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _crossing_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     size, side = rng.uniform(30.0, 40.0), rng.choice((-1.0, 1.0))
     y, up, twin_up = height * rng.uniform(0.4, 0.55), _sway(rng, 12.0), _sway(rng, 12.0)
     apart = rng.uniform(-8.0, 8.0)
 
-    def way(time: float) -> ImagePose:
+    def trajectory(time: float) -> ImagePose:
         return ImagePose(width * (0.5 + side * (0.35 - 0.7 * time / duration)), y + up(time), size)
 
     def twin(time: float) -> ImagePose:
         x = width * (0.5 - side * (0.33 - 0.66 * time / duration))
         return ImagePose(x, y + apart + twin_up(time), size)
 
-    return Cast(way, twin, twin_in_front=bool(rng.random() < 0.5))
+    return ScenarioRun(trajectory, twin, twin_in_front=bool(rng.random() < 0.5))
 
 
-def _surface_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _surface_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     size, x, y = rng.uniform(34.0, 48.0), width * rng.uniform(0.35, 0.65), height * 0.58
     across, up, nearness = _sway(rng, 60.0), _sway(rng, 14.0), _sway(rng, 0.2)
-    return Cast(
+    return ScenarioRun(
         lambda time: ImagePose(x + across(time), y + up(time), size * math.exp(nearness(time)))
     )
 
 
-def _vanishing_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+def _vanishing_run(
+    width: float, height: float, duration: float, rng: np.random.Generator
+) -> ScenarioRun:
     """Leaves within the first fifth of the time, for good."""
     side, size = rng.choice((-1.0, 1.0)), rng.uniform(34.0, 46.0)
     y = height * rng.uniform(0.35, 0.6)
 
-    def way(time: float) -> ImagePose | None:
+    def trajectory(time: float) -> ImagePose | None:
         x = width / 2 + side * (0.5 * width + size) * time / (0.2 * duration)
         return ImagePose(x, y, size) if time < 0.25 * duration else None
 
-    return Cast(way)
+    return ScenarioRun(trajectory)
 
 
-def _empty_cast(_width: float, _height: float, _duration: float, _rng: np.random.Generator) -> Cast:
-    return Cast(lambda _time: None)
+def _empty_run(
+    _width: float, _height: float, _duration: float, _rng: np.random.Generator
+) -> ScenarioRun:
+    return ScenarioRun(lambda _time: None)
 
 
 TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
@@ -205,25 +225,25 @@ TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
         scenario.name: scenario
         for scenario in (
             # From far to near, or back.
-            TargetScenario("buoy", buoy, _buoy_cast),
+            TargetScenario("buoy", buoy, _buoy_run),
             # Turns about.
-            TargetScenario("vehicle", vehicle, _vehicle_cast),
+            TargetScenario("vehicle", vehicle, _vehicle_run),
             # Its outline changes in every frame.
-            TargetScenario("diver", diver, _diver_cast),
+            TargetScenario("diver", diver, _diver_run),
             # A grey vehicle in haze.
-            TargetScenario("low_contrast", box_vehicle, _hazy_cast, 0.6),
+            TargetScenario("low_contrast", box_vehicle, _hazy_run, 0.6),
             # Out of the picture and back.
-            TargetScenario("leaving", buoy, _leaving_cast),
+            TargetScenario("leaving", buoy, _leaving_run),
             # Hidden by stalks, twice.
-            TargetScenario("occlusion", buoy, _occlusion_cast),
+            TargetScenario("occlusion", buoy, _occlusion_run),
             # Two of one kind cross.
-            TargetScenario("crossing", buoy, _crossing_cast),
+            TargetScenario("crossing", buoy, _crossing_run),
             # Its mirror above it.
-            TargetScenario("near_surface", buoy, _surface_cast, surface=0.68),
+            TargetScenario("near_surface", buoy, _surface_run, surface=0.68),
             # Soon gone, for good.
-            TargetScenario("vanishing", buoy, _vanishing_cast),
+            TargetScenario("vanishing", buoy, _vanishing_run),
             # Never any target.
-            TargetScenario("nothing", buoy, _empty_cast),
+            TargetScenario("nothing", buoy, _empty_run),
         )
     }
 )

@@ -1,4 +1,4 @@
-"""Frames of a scenario, with the exact mask of what can be seen of the target."""
+"""Frames of a scenario, with the exact mask of the visible part of the target."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.simulation.targets.background import TargetBackground, random_background
 from cable_tracker.simulation.targets.bodies import ImagePose, paint
-from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
-from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
+from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, ScenarioRun, TargetScenario
 from cable_tracker.stamps import stamp_of_frame
 from cable_tracker.tracking.image_frame import Window, bounding_box
 from cable_tracker.tracking.parameter_table import named, pixel_scale
@@ -28,7 +28,7 @@ HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
 
 DRIFT = 70.0
-"""How far the camera looks beside its first view at most, at an image width of 320 [px]."""
+"""Largest offset of the view on the panorama, at an image width of 320 [px]."""
 
 STALK = np.array([52.0, 74.0, 58.0], np.float32)
 
@@ -46,7 +46,7 @@ class TargetFrame:
     mask : BoolArray
         Visible pixels of the target, shape (H, W); empty while it is out of view.
     twin_mask : BoolArray
-        The same of the other one.
+        Visible pixels of the twin, shape (H, W).
     size : float
         Length of the body's unit [px]; 0 while it is out of view.
     """
@@ -82,7 +82,7 @@ def find_target_scenario(name: str) -> TargetScenario:
 def labelled_frames(
     simulated: Iterable[TargetFrame],
 ) -> Iterator[tuple[Frame, Window | None]]:
-    """Yield the frames of a run as of a camera, each with its true box."""
+    """Yield the frames of a run as camera frames, each with its true box."""
     for index, each in enumerate(simulated):
         yield Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box
 
@@ -104,7 +104,7 @@ def simulate_target(
     seed : int
         The same arguments give the same frames, bit for bit.
     frame_count : int
-        Number of frames; with it the time that the run takes changes, and the way.
+        Number of frames; it changes the duration of the run, and with it the trajectory.
     rate : float
         Frames per second.
     size : (int, int)
@@ -118,22 +118,22 @@ def simulate_target(
     scenario = find_target_scenario(name)
     rng = np.random.default_rng([seed, sorted(TARGET_SCENARIOS).index(name)])
     zoom = pixel_scale(size[0])
-    surroundings = make_surroundings(size, rng, margin=DRIFT * zoom, surface=scenario.surface)
+    background = random_background(size, rng, margin=DRIFT * zoom, surface=scenario.surface)
     duration = frame_count / rate
-    cast = scenario.cast(320.0, size[1] / zoom, duration, rng)
+    run = scenario.draw_run(320.0, size[1] / zoom, duration, rng)
     drift = rng.uniform(-DRIFT, DRIFT, 2), rng.uniform(0.3, 1.1, 2), rng.uniform(0.0, 6.0, 2)
     for index in range(frame_count):
         time = index / rate
         offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])
-        picture = surroundings.view(size, (float(offset[0]), float(offset[1])), time)
+        picture = background.view(size, (float(offset[0]), float(offset[1])), time)
         stamp = stamp_of_frame(index, rate)
-        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, rng)
+        yield _frame(scenario, run, background, picture, time, stamp, zoom, rng)
 
 
 def _frame(  # noqa: PLR0917
     scenario: TargetScenario,
-    cast: Cast,
-    surroundings: TargetBackground,
+    run: ScenarioRun,
+    background: TargetBackground,
     picture: Image,
     time: float,
     stamp: int,
@@ -141,19 +141,19 @@ def _frame(  # noqa: PLR0917
     rng: np.random.Generator,
 ) -> TargetFrame:
     if scenario.surface is not None:
-        _mirror(scenario, cast, picture, time, zoom)
-    pose, twin_pose = cast.way(time), cast.twin(time) if cast.twin else None
+        _mirror(scenario, run, picture, time, zoom)
+    pose, twin_pose = run.trajectory(time), run.twin(time) if run.twin else None
     own = _painted(scenario, pose, picture, zoom)
     twin = _painted(scenario, twin_pose, picture, zoom)
-    for colours, coverage in (own, twin) if cast.twin_in_front else (twin, own):
+    for colours, coverage in (own, twin) if run.twin_in_front else (twin, own):
         picture *= (1.0 - coverage)[..., None]
         picture += colours
-    hidden = _stalks(cast, picture, time, zoom)
-    own_hidden = np.maximum(hidden, twin[1]) if cast.twin_in_front else hidden
-    twin_hidden = hidden if cast.twin_in_front else np.maximum(hidden, own[1])
+    hidden = _stalks(run, picture, time, zoom)
+    own_hidden = np.maximum(hidden, twin[1]) if run.twin_in_front else hidden
+    twin_hidden = hidden if run.twin_in_front else np.maximum(hidden, own[1])
     mask = _visible(own[1], own_hidden, pose, zoom)
     return TargetFrame(
-        image=surroundings.recorded(picture, time, rng),
+        image=background.recorded(picture, time, rng),
         stamp=stamp,
         mask=mask,
         twin_mask=_visible(twin[1], twin_hidden, twin_pose, zoom),
@@ -174,10 +174,12 @@ def _painted(
     return clear * colours + (1.0 - clear) * HAZE * coverage[..., None], coverage
 
 
-def _mirror(scenario: TargetScenario, cast: Cast, picture: Image, time: float, zoom: float) -> None:
+def _mirror(
+    scenario: TargetScenario, run: ScenarioRun, picture: Image, time: float, zoom: float
+) -> None:
     """Paint the target's wavering image in the under side of the surface."""
     assert scenario.surface is not None
-    pose = cast.way(time)
+    pose = run.trajectory(time)
     if pose is None:
         return
     height, width = picture.shape[:2]
@@ -196,12 +198,12 @@ def _mirror(scenario: TargetScenario, cast: Cast, picture: Image, time: float, z
     picture += 0.6 * flipped[0]
 
 
-def _stalks(cast: Cast, picture: Image, time: float, zoom: float) -> Image:
+def _stalks(run: ScenarioRun, picture: Image, time: float, zoom: float) -> Image:
     """Paint the stalks before everything; return their coverage."""
     height, width = picture.shape[:2]
     rows, columns = np.mgrid[:height, :width].astype(np.float32)
     coverage = np.zeros((height, width), np.float32)
-    for middle, half in cast.stalks:
+    for middle, half in run.stalks:
         bend = 4.0 * zoom * np.sin(rows / (40.0 * zoom) + 0.8 * time)
         inside = half * zoom - np.abs(columns - middle * zoom - bend)
         np.maximum(coverage, np.clip(inside + 0.5, 0.0, 1.0), out=coverage)
@@ -211,16 +213,17 @@ def _stalks(cast: Cast, picture: Image, time: float, zoom: float) -> Image:
 
 
 def _visible(coverage: Image, hidden: Image, pose: ImagePose | None, zoom: float) -> BoolArray:
+    """Return the visible pixels of a body, (H, W); none if it does not count as in view."""
     mask: BoolArray = (coverage > 0.5) & (hidden < 0.5)
-    seen = int(mask.sum())
+    visible = int(mask.sum())
     whole = _whole_area(coverage, pose, zoom)
-    if seen < max(LEAST_AREA * zoom**2, LEAST_SHARE * whole):
+    if visible < max(LEAST_AREA * zoom**2, LEAST_SHARE * whole):
         mask[:] = False
     return mask
 
 
 def _whole_area(coverage: Image, pose: ImagePose | None, zoom: float) -> float:
-    """Return about how large the body is, also beyond the border of the picture [px²]."""
+    """Return the approximate area of the body, also beyond the border of the picture [px²]."""
     if pose is None:
         return 0.0
-    return max(float(coverage.sum()), 0.3 * (pose.size * zoom) ** 2 * abs(pose.shortening))
+    return max(float(coverage.sum()), 0.3 * (pose.size * zoom) ** 2 * abs(pose.foreshortening))

@@ -57,36 +57,38 @@ class CableCoat:
 
     @property
     def reach(self) -> float:
-        """How far from its axis the cable may be seen [radii]."""
+        """Largest distance of a border from the axis, with some room [radii]."""
         return 1.2 + float(self.waves[..., 2].sum(axis=1).max())
 
-    def look(self, u: Image, v: Image, step: Image, skin: Image) -> Image:
-        """Return the look of the surface, float32 [standard deviations of the bottom].
+    def tone(self, u: Image, v: Image, step: Image, skin: Image) -> Image:
+        """Return the tone of the surface, float32: grey level over the mean of the bottom.
+
+        In standard deviations of the bottom.
 
         Parameters
         ----------
         u, v : Image
             Across and along the cable [radii].
         step : Image
-            What its contrast is there.
+            Step at the borders there [standard deviations of the bottom].
         skin : Image
             Texture of mean 0 and standard deviation 1 there.
         """
-        look: Image = self.roughness * skin
-        look += step * (1 + np.float32(self.roundness) * (0.7 - np.minimum(u * u, 1.0)))
+        tone: Image = self.roughness * skin
+        tone += step * (1 + np.float32(self.roundness) * (0.7 - np.minimum(u * u, 1.0)))
         if self.limbs > 0.0:
-            look -= self.darkening(u)
+            tone -= self.darkening(u)
         if self.armour != 0.0:
-            look += np.float32(self.armour) * self._armour(u, v)
-        return look
+            tone += np.float32(self.armour) * self._armour(u, v)
+        return tone
 
     def darkening(self, u: Image) -> Image:
-        """Return how much darker places are than the line that faces the lamp, float32."""
+        """Return the darkening of places against the line that faces the lamp, float32."""
         aside = np.minimum(np.abs(u - np.float32(self.lamp)), 1.0)
         return np.asarray(np.float32(self.limbs) * (1 - np.sqrt(1 - aside * aside)), np.float32)
 
     def edge(self, u: Image, v: Image) -> Image | float:
-        """Return how far from the axis the border on the side of places is [radii]."""
+        """Return the distance from the axis of the border on the side of places [radii]."""
         if not self.waves[..., 2].any():
             return 1.0
         left, right = (

@@ -24,7 +24,7 @@ LEAST_LIGHT = 0.08
 
 
 def random_light(optics: Optics, image_size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Draw how bright the lamps make each pixel, about 1 on average, float32, shape (H, W)."""
+    """Draw the light on each pixel, about 1 on average, float32, shape (H, W)."""
     width, height = image_size
     x = (np.arange(width, dtype=np.float32) / (width - 1) - 0.5)[None, :]
     y = (np.arange(height, dtype=np.float32) / (height - 1) - 0.5)[:, None]
@@ -60,7 +60,7 @@ class LampMotion:
     phases: tuple[float, float]
 
     def moved(self, light: Image, seconds: float) -> Image:
-        """Return a light, float32 of shape (H, W), as it is after some time."""
+        """Return a light, float32 of shape (H, W), shifted as after some time [s]."""
         if not any(self.reach):
             return light
         right, up = (
@@ -81,26 +81,26 @@ def random_sway(optics: Optics, scale: float, rng: np.random.Generator) -> LampM
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Overlaid:
-    """Cover of the picture, constant over the frames of a dive but for the written figures.
+class Overlay:
+    """Pixels drawn over the picture; only the figures of the captions change from frame to frame.
 
     Attributes
     ----------
     pixels : Image
         Grey levels, uint8, shape (H, W).
-    where : BoolArray
+    covered : BoolArray
         Covered pixels, shape (H, W).
     captions : tuple of (int, int)
         Column and row of the lower left corner of each line of text [px].
     """
 
     pixels: Image
-    where: BoolArray
+    covered: BoolArray
     captions: tuple[tuple[int, int], ...]
 
-    def put_on(self, picture: Image, frame: int) -> None:
-        """Cover a picture, (H, W), uint8, in place."""
-        picture[self.where] = self.pixels[self.where]
+    def draw_on(self, picture: Image, frame: int) -> None:
+        """Draw it over a picture, uint8 of shape (H, W), in place."""
+        picture[self.covered] = self.pixels[self.covered]
         size = 0.35 * pixel_scale(picture.shape[1])
         for number, corner in enumerate(self.captions):
             text = f"{12 + number}:{frame // 25:02d}:{frame % 25:02d} D{101 + frame % 7}.{number}"
@@ -108,28 +108,28 @@ class Overlaid:
                 cv2.putText(picture, text, corner, cv2.FONT_HERSHEY_SIMPLEX, size, grey, thickness)
 
 
-def random_overlaid(
+def random_overlay(
     disturbance: Disturbance, image_size: tuple[int, int], rng: np.random.Generator
-) -> Overlaid:
-    """Draw what covers the picture."""
+) -> Overlay:
+    """Draw the overlay of a dive at random: vehicle part, black bars, captions, crosshair."""
     width, height = image_size
     pixels = np.zeros((height, width), np.uint8)
-    where = np.zeros((height, width), np.bool_)
+    covered = np.zeros((height, width), np.bool_)
     if rng.random() < disturbance.vehicle_part:
-        _draw_part(pixels, where, rng)
+        _draw_part(pixels, covered, rng)
     if rng.random() < disturbance.bars:
         share = float(rng.uniform(*BAR_SHARES))
         grey = int(rng.choice((0, 0, 16)))
         bars = _bars((height, width), share, bool(rng.random() < 0.5), bool(rng.random() < 0.8))
-        pixels[bars], where[bars] = grey, True
+        pixels[bars], covered[bars] = grey, True
     captions: tuple[tuple[int, int], ...] = ()
     if rng.random() < disturbance.caption:
         corners = ((4, round(0.06 * height)), (4, height - 6), (width // 2, round(0.06 * height)))
         captions = corners[: int(rng.integers(1, 4))]
     # Worlds without one draw no number for it: their dives stay as they were.
     if disturbance.crosshair and rng.random() < disturbance.crosshair:
-        _draw_crosshair(pixels, where, rng)
-    return Overlaid(pixels, where, captions)
+        _draw_crosshair(pixels, covered, rng)
+    return Overlay(pixels, covered, captions)
 
 
 def _bars(shape: tuple[int, int], share: float, lying: bool, both: bool) -> BoolArray:
@@ -145,7 +145,7 @@ def _bars(shape: tuple[int, int], share: float, lying: bool, both: bool) -> Bool
     return bars
 
 
-def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> None:
+def _draw_part(pixels: Image, covered: BoolArray, rng: np.random.Generator) -> None:
     """Draw an arm or a skid that comes in from the lower edge."""
     height, width = pixels.shape
     foot = rng.uniform(0.0, 1.0) * width
@@ -161,12 +161,12 @@ def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> Non
     )
     mask = np.zeros_like(pixels)
     cv2.fillPoly(mask, [np.rint(corners).astype(np.int32)], 1)
-    where |= mask > 0
+    covered |= mask > 0
     grain = rng.normal(0.0, 3.0, pixels.shape) + rng.uniform(10.0, 200.0)
     pixels[mask > 0] = np.clip(grain, 0, 255).astype(np.uint8)[mask > 0]
 
 
-def _draw_crosshair(pixels: Image, where: BoolArray, rng: np.random.Generator) -> None:
+def _draw_crosshair(pixels: Image, covered: BoolArray, rng: np.random.Generator) -> None:
     """Draw a line down and one across the middle, with marks on them."""
     height, width = pixels.shape
     unit = pixel_scale(width)
@@ -183,7 +183,7 @@ def _draw_crosshair(pixels: Image, where: BoolArray, rng: np.random.Generator) -
         half = way * round(reach * side)
         cv2.line(mask, (middle - half).tolist(), (middle + half).tolist(), 1, thickness)
     pixels[mask > 0] = int(rng.choice((0, 235, 235, 255)))
-    where |= mask > 0
+    covered |= mask > 0
 
 
 class LossyCodec:
@@ -203,21 +203,21 @@ class LossyCodec:
         self._last: Image | None = None
         self._count = 0
 
-    def record(self, picture: Image) -> Image:
-        """Return the next picture, uint8 of shape (H, W), as it comes out."""
+    def transcode(self, picture: Image) -> Image:
+        """Return the next picture, uint8 of shape (H, W), after encoding and decoding."""
         if self._quality is None:
             return picture
         whole = not self._as_video or self._last is None or self._count % INTRA_PERIOD == 0
         self._count += 1
         if whole or self._last is None:
-            self._last = self._coded(picture)
+            self._last = self._after_jpeg(picture)
             return self._last
         before = self._last.astype(np.int16)
         difference = np.clip((picture.astype(np.int16) - before) // 2 + 128, 0, 255)
-        decoded = self._coded(difference.astype(np.uint8)).astype(np.int16)
+        decoded = self._after_jpeg(difference.astype(np.uint8)).astype(np.int16)
         self._last = np.clip(before + 2 * (decoded - 128), 0, 255).astype(np.uint8)
         return self._last
 
-    def _coded(self, picture: Image) -> Image:
+    def _after_jpeg(self, picture: Image) -> Image:
         assert self._quality is not None
         return after_jpeg(picture, self._quality)

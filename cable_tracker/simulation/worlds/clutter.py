@@ -1,4 +1,4 @@
-"""Straight and bright things on the bottom that are not the cable.
+"""Straight and bright objects on the bottom that are not the cable.
 
 The splits have different kinds: ropes, furrows and pairs of lines to tune on; tracks, rocks and
 trenches to report on.
@@ -20,7 +20,7 @@ SPACING = 260.0
 
 
 @dataclass(frozen=True, slots=True)
-class Thing:
+class ClutterObject:
     """Something on the bottom.
 
     Attributes
@@ -34,7 +34,7 @@ class Thing:
     half_width, half_length : float
         [texels].
     strength : float
-        Step of its look [standard deviations of the bottom]; negative: dark.
+        Step of its tone [standard deviations of the bottom]; negative: dark.
     """
 
     kind: str
@@ -99,33 +99,33 @@ LINES = {Split.TUNE: ("rope", "furrow"), Split.REPORT: ("track", "rock")}
 PAIRS = {Split.TUNE: ("pair",), Split.REPORT: ("trench",)}
 
 
-def strew(
+def random_clutter(
     split: Split,
     way: tuple[float, float],
     lines: float,
     pairs: float,
     rng: np.random.Generator,
-) -> tuple[Thing, ...]:
-    """Strew things along a way.
+) -> tuple[ClutterObject, ...]:
+    """Draw objects along a way.
 
     Parameters
     ----------
     split : Split
-        Says which kinds.
+        Determines the kinds of objects.
     way : (float, float)
-        From where to where along the y axis [texels].
+        First and last y [texels].
     lines, pairs : float
         Mean number of single and double lines in a view.
     """
     views = (way[1] - way[0]) / SPACING
     counts = rng.poisson(lines * views), rng.poisson(pairs * views)
     kinds = (LINES[split],) * int(counts[0]) + (PAIRS[split],) * int(counts[1])
-    return tuple(_random_thing(each, way, rng) for each in kinds)
+    return tuple(_random_object(each, way, rng) for each in kinds)
 
 
-def _random_thing(
+def _random_object(
     kinds: tuple[str, ...], way: tuple[float, float], rng: np.random.Generator
-) -> Thing:
+) -> ClutterObject:
     kind = kinds[int(rng.integers(len(kinds)))]
     doubled = kind in ("pair", "trench")
     widest = 35.0 if doubled else 6.0
@@ -136,7 +136,7 @@ def _random_thing(
         half_width = half_length = float(rng.uniform(6.0, 28.0))
     # A trench is darker than the ground; bright between its walls it would be a cable.
     sign = 1.0 if kind == "trench" else float(rng.choice((-1.0, 1.0)))
-    return Thing(
+    return ClutterObject(
         kind,
         float(rng.uniform(-170.0, 170.0)),
         float(rng.uniform(*way)),
@@ -147,22 +147,22 @@ def _random_thing(
     )
 
 
-def lay(bottom: Image, things: tuple[Thing, ...], x: Image, y: Image) -> Image:
-    """Add things to the look of a bottom at places x, y [texels], float32 arrays of one shape."""
+def add_clutter(bottom: Image, objects: tuple[ClutterObject, ...], x: Image, y: Image) -> Image:
+    """Return the tone of a bottom at places x, y [texels] with objects added, float32 (H, W)."""
     low, high = float(y.min()), float(y.max())
     laid = bottom.copy()
-    for thing in things:
-        reach = thing.half_length + 2 * thing.half_width
-        if not low - reach < thing.y < high + reach:
+    for item in objects:
+        reach = item.half_length + 2 * item.half_width
+        if not low - reach < item.y < high + reach:
             continue
-        cos, sin = np.float32(np.cos(thing.angle)), np.float32(np.sin(thing.angle))
-        right, up = x - np.float32(thing.x), y - np.float32(thing.y)
+        cos, sin = np.float32(np.cos(item.angle)), np.float32(np.sin(item.angle))
+        right, up = x - np.float32(item.x), y - np.float32(item.y)
         across = right * cos + up * sin
-        near = np.flatnonzero(np.abs(across) < 4 * thing.half_width)
+        near = np.flatnonzero(np.abs(across) < 4 * item.half_width)
         across = across.reshape(-1)[near]
         along = up.reshape(-1)[near] * cos - right.reshape(-1)[near] * sin
-        look = PROFILES[thing.kind](across, along, thing.half_width)
-        end = 2 * thing.half_length if thing.kind == "rock" else thing.half_length
+        tone = PROFILES[item.kind](across, along, item.half_width)
+        end = 2 * item.half_length if item.kind == "rock" else item.half_length
         fade = 1 - smooth_step(np.abs(along), 0.8 * end, end)
-        laid.reshape(-1)[near] += np.float32(thing.strength) * look * fade
+        laid.reshape(-1)[near] += np.float32(item.strength) * tone * fade
     return laid

@@ -22,7 +22,7 @@ STRIP_SKEW = float(np.deg2rad(25.0))
 """Largest angle between a border and the centreline [rad]."""
 
 LEAST_BORDER = 0.5
-"""Smallest share of the picture's height along which each border is seen."""
+"""Smallest share of the picture's height along which each border is in view."""
 
 PLACES_TRIED = 30
 """Number of places drawn before the skew is made smaller."""
@@ -47,7 +47,7 @@ DRIFT = 0.2
 
 
 def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> FloatArray:
-    """Draw a strip at any place and angle, both borders of which can be seen.
+    """Draw a strip at any place and angle, both borders of which are in view.
 
     The skew is that of a uniform draw, as far as no tip of the strip comes into view.
 
@@ -66,12 +66,12 @@ def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> Float
         for _ in range(PLACES_TRIED):
             state[DISTANCE] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
             state[ANGLE] = rng.uniform(-np.pi / 2, np.pi / 2)
-            if _is_seen(state, image_size):
+            if _shows_both_borders(state, image_size):
                 return state
         state[SKEW] *= 0.8
 
 
-def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
+def _shows_both_borders(state: FloatArray, image_size: tuple[int, int]) -> bool:
     spacing = 2.0
     x, y = border_points(state, image_size, spacing)
     view = view_strip(state, x, y)
@@ -101,10 +101,10 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
     for index in range(frame_count):
         view = view_strip(state, x, y)
         cover = np.clip((1 - np.abs(view.u)) * view.radius + np.float32(0.5), 0.0, 1.0)
-        seen: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), BLUR * scale)
-        grain: Image = rng.standard_normal(seen.shape, np.float32)
-        seen = seen + np.float32(noise) * grain
-        picture = eight_bits(seen)
+        image: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), BLUR * scale)
+        grain: Image = rng.standard_normal(image.shape, np.float32)
+        image = image + np.float32(noise) * grain
+        picture = eight_bits(image)
         truth = CableState.from_array(wrap_state(state))
         yield SimulatedFrame(make_frame(index, WORLD_RATE, picture, truth), 1.0)
         state[DISTANCE] += DRIFT * scale * rng.standard_normal()

@@ -103,8 +103,8 @@ def photographed_texture(path: Path) -> Image:
         raise RecordingError(f"{path} is no readable photograph: take it out of its folder")
     height = round(PHOTOGRAPH_WIDTH * picture.shape[0] / picture.shape[1])
     picture = cv2.resize(picture, (PHOTOGRAPH_WIDTH, height), interpolation=cv2.INTER_AREA)
-    strange = _man_made(picture)
-    values = _flat(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float32), strange)
+    objects = _man_made(picture)
+    values = _flat(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float32), objects)
     upper = np.hstack((values, values[:, ::-1]))
     return np.ascontiguousarray(np.vstack((upper, upper[::-1])))
 
@@ -142,8 +142,8 @@ def random_texture(split: Split, photographed: bool, rng: np.random.Generator) -
     return made_texture(split, kinds[int(rng.integers(len(kinds)))], int(rng.integers(VARIANTS)))
 
 
-def look_up(texture: Image, x: Image, y: Image) -> Image:
-    """Look a repeating texture up at places [texels], float32 arrays of one shape."""
+def sample_texture(texture: Image, x: Image, y: Image) -> Image:
+    """Sample a repeating texture at places [texels], float32 arrays of one shape."""
     rows, columns = texture.shape
     return cv2.remap(
         texture, _wrap(x, columns), _wrap(y, rows), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
@@ -168,14 +168,14 @@ def _normalised(values: Image | FloatArray) -> Image:
 def _man_made(picture: Image) -> Image:
     """Return where a colour photograph shows something red or black, uint8 0 or 1."""
     blue, green, red = (picture[..., channel].astype(np.int16) for channel in range(3))
-    strange = ((red - green > 25) & (red > 90)) | (np.maximum(np.maximum(red, green), blue) < 14)
-    mask = cv2.morphologyEx(strange.astype(np.uint8), cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+    objects = ((red - green > 25) & (red > 90)) | (np.maximum(np.maximum(red, green), blue) < 14)
+    mask = cv2.morphologyEx(objects.astype(np.uint8), cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
     return cv2.dilate(mask, np.ones((25, 25), np.uint8))
 
 
-def _flat(values: Image, strange: Image) -> Image:
-    """Take light and strange things out of a picture; fill the gaps with other parts of it."""
-    valid = (1 - strange).astype(np.float32)
+def _flat(values: Image, objects: Image) -> Image:
+    """Take uneven light and masked objects out of a picture; other parts of it fill the gaps."""
+    valid = (1 - objects).astype(np.float32)
     reach = values.shape[1] / 8
 
     def smooth(each: Image) -> Image:

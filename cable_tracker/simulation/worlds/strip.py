@@ -44,7 +44,7 @@ def pixel_grid(image_size: tuple[int, int]) -> tuple[Image, Image]:
 
 
 def view_strip(state: FloatArray, x: Image, y: Image) -> StripView:
-    """Return where places of the image lie on the bottom.
+    """Return the coordinates of image points on the bottom, relative to a cable.
 
     Parameters
     ----------

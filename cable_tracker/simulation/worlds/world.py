@@ -24,7 +24,7 @@ class Split(str, Enum):
 
     @property
     def number(self) -> int:
-        """Return what keeps the random numbers of the two apart."""
+        """Entropy of the split in the seeds of its dives."""
         return 1 if self is Split.TUNE else 2
 
 
@@ -35,7 +35,7 @@ class Cover:
     Attributes
     ----------
     growth : Range
-        Share of the cable that growth with the look of the bottom covers, 0 to 1; it also stands
+        Share of the cable that growth that resembles the bottom covers, 0 to 1; it also stands
         out over the borders.
     drift : Range
         Share of the cable's length along which sand lies over one of its borders, 0 to 1.
@@ -58,7 +58,7 @@ class Coat:
     Attributes
     ----------
     roughness : Range
-        Standard deviation of its own look over that of the bottom.
+        Standard deviation of its own texture over that of the bottom.
     roundness : Range
         How much more contrast the middle has than the borders, as a share of the step.
     limbs : Range

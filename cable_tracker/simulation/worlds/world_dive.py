@@ -14,21 +14,21 @@ from cable_tracker.cable.model.state import LENGTHS, WIDTH, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.rendering.texture import in_rows, smooth_step
 from cable_tracker.simulation.setting_checks import check_seed, check_size
-from cable_tracker.simulation.worlds.cable_coat import random_coat
-from cable_tracker.simulation.worlds.cable_look import (
+from cable_tracker.simulation.worlds.cable_appearance import (
     GROWTH_REACH,
     SAND_REACH,
-    CableLook,
-    random_cable,
+    CableAppearance,
+    random_cable_appearance,
 )
+from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.camera_faults import (
     LossyCodec,
     random_light,
-    random_overlaid,
+    random_overlay,
     random_sway,
 )
-from cable_tracker.simulation.worlds.clutter import lay, strew
-from cable_tracker.simulation.worlds.ground import look_up, random_texture
+from cable_tracker.simulation.worlds.clutter import add_clutter, random_clutter
+from cable_tracker.simulation.worlds.ground import random_texture, sample_texture
 from cable_tracker.simulation.worlds.motion import WORLD_RATE, random_motion
 from cable_tracker.simulation.worlds.strip import (
     StripView,
@@ -56,7 +56,7 @@ LEAST_SHARE = 0.2
 """Smallest visible share of the borders; with less it is open whether a person sees the cable."""
 
 POINT_SPACING = 3.0
-"""Distance of the points of a border at which it is asked whether it can be seen [px]."""
+"""Distance of the points of a border at which its visibility is checked [px]."""
 
 GREY_LEVELS = (55.0, 150.0)
 """Darkest and brightest mean of a bottom [grey levels]."""
@@ -136,12 +136,12 @@ class WorldDive:
         self._skin = random_texture(world.split, False, rng)
         self._places = rng.uniform(0.0, 4096.0, (3, 2)).astype(np.float32)
         way = (-600.0, 600.0 + float(self._travel[-1]))
-        self._cable: CableLook | None = None
+        self._cable: CableAppearance | None = None
         if world.has_cable:
             radii = (way[0] / self._unit, way[1] / self._unit)
-            self._cable = random_cable(world, radii, rng)
+            self._cable = random_cable_appearance(world, radii, rng)
         disturbance = world.disturbance
-        self._things = strew(world.split, way, disturbance.lines, disturbance.pairs, rng)
+        self._clutter = random_clutter(world.split, way, disturbance.lines, disturbance.pairs, rng)
         self._coat = random_coat(world.coat, world.split, rng)
         self._shadow: tuple[int, float, float] | None = None
         if rng.random() < disturbance.shadow:
@@ -163,13 +163,13 @@ class WorldDive:
         self._spread = min(
             spread, 0.85 * self._grey / darkest, (brightest - self._grey) / max(step, 1.0)
         )
-        self._swing = (float(rng.uniform(0.0, 0.12)), float(rng.uniform(0.2, 2.0)))
+        self._flicker = (float(rng.uniform(0.0, 0.12)), float(rng.uniform(0.2, 2.0)))
         self._haze = float(rng.uniform(*optics.haze))
         self._blur = float(rng.uniform(*optics.blur)) * self._scale
         self._noise = float(rng.uniform(*optics.noise))
-        self._overlaid = random_overlaid(self.world.disturbance, self._size, rng)
+        self._overlay = random_overlay(self.world.disturbance, self._size, rng)
         quality = None if optics.quality is None else int(rng.integers(*optics.quality))
-        self._recorder = LossyCodec(quality, as_video=bool(rng.random() < 0.5))
+        self._codec = LossyCodec(quality, as_video=bool(rng.random() < 0.5))
         self._sway = random_sway(optics, self._scale, rng)
         self._x, self._y = pixel_grid(self._size)
 
@@ -185,21 +185,21 @@ class WorldDive:
         view = view_strip(state, self._x, self._y)
         # Radii from the foot point at the start of the dive.
         along = view.v + np.float32(self._travel[index] / self._unit)
-        look = self._ground(view, along)
+        tone = self._ground(view, along)
         if self._cable is not None:
-            look = self._lay_cable(look, view, along, self._cable)
+            tone = self._lay_cable(tone, view, along, self._cable)
         light = self._light_at(index)
-        if self._swing[0] > 0.0:
-            depth, rate = self._swing
+        if self._flicker[0] > 0.0:
+            depth, rate = self._flicker
             light = light * np.float32(1 + depth * np.sin(rate * index / WORLD_RATE))
-        seen: Image = (np.float32(self._grey) + np.float32(self._spread) * look) * light
-        seen += self._fog(view.radius) * (np.float32(self._grey) * light - seen)
-        seen = cv2.GaussianBlur(seen, (0, 0), max(self._blur, 0.3))
-        grain: Image = self._grain.standard_normal(seen.shape, np.float32)
-        seen = seen + np.float32(self._noise) * grain
-        picture = eight_bits(seen)
-        self._overlaid.put_on(picture, index)
-        return self._recorder.record(picture)
+        image: Image = (np.float32(self._grey) + np.float32(self._spread) * tone) * light
+        image += self._fog(view.radius) * (np.float32(self._grey) * light - image)
+        image = cv2.GaussianBlur(image, (0, 0), max(self._blur, 0.3))
+        grain: Image = self._grain.standard_normal(image.shape, np.float32)
+        image = image + np.float32(self._noise) * grain
+        picture = eight_bits(image)
+        self._overlay.draw_on(picture, index)
+        return self._codec.transcode(picture)
 
     def _light_at(self, index: int) -> Image:
         return self._sway.moved(self._light, index / WORLD_RATE)
@@ -208,29 +208,31 @@ class WorldDive:
         unit = np.float32(self._unit)
         x, y = view.u * unit, along * unit
         right, up = self._places[0]
-        look = look_up(self._bottom, x + right, y + up)
+        tone = sample_texture(self._bottom, x + right, y + up)
         texel = unit * np.float32(self._scale) / view.radius
         if float(texel.max()) > 1.5:
             share = np.clip((texel - 1) / 3, 0.0, 1.0)
-            look = look + share * (look_up(self._far_bottom, x + right, y + up) - look)
-        return lay(look, self._things, x, y) if self._things else look
+            tone = tone + share * (sample_texture(self._far_bottom, x + right, y + up) - tone)
+        return add_clutter(tone, self._clutter, x, y) if self._clutter else tone
 
-    def _lay_cable(self, look: Image, view: StripView, along: Image, cable: CableLook) -> Image:
-        """Draw cable, shadow, growth and sand, where they are, into the look of the bottom."""
+    def _lay_cable(
+        self, tone: Image, view: StripView, along: Image, cable: CableAppearance
+    ) -> Image:
+        """Return the tone of the picture, float32 (H, W), with cable, shadow, growth and sand."""
         reach = self._cable_reach(cable)
         found = np.flatnonzero(np.abs(view.u) < reach)
         if found.size == 0:
-            return look
+            return tone
         near = in_rows(found, ROW)
         part = StripView(*(each.reshape(-1)[near] for each in (view.u, view.v, view.radius)))
-        laid = look.copy()
+        laid = tone.copy()
         laid.reshape(-1)[near] = self._cable_on(
-            look.reshape(-1)[near], part, along.reshape(-1)[near], cable
+            tone.reshape(-1)[near], part, along.reshape(-1)[near], cable
         )
         return laid
 
-    def _cable_reach(self, cable: CableLook) -> float:
-        """Return how far from its axis the cable changes the picture [radii]."""
+    def _cable_reach(self, cable: CableAppearance) -> float:
+        """Return the distance from its axis up to which the cable changes the picture [radii]."""
         if cable.drifts:
             return max(SAND_REACH, self._shadow_reach())
         reach = max(self._coat.reach, self._shadow_reach())
@@ -239,36 +241,40 @@ class WorldDive:
     def _shadow_reach(self) -> float:
         return 0.0 if self._shadow is None else self._shadow[1] + 1.0
 
-    def _cable_on(self, look: Image, view: StripView, along: Image, cable: CableLook) -> Image:
+    def _cable_on(
+        self, tone: Image, view: StripView, along: Image, cable: CableAppearance
+    ) -> Image:
         u, unit = view.u, np.float32(self._unit)
         soft = np.maximum(np.float32(1.0) / view.radius, np.float32(0.03))
         if self._shadow is not None:
             side, length, depth = self._shadow
             reach = side * u
             shade = (1 - smooth_step(reach, length + 0.7, length + 1.0)) * (reach > 0)
-            look = look - np.float32(depth) * shade
-        skin = look_up(self._skin, u * unit + self._places[1][0], along * unit + self._places[1][1])
-        surface = self._coat.look(u, along, cable.contrast(along), skin)
+            tone = tone - np.float32(depth) * shade
+        skin = sample_texture(
+            self._skin, u * unit + self._places[1][0], along * unit + self._places[1][1]
+        )
+        surface = self._coat.tone(u, along, cable.contrast(along), skin)
         cover = np.clip((self._coat.edge(u, along) - np.abs(u)) / soft + 0.5, 0.0, 1.0)
-        look = look + cover * (surface - look)
-        grown, sand = cable.grown(u, along), cable.sand(u, along, 2 * soft)
+        tone = tone + cover * (surface - tone)
+        grown, sand = cable.growth_cover(u, along), cable.sand_covers(u, along, 2 * soft)
         if grown is None and not sand:
-            return look
+            return tone
         right, up = self._places[2]
-        other = look_up(self._bottom, u * unit + right, along * unit + up)
+        other = sample_texture(self._bottom, u * unit + right, along * unit + up)
         if grown is not None:
-            look = look + grown * (other - look)
-        for share, tone in sand:
-            look = look + share * (0.7 * other + np.float32(tone) - look)
-        return look
+            tone = tone + grown * (other - tone)
+        for share, sand_tone in sand:
+            tone = tone + share * (0.7 * other + np.float32(sand_tone) - tone)
+        return tone
 
     def _fog(self, radius: Image) -> Image:
-        """Return how much contrast is lost where the bottom is far, float32, 0 to 1."""
+        """Return the loss of contrast by haze, which grows with distance, float32, 0 to 1."""
         near = np.float32(self._unit * self._scale)
         return np.float32(self._haze) * (1 - np.minimum(radius / near, 1.0))
 
     def _visibility(self, index: int, state: FloatArray) -> float:
-        """Return the share of the borders in the picture that can be seen; NaN if hardly any."""
+        """Return the visible share of the borders in view; NaN below `LEAST_SHARE`."""
         if self._cable is None:
             return 0.0
         x, y = border_points(state, self._size, POINT_SPACING * self._scale)
@@ -279,14 +285,14 @@ class WorldDive:
         columns, rows = (np.rint(each).astype(np.intp) for each in to_pixel(x, y, self._size))
         clear = 1 - self._fog(view.radius)
         step = np.abs(self._cable.contrast(along) - self._coat.darkening(view.u)) * clear
-        seen = step >= LEAST_STEP
+        visible = step >= LEAST_STEP
         lit = self._spread * self._light_at(index)[rows, columns]
-        seen &= step * lit >= STEP_OVER_NOISE * self._noise
-        seen &= ~self._overlaid.where[rows, columns]
-        grown = self._cable.grown(view.u, along)
+        visible &= step * lit >= STEP_OVER_NOISE * self._noise
+        visible &= ~self._overlay.covered[rows, columns]
+        grown = self._cable.growth_cover(view.u, along)
         if grown is not None:
-            seen &= grown < 0.5
-        for share, _ in self._cable.sand(view.u, along, 0.1):
-            seen &= share < 0.5
-        visible = float(seen.mean())
-        return visible if visible >= LEAST_SHARE else float("nan")
+            visible &= grown < 0.5
+        for sand, _ in self._cable.sand_covers(view.u, along, 0.1):
+            visible &= sand < 0.5
+        share = float(visible.mean())
+        return share if share >= LEAST_SHARE else float("nan")

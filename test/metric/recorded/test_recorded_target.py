@@ -21,7 +21,7 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.node_parameter_tables import CableVehicleParameters, TargetVehicleParameters
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.targets.chase import shown_size
+from cable_tracker.simulation.targets.chase import target_size
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.tracker import TargetTracker
 
@@ -56,7 +56,7 @@ def followed(path, box, target_size=0.0):
 
 def test_bearing_and_range_of_a_target_of_known_size_are_those_of_the_world(turning):
     path, truths = turning
-    told, unaided = followed(path, truths[0][0], shown_size())
+    told, unaided = followed(path, truths[0][0], target_size())
     assert unaided[0].why == "no frame has come before"
     assert not any(unaided[1:])
     pairs = list(zip(told, truths, strict=True))

@@ -10,7 +10,7 @@ from cable_tracker.simulation.targets.chase import (
     FIRST_DISTANCE,
     ChaseSettings,
     ChaseWorld,
-    shown_size,
+    target_size,
 )
 
 
@@ -19,9 +19,9 @@ def test_the_target_begins_before_the_camera_at_its_size():
     view = world.view(world.state())
     assert view.image.shape == (240, 320, 3)
     assert np.linalg.norm(view.place) == pytest.approx(FIRST_DISTANCE, abs=0.2)
-    area = world.camera.focal * shown_size() / np.linalg.norm(view.place)
+    area = world.camera.focal * target_size() / np.linalg.norm(view.place)
     assert math.sqrt(view.mask.sum()) == pytest.approx(area, rel=0.05)
-    assert 0.8 * DIAMETER < shown_size() < 1.1 * DIAMETER
+    assert 0.8 * DIAMETER < target_size() < 1.1 * DIAMETER
 
 
 def test_the_picture_shows_the_target_where_its_place_says():
@@ -74,7 +74,7 @@ def test_silt_hides_the_target_for_a_while():
 
 def test_one_may_look_all_round_without_a_seam():
     world = ChaseWorld(ChaseSettings(seed=3))
-    panorama = world._surroundings.panorama
+    panorama = world._background.panorama
     steps = np.abs(np.diff(panorama.mean(axis=0).mean(axis=1)))
     assert steps.max() < 12.0 * np.median(steps) + 3.0
 
@@ -82,7 +82,7 @@ def test_one_may_look_all_round_without_a_seam():
 @pytest.mark.parametrize("width", [320, 640])
 def test_after_a_whole_turn_the_camera_sees_the_same(width):
     world = ChaseWorld(ChaseSettings(image_width=width, image_height=60))
-    surroundings, around = world._surroundings, world._around
-    first = surroundings.panorama[:, surroundings.margin :][:, :width]
-    again = surroundings.panorama[:, surroundings.margin + around :][:, :width]
+    background, around = world._background, world._around
+    first = background.panorama[:, background.margin :][:, :width]
+    again = background.panorama[:, background.margin + around :][:, :width]
     assert np.array_equal(first, again)

@@ -21,22 +21,22 @@ PLAIN = CableCoat(
 )
 
 
-def look(coat: CableCoat, u: np.ndarray, v: np.ndarray | float = 0.0) -> np.ndarray:
+def tone(coat: CableCoat, u: np.ndarray, v: np.ndarray | float = 0.0) -> np.ndarray:
     u = np.asarray(u, np.float32)
     v = np.broadcast_to(np.asarray(v, np.float32), u.shape)
-    return coat.look(u, v, np.full(u.shape, 2.0, np.float32), np.ones_like(u))
+    return coat.tone(u, v, np.full(u.shape, 2.0, np.float32), np.ones_like(u))
 
 
 def test_a_plain_coat_shows_its_contrast_alone():
-    np.testing.assert_array_equal(look(PLAIN, [-0.9, 0.0, 0.5]), 2.0)
+    np.testing.assert_array_equal(tone(PLAIN, [-0.9, 0.0, 0.5]), 2.0)
 
 
 def test_roughness_is_the_weight_of_the_skin():
-    np.testing.assert_allclose(look(replace(PLAIN, roughness=0.5), [0.0, 0.5]), 2.5)
+    np.testing.assert_allclose(tone(replace(PLAIN, roughness=0.5), [0.0, 0.5]), 2.5)
 
 
 def test_limbs_are_darker_than_the_line_that_faces_the_lamp():
-    lit = look(replace(PLAIN, limbs=3.0, lamp=0.5), [-1.0, 0.0, 0.5, 1.0])
+    lit = tone(replace(PLAIN, limbs=3.0, lamp=0.5), [-1.0, 0.0, 0.5, 1.0])
     assert lit[2] == pytest.approx(2.0)
     assert lit[0] == pytest.approx(-1.0)
     assert lit[0] < lit[1] < lit[2]
@@ -46,7 +46,7 @@ def test_limbs_are_darker_than_the_line_that_faces_the_lamp():
 def test_wires_repeat_along_the_cable_and_run_aslant():
     wires = replace(PLAIN, armour=1.0, pitch=0.8, lay=0.4)
     along = np.arange(0.0, 4.0, 0.1, np.float32)
-    axis, border = (look(wires, np.full_like(along, u), along) for u in (0.0, 1.0))
+    axis, border = (tone(wires, np.full_like(along, u), along) for u in (0.0, 1.0))
     np.testing.assert_allclose(axis[8:], axis[:-8], atol=1e-4)
     np.testing.assert_allclose(border[:-4], axis[4:], atol=1e-4)
 
@@ -54,7 +54,7 @@ def test_wires_repeat_along_the_cable_and_run_aslant():
 def test_collars_cover_a_quarter_of_the_cable():
     collars = replace(PLAIN, armour=1.0, collared=True, pitch=0.5)
     along = np.arange(0.0, 20.0, 0.01, np.float32)
-    raised = look(collars, np.zeros_like(along), along) > 2.5
+    raised = tone(collars, np.zeros_like(along), along) > 2.5
     assert raised.mean() == pytest.approx(0.25, abs=0.02)
 
 

@@ -7,7 +7,7 @@ from cable_tracker.simulation.worlds.camera_faults import (
     LampMotion,
     LossyCodec,
     random_light,
-    random_overlaid,
+    random_overlay,
     random_sway,
 )
 from cable_tracker.simulation.worlds.world import Disturbance, Optics
@@ -22,14 +22,14 @@ def picture() -> np.ndarray:
 
 
 def test_without_a_quality_pictures_stay_as_they_are(picture):
-    assert LossyCodec(None, as_video=True).record(picture) is picture
+    assert LossyCodec(None, as_video=True).transcode(picture) is picture
 
 
 @pytest.mark.parametrize("as_video", [False, True])
 def test_worse_quality_leaves_less_of_the_picture(picture, as_video):
     def error(quality: int) -> float:
         recorder = LossyCodec(quality, as_video=as_video)
-        last = [recorder.record(picture) for _ in range(4)][-1]
+        last = [recorder.transcode(picture) for _ in range(4)][-1]
         return float(np.abs(last.astype(float) - picture).mean())
 
     assert 0.0 < error(90) < error(15) < 20.0
@@ -37,8 +37,8 @@ def test_worse_quality_leaves_less_of_the_picture(picture, as_video):
 
 def test_a_video_keeps_what_does_not_move_the_same(picture):
     recorder = LossyCodec(30, as_video=True)
-    first = recorder.record(picture)
-    assert np.abs(recorder.record(first).astype(int) - first).max() <= 2
+    first = recorder.transcode(picture)
+    assert np.abs(recorder.transcode(first).astype(int) - first).max() <= 2
 
 
 def test_light_is_one_on_average_and_uneven_if_asked_for():
@@ -66,19 +66,19 @@ def test_the_light_sways_to_the_right_and_up_and_back():
 
 def test_what_covers_the_picture_is_known():
     rng = np.random.default_rng(3)
-    overlaid = random_overlaid(Disturbance(bars=1.0, vehicle_part=1.0), (320, 240), rng)
+    overlay = random_overlay(Disturbance(bars=1.0, vehicle_part=1.0), (320, 240), rng)
     picture = np.full((240, 320), 77, np.uint8)
-    overlaid.put_on(picture, 0)
-    assert overlaid.where.any()
-    assert (picture[~overlaid.where] == 77).all()
+    overlay.draw_on(picture, 0)
+    assert overlay.covered.any()
+    assert (picture[~overlay.covered] == 77).all()
 
 
 def test_captions_change_with_time():
     rng = np.random.default_rng(0)
-    overlaid = random_overlaid(Disturbance(caption=1.0), (320, 240), rng)
+    overlay = random_overlay(Disturbance(caption=1.0), (320, 240), rng)
     pictures = [np.full((240, 320), 77, np.uint8) for _ in range(2)]
     for frame, picture in zip((0, 30), pictures, strict=True):
-        overlaid.put_on(picture, frame)
+        overlay.draw_on(picture, frame)
     assert (pictures[0] != 77).any()
     assert (pictures[0] != pictures[1]).any()
 
@@ -86,8 +86,8 @@ def test_captions_change_with_time():
 @pytest.mark.parametrize("seed", range(4))
 def test_a_crosshair_runs_down_and_across_the_middle_and_is_thin(seed):
     rng = np.random.default_rng(seed)
-    where = random_overlaid(Disturbance(crosshair=1.0), (320, 240), rng).where
-    down, across = where[:, 150:170].any(axis=1), where[110:130].any(axis=0)
+    covered = random_overlay(Disturbance(crosshair=1.0), (320, 240), rng).covered
+    down, across = covered[:, 150:170].any(axis=1), covered[110:130].any(axis=0)
     assert down.sum() > 0.5 * len(down)
     assert across.sum() > 0.5 * len(across)
-    assert where.mean() < 0.02
+    assert covered.mean() < 0.02

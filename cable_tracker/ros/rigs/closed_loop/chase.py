@@ -28,7 +28,7 @@ from cable_tracker.ros.rigs.closed_loop.run_recorder import (
     listen_to_the_end,
     need_rows,
 )
-from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
+from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, target_size
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -131,7 +131,7 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
         "target_tracker": {
             "preset": request.preset,
             "initial_target": ",".join(repr(side) for side in box),
-            "target_size": shown_size(),
+            "target_size": target_size(),
             **DRIVEN,
             **READY_SOON,
         },

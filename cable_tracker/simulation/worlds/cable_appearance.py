@@ -1,4 +1,4 @@
-"""Appearance of a cable in a world along its way, and of the things that hide it."""
+"""Contrast of a cable in a world along its course, and the growth and sand that hide it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.simulation.rendering.texture import cloud_response, smooth_step, spectral_noise
-from cable_tracker.simulation.worlds.ground import look_up
+from cable_tracker.simulation.worlds.ground import sample_texture
 from cable_tracker.simulation.worlds.world import Cover, World
 
 PATCHES_SIDE = 512
@@ -29,7 +29,7 @@ TURNS = (8.0, 30.0)
 """Shortest and longest way from bright to dark and back again [radii]."""
 
 SOFT_TURN, PAINTED_EDGE = 4.0, 60.0
-"""How suddenly cables change that are covered, and those that are painted."""
+"""Steepness of the changes of cables that are covered, and of those that are painted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +56,8 @@ class Drift:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CableLook:
-    """One cable.
+class CableAppearance:
+    """Contrast of one cable along its course, and what hides it.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class CableLook:
         Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
         the start [rad].
     turn_steepness : float
-        How suddenly it changes.
+        Steepness of that change.
     growth : float
         Share that growth covers.
     silt : float
@@ -94,22 +94,22 @@ class CableLook:
             turns = np.sin(v * np.float32(2 * np.pi / self.turn_length) + self.turn_phase)
             step *= np.tanh(np.float32(self.turn_steepness) * turns)
         if self.silt > 0.0:
-            film = look_up(_patches(), v * np.float32(9.0) + self.place[1], np.zeros_like(v))
+            film = sample_texture(_patches(), v * np.float32(9.0) + self.place[1], np.zeros_like(v))
             step *= 1 - np.float32(self.silt) * smooth_step(film, -0.5, 1.0)
         return step
 
-    def grown(self, u: Image, v: Image) -> Image | None:
-        """Return how much growth covers places, 0 to 1; None without any."""
+    def growth_cover(self, u: Image, v: Image) -> Image | None:
+        """Return the cover of growth at places [radii], 0 to 1; None without any."""
         if self.growth <= 0.0:
             return None
         scale = np.float32(PATCHES_PER_RADIUS)
-        level = look_up(_patches(), u * scale + self.place[0], v * scale + self.place[1])
+        level = sample_texture(_patches(), u * scale + self.place[0], v * scale + self.place[1])
         limit = NormalDist().inv_cdf(1.0 - min(self.growth, 0.95))
         reach = 1 - smooth_step(np.abs(u), GROWTH_REACH - 0.15, GROWTH_REACH)
         return np.asarray(smooth_step(level, limit - 0.12, limit + 0.12) * reach)
 
-    def sand(self, u: Image, v: Image, softness: Image | float) -> list[tuple[Image, float]]:
-        """Return how much sand covers places, 0 to 1, with its tone, for each drift in view."""
+    def sand_covers(self, u: Image, v: Image, softness: Image | float) -> list[tuple[Image, float]]:
+        """Return cover, 0 to 1, and tone of each drift of sand in view, at places [radii]."""
         low, high = float(v.min()), float(v.max())
         covers = []
         for drift in self.drifts:
@@ -118,7 +118,9 @@ class CableLook:
             ramp = 0.2 * (drift.end - drift.start)
             risen = smooth_step(v, drift.start, drift.start + ramp)
             risen = risen - smooth_step(v, drift.end - ramp, drift.end)
-            waves = look_up(_patches(), v * np.float32(6.0) + self.place[0], np.zeros_like(v))
+            waves = sample_texture(
+                _patches(), v * np.float32(6.0) + self.place[0], np.zeros_like(v)
+            )
             edge = drift.edge + 0.1 * waves + (1 - risen) * (SAND_REACH - drift.edge)
             inner = np.clip((drift.side * u - edge) / softness + 0.5, 0.0, 1.0)
             outer = 1 - smooth_step(drift.side * u, 1.2, SAND_REACH)
@@ -133,15 +135,17 @@ def _patches() -> Image:
     return spectral_noise(response, shape, np.random.default_rng(77))
 
 
-def random_cable(world: World, way: tuple[float, float], rng: np.random.Generator) -> CableLook:
-    """Draw a cable of a world.
+def random_cable_appearance(
+    world: World, way: tuple[float, float], rng: np.random.Generator
+) -> CableAppearance:
+    """Draw the appearance of a cable of a world.
 
     Parameters
     ----------
     world : World
         Its `contrast`, `turning`, `bands` and `cover`.
     way : (float, float)
-        From where to where the dive sees it [radii].
+        First and last position along the course that comes into view [radii].
     """
     low, high = np.log(world.contrast)
     step = float(np.exp(rng.uniform(low, high)) * rng.choice((-1.0, 1.0)))
@@ -149,7 +153,7 @@ def random_cable(world: World, way: tuple[float, float], rng: np.random.Generato
     turn_length = float(rng.uniform(*TURNS)) if turns else 0.0
     if world.bands is not None:
         turn_length = 2.0 * float(rng.uniform(*world.bands))
-    return CableLook(
+    return CableAppearance(
         step=step,
         turn_length=turn_length,
         turn_phase=float(rng.uniform(0.0, 2 * np.pi)),

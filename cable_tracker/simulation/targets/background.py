@@ -26,7 +26,7 @@ SAND = np.array([122.0, 128.0, 105.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetBackground:
-    """All but the target.
+    """Water, bottom or surface, and marine snow: all but the target.
 
     Attributes
     ----------
@@ -46,9 +46,9 @@ class TargetBackground:
     glitter: Image
 
     def view(self, size: tuple[int, int], offset: tuple[float, float], time: float) -> Image:
-        """Return what the camera sees without a target, float32, shape (H, W, 3).
+        """Return the picture without a target, float32, shape (H, W, 3).
 
-        `offset` is how far it looks beside its first view [px].
+        `offset` shifts the view on the panorama, to the right and down [px].
         """
         width, height = size
         column, row = image_centre(size)
@@ -62,7 +62,7 @@ class TargetBackground:
         return lit.astype(np.float32)
 
     def recorded(self, picture: Image, time: float, rng: np.random.Generator) -> Image:
-        """Return what the camera makes of a picture, float32 (H, W, 3): with snow, blur and noise.
+        """Return a picture, float32 (H, W, 3), as the camera records it: with snow, blur and noise.
 
         Returns
         -------
@@ -74,7 +74,7 @@ class TargetBackground:
         return eight_bits(blurred)
 
     def _with_snow(self, picture: Image, time: float) -> Image:
-        """Return a picture (H, W, 3) with the marine snow strewn over it."""
+        """Return a picture (H, W, 3) with the marine snow drawn over it."""
         snowy = picture.copy()
         height, width = picture.shape[:2]
         x = (self.flakes[:, 0] + self.flakes[:, 2] * time) % 1.0 * width
@@ -85,23 +85,23 @@ class TargetBackground:
         return snowy
 
 
-def make_surroundings(
+def random_background(
     size: tuple[int, int],
     rng: np.random.Generator,
     *,
     margin: float,
     surface: float | None = None,
 ) -> TargetBackground:
-    """Make surroundings at random.
+    """Draw a background at random.
 
     Parameters
     ----------
     size : (int, int)
         Width and height of the pictures [px].
     rng : numpy.random.Generator
-        Where they come from.
+        Source of the random numbers.
     margin : float
-        How far the camera looks beside its first view at most [px].
+        Largest offset of the view [px].
     surface : float or None
         Height of the water's surface above the lower edge, as a share of the picture's height.
     """
