@@ -1,4 +1,4 @@
-"""The true borders of a cable in the image, and how much of them can be seen."""
+"""The true borders of a cable in the image, the states fitted to them, and their visible share."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ProjectedBorders:
     inside: BoolArray
 
     def in_view(self) -> BoolArray:
-        """Tell in which images any part of a border lies, shape (N,)."""
+        """Return in which images any part of a border lies, a mask of shape (N,)."""
         return np.asarray(self.inside.any(axis=(1, 2)))
 
 
@@ -83,7 +83,7 @@ def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> Floa
     -------
     FloatArray
         d, alpha, w, beta and zeros for their rates, shape (N, 8), alpha in (-pi/2, pi/2]; NaN where
-        the camera looks past the cable altogether.
+        the cable is out of view altogether.
     """
     width, height = image_size
     usable = np.isfinite(projected.points).all(axis=-1) & (projected.lengths > 0)
@@ -126,7 +126,7 @@ def visible_share(projected: ProjectedBorders, index: int, hidden: BoolArray) ->
     Parameters
     ----------
     hidden : BoolArray
-        Shape (2, K): which points of the two borders something covers.
+        Which points of the two borders are covered, shape (2, K).
     """
     lengths = np.where(projected.inside[index], projected.lengths[index], 0.0)
     total = float(lengths.sum())

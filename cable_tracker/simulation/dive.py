@@ -1,4 +1,4 @@
-"""One dive: where the vehicle goes, what it sees, and the truth about the cable."""
+"""One dive: camera poses along a cable, rendered frames, and the true state of the cable."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""
 
 MOUNTING = math.radians(20.0)
-"""Angle by which a camera looks forward on the vehicle, unless a scenario says otherwise [rad]."""
+"""Usual forward tilt of a camera on the vehicle [rad]."""
 
 CABLE_RADIUS = 0.08
 """Radius of the cable [m]."""
@@ -52,17 +52,17 @@ BATCH = 32
 one shape give the same numbers, bit for bit."""
 
 VIEW_LENGTH = 7.0
-"""Length over which clutter is strewn beyond both ends of the way [m]."""
+"""Length over which clutter is drawn beyond both ends of the dive [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedFrame:
-    """A frame and how much of the cable can be seen in it.
+    """A frame, and the visible share of the cable in it.
 
     Attributes
     ----------
     frame : Frame
-        A mono8 `RawImage` with its true `CableState`; no truth where no cable can be seen.
+        A mono8 `RawImage` with its true `CableState`; no truth where no cable is visible.
     visibility : float
         Share of the two borders inside the image that nothing hides, 0 to 1; 0 without any.
     """
@@ -113,10 +113,10 @@ class Dive:
     trajectory: Trajectory
 
     def views(self, times: FloatArray) -> Views:
-        """Work out where the camera is and where it sees the cable at some times [s]."""
+        """Return camera poses, borders and true states at times (N,) [s]."""
         wanted = self.trajectory.states(times, self.camera.image_size[0])
-        lean, way = self.trajectory.lean.values(times), self.trajectory.way(times)
-        poses = steer(self.tube, self.camera, wanted, lean, way)
+        roll, travel = self.trajectory.roll.values(times), self.trajectory.travel(times)
+        poses = steer(self.tube, self.camera, wanted, roll, travel)
         projected = project_tube(self.tube, self.camera, poses)
         states = fit_states(projected, self.camera.image_size)
         # Where the line is written the other way round, so is the sense of its distance and skew.
@@ -192,7 +192,7 @@ def render_dive(
     dive: Dive, surroundings: Surroundings, frame_count: int, rate: float, seeds: Seeds
 ) -> Iterator[SimulatedFrame]:
     """Render the frames of a dive, with their truths."""
-    length = float(dive.trajectory.way(np.array([(frame_count - 1) / rate]))[0])
+    length = float(dive.trajectory.travel(np.array([(frame_count - 1) / rate]))[0])
     clutter_rng = np.random.default_rng(seeds.clutter)
     picture_rng = np.random.default_rng(seeds.picture)
     scene, cable = lay_out(dive.camera, dive.tube, surroundings, length, (clutter_rng, picture_rng))

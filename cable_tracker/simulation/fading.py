@@ -34,7 +34,7 @@ ROW = 512
 def faded(picture: Image, cable: CableState, share: float) -> Image:
     """Return a picture in which a cable keeps only a share of its contrast.
 
-    What lies under the cable is taken to look as what lies beside it, mirrored at the border: both
+    The bottom under the cable is filled in by what lies beside it, mirrored at the border: both
     meet there without an edge.
 
     Parameters
@@ -44,7 +44,7 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
     cable : CableState
         State of the cable [px, rad].
     share : float
-        0: it is gone; 1: it stays as it is.
+        0: removed; 1: unchanged.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
     u, v, radius = (each.reshape(-1)[inside] for each in (view.u, view.v, view.radius))
     along = v * radius
     left, right = (
-        _looked_up(values, cable, (side * (2 + 2 * MARGIN) - u) * radius, along)
+        _sampled(values, cable, (side * (2 + 2 * MARGIN) - u) * radius, along)
         for side in (-1.0, 1.0)
     )
     beside = left + smooth_step(u, -SEAM, SEAM) * (right - left)
@@ -72,8 +72,8 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
     return result
 
 
-def _looked_up(values: Image, cable: CableState, across: Image, along: Image) -> Image:
-    """Return the picture at places across and along a cable, from its foot point [px]."""
+def _sampled(values: Image, cable: CableState, across: Image, along: Image) -> Image:
+    """Return the picture sampled at places across and along a cable, from its foot point [px]."""
     column, row = image_centre((values.shape[1], values.shape[0]))
     cos, sin = np.float32(np.cos(cable.angle)), np.float32(np.sin(cable.angle))
     across = across + np.float32(cable.distance)
@@ -98,7 +98,7 @@ def made_harder(picture: Image, cable: CableState, rng: np.random.Generator) -> 
     cable : CableState
         State of the cable [px, rad].
     rng : numpy.random.Generator
-        Draws how much.
+        Draws contrast, blur and noise.
 
     Returns
     -------

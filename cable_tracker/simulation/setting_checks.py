@@ -12,12 +12,12 @@ SMALLEST_RATE, LARGEST_RATE = 1e-3, 1e6
 
 
 def check_size(image_size: tuple[int, int]) -> None:
-    """See that images can have a size.
+    """Check the size of images [px].
 
     Raises
     ------
     ParameterError
-        They cannot.
+        A side is out of its limits.
     """
     if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in image_size):
         raise ParameterError(
@@ -27,24 +27,24 @@ def check_size(image_size: tuple[int, int]) -> None:
 
 
 def check_seed(seed: int, name: str = "seed") -> None:
-    """See that a number can be a seed.
+    """Check that a seed is not negative.
 
     Raises
     ------
     ParameterError
-        It cannot.
+        It is negative.
     """
     if seed < 0:
         raise ParameterError(f"{name} is {seed}: give a number that is not negative")
 
 
 def check_frames(count: int, rate: float) -> None:
-    """See that a dive can have so many frames, at a rate [frames per second].
+    """Check number and rate of the frames of a dive [frames per second].
 
     Raises
     ------
     ParameterError
-        It cannot.
+        There are none, or the rate is out of its limits.
     """
     if count < 1:
         raise ParameterError(f"frame_count is {count}: simulate at least 1 frame")
@@ -55,7 +55,7 @@ def check_frames(count: int, rate: float) -> None:
 
 
 def check_range(name: str, value: float, limits: tuple[float, float], unit: str) -> None:
-    """See that a number is within its limits.
+    """Check that a number is within its limits.
 
     Raises
     ------

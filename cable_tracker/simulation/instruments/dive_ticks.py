@@ -1,4 +1,4 @@
-"""What the instruments of a vehicle say on a simulated dive that has no vehicle of its own."""
+"""Readings of the instruments on a simulated dive whose camera poses are prescribed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cable_tracker.simulation.instruments.instruments import (
 from cable_tracker.simulation.motion.vehicle import VehicleState
 
 READING_RATE = 50.0
-"""Odometry and imu speak about so often [1/s]."""
+"""Approximate rate of the readings of odometry and imu [1/s]."""
 
 MOST_READINGS = 200
 """Largest number of readings of each instrument between two frames."""
@@ -35,7 +35,7 @@ def dive_ticks(
     seed: int,
     errors: InstrumentErrors = USUAL_ERRORS,
 ) -> Iterator[Tick]:
-    """Yield what the instruments say with each frame of a dive, and until the next one.
+    """Yield the readings of the instruments with each frame of a dive, and until the next one.
 
     The altimeter is read with each frame; a fix comes with the first frame in each second.
 
@@ -48,14 +48,16 @@ def dive_ticks(
     seed : int
         Not negative; draws the errors of the instruments.
     errors : InstrumentErrors
-        How wrong they are.
+        Standard deviations of their errors.
     """
     readings = int(np.clip(round(READING_RATE / rate), 1, MOST_READINGS))
     rng = np.random.default_rng([seed, 30])
     start = vehicle_states_at(dive, np.zeros(1))[0]
     instruments = InstrumentSet(errors, start, rng)
-    for count, (frame, told) in enumerate(zip(frames, _states(dive, rate, readings), strict=False)):
-        for number, (time, state) in enumerate(told):
+    for count, (frame, states) in enumerate(
+        zip(frames, _states(dive, rate, readings), strict=False)
+    ):
+        for number, (time, state) in enumerate(states):
             fix = altitude = None
             if number == 0:
                 if count == 0 or int(count / rate) > int((count - 1) / rate):
@@ -69,12 +71,12 @@ def dive_ticks(
 
 
 def _states(dive: Dive, rate: float, readings: int) -> Iterator[list[tuple[float, VehicleState]]]:
-    """Yield the times of the readings from each frame to the next [s], and the vehicle then."""
+    """Yield the times [s] and vehicle states of the readings from each frame to the next."""
     parts = np.arange(readings) / readings
     # Worked out for several frames at once, which takes a fraction of the time.
     batch = max(1, READINGS_AT_ONCE // readings)
     for start in itertools.count(0, batch):
         times = (np.arange(start, start + batch)[:, None] + parts).ravel() / rate
-        told = list(zip(times.tolist(), vehicle_states_at(dive, times), strict=True))
-        for first in range(0, len(told), readings):
-            yield told[first : first + readings]
+        states = list(zip(times.tolist(), vehicle_states_at(dive, times), strict=True))
+        for first in range(0, len(states), readings):
+            yield states[first : first + readings]

@@ -18,7 +18,7 @@ DIFFERENCE_STEP = 2e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flight:
-    """A vehicle at N times; base_link is at the camera.
+    """Poses of a vehicle at N times; base_link is at the camera.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class Flight:
     angles: FloatArray
 
     def rotations(self) -> FloatArray:
-        """Return those from base_link to the world, shape (N, 3, 3)."""
+        """Return the rotations from base_link to the world, shape (N, 3, 3)."""
         quarter = np.array([0.0, 0.0, np.pi / 2])
         return rotations_of(self.angles + quarter)
 
 
 def flight_at(dive: Dive, times: FloatArray) -> Flight:
-    """Return the vehicle of a dive at times (N,) [s]."""
+    """Return the poses of the vehicle of a dive at times (N,) [s]."""
     poses = dive.views(times).poses
     return Flight(times, poses.positions, dive.camera.vehicle_angles(poses))
 
@@ -64,7 +64,7 @@ def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
 
 
 def vehicle_states_at(dive: Dive, times: FloatArray) -> list[VehicleState]:
-    """Return where the vehicle is at times (N,) [s], and how it moves.
+    """Return the states of the vehicle at times (N,) [s].
 
     In the world of `vehicle`: x along the general course of the cable. Accelerations are not given.
     """

@@ -1,4 +1,4 @@
-"""How the instruments of a simulated vehicle stand in messages, of rosbags or of rclpy."""
+"""Packs the readings of a simulated vehicle's instruments as messages, of rosbags or of rclpy."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def make_range(factory: MessageFactory, header: Message, altitude: float) -> Mes
 def make_imu(
     factory: MessageFactory, header: Message, reading: ImuReading, errors: InstrumentErrors
 ) -> Message:
-    """Pack what an imu says as Imu."""
+    """Pack a reading of the imu as Imu."""
 
     def spread(sigma: float) -> object:
         return factory.doubles(np.diag([sigma**2] * 3).ravel())
@@ -87,7 +87,7 @@ def make_imu(
 
 
 def make_odometry(factory: MessageFactory, header: Message, reading: OdometryReading) -> Message:
-    """Pack what odometry says as Odometry."""
+    """Pack a reading of odometry as Odometry."""
     x, y, z = (float(value) for value in reading.position)
     pose = make_pose(factory, (x, y, z), make_quaternion(factory, *reading.angles))
     twist = factory.make(
@@ -109,7 +109,7 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
 
 
 def make_true_odometry(factory: MessageFactory, header: Message, state: VehicleState) -> Message:
-    """Pack where the vehicle is as Odometry, without doubt."""
+    """Pack the true pose and twist of the vehicle as Odometry, with covariances of zero."""
     nothing = np.zeros((6, 6))
     reading = OdometryReading(state.position, state.angles, nothing, state.twist, nothing)
     return make_odometry(factory, header, reading)
@@ -117,7 +117,7 @@ def make_true_odometry(factory: MessageFactory, header: Message, state: VehicleS
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """A place on the earth, as an acoustic positioning system gives it.
+    """A position on the earth, as an acoustic positioning system measures it.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class Fix:
 
 
 def make_fix(factory: MessageFactory, header: Message, fix: Fix) -> Message:
-    """Pack a place as NavSatFix."""
+    """Pack a fix as NavSatFix."""
     status = factory.make("sensor_msgs/msg/NavSatStatus", status=STATUS_FIX, service=SERVICE_GPS)
     variances = np.diag([fix.sigma**2, fix.sigma**2, fix.sigma**2])
     return factory.make(
@@ -152,9 +152,9 @@ def make_fix(factory: MessageFactory, header: Message, fix: Fix) -> Message:
 
 
 def make_static_transforms(factory: MessageFactory, stamp: int, mounting: float) -> Message:
-    """Pack where camera and altimeter are on the vehicle, both at its origin, as TFMessage.
+    """Pack the mounting of camera and altimeter, both at the vehicle's origin, as TFMessage.
 
-    The camera looks forward by `mounting` from straight down [rad].
+    `mounting` is the forward tilt of the camera from straight down [rad].
     """
     # Roll, pitch and yaw of the optical frame: x to the right, y down in the image.
     camera = (mounting - math.pi, 0.0, -math.pi / 2)

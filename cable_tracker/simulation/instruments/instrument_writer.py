@@ -1,4 +1,4 @@
-"""What the instruments of a simulated vehicle say, written into a bag, and where it really is."""
+"""Writes the readings of a simulated vehicle's instruments, and its true poses, into a bag."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Tick:
     fix : FloatArray or None
         Acoustic fix, once a second: x, y in the world, shape (2,) [m].
     frame : Frame or None
-        Picture, and where the cable is in it; no truth where nothing of it can be seen.
+        Picture, with the true state of the cable; no truth where none of it is visible.
     """
 
     seconds: float
@@ -106,7 +106,7 @@ def fix_at(frame: LocalFrame, place: FloatArray, height: float) -> Fix:
 
 
 def vehicle_text(cable_height: float) -> str:
-    """Return what `vehicle.yaml` says; the height is that of the cable's axis [m]."""
+    """Return the content of `vehicle.yaml`; the height is that of the cable's axis [m]."""
     return (
         "# What no topic of this bag says.\n"
         f"cable_height: {cable_height:.6g}\n"
@@ -139,7 +139,7 @@ def write_ticks(
     storage: StorageFormat = StorageFormat.MCAP,
     overwrite: bool = False,
 ) -> WrittenDive:
-    """Write a dive into a bag with a `vehicle.yaml`, which says what no topic says.
+    """Write a dive into a bag, with a `vehicle.yaml` for what no topic contains.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def write_ticks(
 
 
 class InstrumentWriter:
-    """Writes what the instruments of a simulated vehicle say, and where it really is.
+    """Writes the readings of a simulated vehicle's instruments, and its true poses.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class InstrumentWriter:
         bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
 
     def write(self, tick: Tick) -> None:
-        """Write everything about an instant."""
+        """Write all messages of an instant."""
         stamp = stamp_at(tick.seconds)
         factory = self._factory
         in_odom = make_header(factory, stamp, ODOM)

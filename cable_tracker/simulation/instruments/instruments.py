@@ -1,4 +1,4 @@
-"""The instruments of a simulated vehicle, and how wrong they are."""
+"""The instruments of a simulated vehicle, and their errors."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEAST_RANGE, MOST_RANGE = 0.1, 50.0
 
 @dataclass(frozen=True, slots=True)
 class InstrumentErrors:
-    """How wrong the instruments are: standard deviations.
+    """Errors of the instruments: standard deviations.
 
     Attributes
     ----------

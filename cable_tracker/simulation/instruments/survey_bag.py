@@ -1,7 +1,7 @@
 """Write a simulated survey dive into a bag, with everything that a vehicle's bag holds.
 
-Beside the storage file lie `vehicle.yaml`, which says what no topic says, and `truth.json`, which
-says how it was: the cable's course, and what stands out along it.
+Beside the storage file lie `vehicle.yaml`, for what no topic contains, and `truth.json`: the true
+course of the cable, and the built-in events along it.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ def write_survey_bag(
     overwrite: bool = False,
     advance: Callable[[float], None] = lambda way: None,
 ) -> WrittenDive:
-    """Dive, and write everything.
+    """Simulate a survey dive, and write it into a bag.
 
     Parameters
     ----------
     overwrite : bool
         Replace a bag that lies at the path.
     advance : callable
-        Told after each picture how far along the course the vehicle is [m].
+        Called after each picture with the position along the course [m].
 
     Raises
     ------
@@ -56,7 +56,7 @@ def write_survey_bag(
         The bag cannot be written.
     """
     dive = SurveyDive(settings)
-    ticks = _told(dive.ticks(), advance)
+    ticks = _reporting(dive.ticks(), advance)
     written = write_ticks(
         path, ticks, dive.camera, dive.cable_height, storage=storage, overwrite=overwrite
     )
@@ -64,8 +64,8 @@ def write_survey_bag(
     return written
 
 
-def _told(ticks: Iterable[Tick], advance: Callable[[float], None]) -> Iterator[Tick]:
-    """Yield instants, and tell after each picture how far along the course the vehicle is [m]."""
+def _reporting(ticks: Iterable[Tick], advance: Callable[[float], None]) -> Iterator[Tick]:
+    """Yield ticks, and call `advance` after each picture with the position along the course [m]."""
     for tick in ticks:
         yield tick
         if tick.frame is not None:
@@ -73,7 +73,7 @@ def _told(ticks: Iterable[Tick], advance: Callable[[float], None]) -> Iterator[T
 
 
 def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
-    """Return what `truth.json` says."""
+    """Return the content of `truth.json`."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
     course = cable_course(settings.cable_seed, along)[:, :2]
     return {

@@ -46,7 +46,7 @@ from cable_tracker.simulation.setting_checks import check_range, check_seed, che
 from cable_tracker.stamps import stamp_at
 
 TICKS = 4
-"""Odometry and imu speak so often in the time of one frame."""
+"""Readings of odometry and imu per frame."""
 
 WANDER_BANDS: Bands = ((0.01, 0.02), (0.03, 0.05))
 """Frequency bands of the pilot's place beside the cable [Hz]."""
@@ -155,7 +155,7 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSet
 
 
 class SurveyDive:
-    """One dive along a cable.
+    """One survey dive along a cable.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class SurveyDive:
         self._altitude = settings.altitude
 
     def ticks(self) -> Iterator[Tick]:
-        """Dive until the end of the cable, or until three times the time that it should take."""
+        """Yield the ticks up to the end of the cable, or to three times the expected duration."""
         settings = self._settings
         period = 1.0 / (TICKS * settings.rate)
         most = math.ceil(3.0 * settings.length / settings.speed / period)
@@ -236,7 +236,7 @@ class SurveyDive:
         return np.array([*points[0, :2], self._settings.altitude, course])
 
     def _advance(self, seconds: float, along: float, period: float) -> float:
-        """Let the pilot steer and the vehicle go on; return where along the cable it is now."""
+        """Steer and integrate the motion over a period [s]; return the new `along` [m]."""
         x, y, _, yaw = self._vehicle.pose
         along = nearest_along(self._tube, np.array([x, y]), along)
         points, directions = cable_points(self._tube, np.array([along, along + AIM_AHEAD]))
@@ -256,7 +256,7 @@ class SurveyDive:
         return along
 
     def _aside(self, along: float) -> float:
-        """Return how far aside the pilot wants to be besides wandering [m]."""
+        """Return the cross-track offset of the excursions, without wandering [m]."""
         most = 0.0
         for each in self._settings.excursions:
             rise = (along - each.start) / EXCURSION_RAMP + 1.0

@@ -1,9 +1,9 @@
-"""Vehicle poses for which a cable appears at a given place of the image.
+"""Camera poses from which a cable has a given state in the image.
 
 The two borders are two planes through the camera. They meet in a line parallel to the cable, the
-angle between them tells how far the cable is, and the lean of the vehicle says which way is up:
-(d, alpha, w, beta) and the lean fix the pose of the camera over a straight cable but for its way
-along it.
+angle between them determines the distance of the cable, and the roll of the vehicle the vertical:
+(d, alpha, w, beta) and the roll fix the pose of the camera over a straight cable but for its
+position along it.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ CORRECTIONS = 3
 """Number of corrections of the poses for the bends of the cable and the camera's distortion."""
 
 FARTHEST_VIEW = 4.0
-"""The cable's direction is taken where the camera looks, up to this many altitudes ahead."""
+"""The cable's direction is taken at the image centre, up to this many altitudes ahead."""
 
 
 def steer(
-    tube: Tube, camera: Camera, states: FloatArray, lean: FloatArray, travel: FloatArray
+    tube: Tube, camera: Camera, states: FloatArray, roll: FloatArray, travel: FloatArray
 ) -> CameraPoses:
-    """Return the poses from which a cable shows given states.
+    """Return the poses from which a cable has given states in the image.
 
     Parameters
     ----------
     states : FloatArray
         d, alpha, w, beta wanted, shape (N, 4) or (N, 8) [px, rad]; |alpha| below about 80 deg.
-    lean : FloatArray
+    roll : FloatArray
         Roll of the image, right side down, shape (N,) [rad].
     travel : FloatArray
         Position of the camera along the cable, shape (N,) [m].
@@ -41,17 +41,18 @@ def steer(
     wanted = np.zeros((states.shape[0], STATE_SIZE))
     wanted[:, :4] = states[:, :4]
     command = wanted.copy()
-    poses = _steer_straight(tube, camera, command, lean, travel)
+    poses = _steer_straight(tube, camera, command, roll, travel)
     if tube.bends or camera.is_distorted:
         for _ in range(CORRECTIONS):
-            seen = fit_states(project_tube(tube, camera, poses), camera.image_size)
-            command += wanted - _in_chart_of(wanted, seen)
-            poses = _steer_straight(tube, camera, command, lean, travel)
+            actual = fit_states(project_tube(tube, camera, poses), camera.image_size)
+            command += wanted - _in_chart_of(wanted, actual)
+            poses = _steer_straight(tube, camera, command, roll, travel)
     return poses
 
 
-def _in_chart_of(wanted: FloatArray, seen: FloatArray) -> FloatArray:
-    shifted = seen.copy()
+def _in_chart_of(wanted: FloatArray, actual: FloatArray) -> FloatArray:
+    """Return actual states written about the angles of the wanted ones, shape (N, 8)."""
+    shifted = actual.copy()
     shifted[:, ANGLE] -= wanted[:, ANGLE]
     chart = states_in_chart(shifted, 0.0)
     chart[:, ANGLE] += wanted[:, ANGLE]
@@ -59,11 +60,11 @@ def _in_chart_of(wanted: FloatArray, seen: FloatArray) -> FloatArray:
 
 
 def _steer_straight(
-    tube: Tube, camera: Camera, states: FloatArray, lean: FloatArray, travel: FloatArray
+    tube: Tube, camera: Camera, states: FloatArray, roll: FloatArray, travel: FloatArray
 ) -> CameraPoses:
-    """Solve for the cable's tangent where the camera looks."""
+    """Return the poses over a straight cable: the tangent of the tube at the image centre."""
     forward, sideways, towards, distance = _cable_from_camera(camera, states, tube.radius)
-    up = _vertical(sideways, towards, lean)
+    up = _vertical(sideways, towards, roll)
     ahead = distance * np.clip(forward[:, 2] / towards[:, 2], -FARTHEST_VIEW, FARTHEST_VIEW)
     points, directions = tube.axis(travel + ahead)
     world_up = np.zeros_like(up)
@@ -81,9 +82,10 @@ def _steer_straight(
 def _cable_from_camera(
     camera: Camera, states: FloatArray, radius: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the cable's direction, the side to its right, the way to it, and its distance.
+    """Return the axis of a straight cable in the camera frame, from its borders in the image.
 
-    The first three have shape (N, 3), in the camera frame; the distance (N,) is in metres.
+    Unit vectors along it, to its right and from the camera to it, shape (N, 3) each; and its
+    distance, shape (N,) [m].
     """
     borders = project_borders(states)
     normals = np.stack(
@@ -104,10 +106,10 @@ def _cable_from_camera(
     return forward, sideways, np.cross(forward, sideways), distance
 
 
-def _vertical(sideways: FloatArray, towards: FloatArray, lean: FloatArray) -> FloatArray:
-    """Return the world's vertical in the camera frame: normal to the cable, leaning as told."""
+def _vertical(sideways: FloatArray, towards: FloatArray, roll: FloatArray) -> FloatArray:
+    """Return the world's vertical in the camera frame, (N, 3): normal to the cable, at a roll."""
     first, second = -towards[:, 0], sideways[:, 0]
-    share = np.clip(-np.sin(lean) / np.hypot(first, second), -1.0, 1.0)
+    share = np.clip(-np.sin(roll) / np.hypot(first, second), -1.0, 1.0)
     turn = np.arctan2(second, first) - np.arccos(share)
     up: FloatArray = np.sin(turn)[:, None] * sideways - np.cos(turn)[:, None] * towards
     return up

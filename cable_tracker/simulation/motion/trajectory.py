@@ -1,8 +1,8 @@
 """How the cable moves through the image while a vehicle follows it.
 
-The motion is prescribed as the cable shows it: d, alpha, w and beta are smooth functions of time,
+The motion is prescribed in the image: d, alpha, w and beta are smooth functions of time,
 sums of slow sinusoids and single moves, so that position and velocity are known at every instant.
-`steering` finds the way of the vehicle that makes the camera see it.
+`steering` finds the camera poses for it.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class Harmonics:
     ) -> Harmonics:
         """Draw frequencies from bands [Hz], and phases; the sum never exceeds +-limit.
 
-        `shares` says what part of the limit each sinusoid takes. Without, they have equal
-        velocities: slow wandering is large, fast shaking small.
+        `shares` are the shares of the limit, one for each sinusoid. Without, they have equal
+        velocities: slow ones are large, fast ones small.
         """
         low, high = np.array(bands).T
         frequencies = rng.uniform(low, high)
@@ -109,7 +109,7 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """A vehicle stands still for a while.
+    """Standstill of a vehicle.
 
     Attributes
     ----------
@@ -144,13 +144,13 @@ class Signal:
     Attributes
     ----------
     mean : float
-        The level it starts from.
+        Initial level.
     harmonics : Harmonics
         Periodic components.
     moves : tuple of Move
         Single manoeuvres.
     strength : tuple of Move
-        How the harmonics' strength departs from 1 in the course of time.
+        Changes of the harmonics' strength, which starts at 1.
     """
 
     mean: float
@@ -162,15 +162,15 @@ class Signal:
         """Return the mean and the moves, without the harmonics, at times (N,) [s]."""
         return self.mean + sum((move.values(times) for move in self.moves), np.zeros_like(times))
 
-    def wavering(self, times: FloatArray) -> FloatArray:
+    def oscillation(self, times: FloatArray) -> FloatArray:
         """Return the harmonics alone at times (N,) [s]."""
         strength = sum((move.values(times) for move in self.strength), np.ones_like(times))
-        wavering: FloatArray = strength * self.harmonics.values(times)
-        return wavering
+        oscillation: FloatArray = strength * self.harmonics.values(times)
+        return oscillation
 
     def values(self, times: FloatArray) -> FloatArray:
         """Return the quantity at times [s], of the same shape."""
-        return self.steady(times) + self.wavering(times)
+        return self.steady(times) + self.oscillation(times)
 
     def with_increment_variance(self, variance: float, times: FloatArray) -> Signal:
         """Scale the harmonics so that steps between `times` have the given sample variance.
@@ -178,9 +178,9 @@ class Signal:
         Raises
         ------
         ParameterError
-            The moves alone have more.
+            The variance of the moves alone is larger.
         """
-        moves, waves = np.diff(self.steady(times)), np.diff(self.wavering(times))
+        moves, waves = np.diff(self.steady(times)), np.diff(self.oscillation(times))
         both = np.cov(np.stack((moves, waves)))
         surplus = variance - both[0, 0]
         if surplus < 0:
@@ -203,10 +203,10 @@ class Trajectory:
         d and w [px at the reference width].
     angle, skew : Signal
         alpha and beta [rad].
-    lean : Signal
+    roll : Signal
         Roll of the vehicle, right side down [rad].
-    travel : Signal
-        The way along the cable without the steady speed [m].
+    surge : Signal
+        Travel along the cable besides that at the steady speed [m].
     speed : float
         Steady speed [m/s].
     pause : Pause or None
@@ -217,8 +217,8 @@ class Trajectory:
     angle: Signal
     width: Signal
     skew: Signal
-    lean: Signal
-    travel: Signal
+    roll: Signal
+    surge: Signal
     speed: float
     pause: Pause | None = None
 
@@ -239,11 +239,11 @@ class Trajectory:
         states[:, SKEW_RATE] = _rate(self.skew, times)
         return states
 
-    def way(self, times: FloatArray) -> FloatArray:
-        """Return the way along the cable since time 0 [m], shape (N,)."""
-        start = self.travel.values(np.zeros(1))
+    def travel(self, times: FloatArray) -> FloatArray:
+        """Return the position along the cable, from that at time 0 [m], shape (N,)."""
+        start = self.surge.values(np.zeros(1))
         lost = 0.0 if self.pause is None else self.pause.lost(times)
-        return self.speed * (times - lost) + self.travel.values(times) - start
+        return self.speed * (times - lost) + self.surge.values(times) - start
 
 
 def _rate(signal: Signal, times: FloatArray) -> FloatArray:

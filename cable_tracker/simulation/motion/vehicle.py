@@ -28,10 +28,10 @@ LONGEST_STEP = 0.01
 TILT_BANDS: Bands = ((0.08, 0.15), (0.2, 0.3), (0.35, 0.5))
 """Frequency bands of the simulated roll and pitch [Hz]."""
 
-WAVER_BANDS: Bands = ((0.005, 0.01), (0.015, 0.03))
+CURRENT_BANDS: Bands = ((0.005, 0.01), (0.015, 0.03))
 """Frequency bands of the simulated current [Hz]."""
 
-WAVER_SHARE = 0.25
+CURRENT_VARIATION = 0.25
 """The current wavers by up to this share of its strength."""
 
 
@@ -72,7 +72,7 @@ class VehicleModel:
     tilt: float = math.radians(1.5)
 
     def drag(self, velocity: FloatArray) -> FloatArray:
-        """Return what the water takes at a velocity through it, shape (4,) [N, N m]."""
+        """Return the drag at a velocity through the water, shape (4,) [N, N m]."""
         slowed: FloatArray = velocity * (self.linear_drag + self.quadratic_drag * np.abs(velocity))
         return slowed
 
@@ -104,23 +104,23 @@ class Current:
     ----------
     mean : FloatArray
         x, y in the world, shape (2,) [m/s].
-    wavering : Harmonics
+    variation : Harmonics
         Variation of the strength over time, relative to the mean.
     """
 
     mean: FloatArray
-    wavering: Harmonics
+    variation: Harmonics
 
     @classmethod
     def random(cls, speed: float, rng: np.random.Generator) -> Current:
-        """Draw a direction, and how a current of some speed [m/s] wavers."""
+        """Draw the direction and the variation of a current of some speed [m/s]."""
         direction = float(rng.uniform(0.0, 2 * math.pi))
         mean = speed * np.array([math.cos(direction), math.sin(direction)])
-        return cls(mean, Harmonics.random(WAVER_SHARE, WAVER_BANDS, rng))
+        return cls(mean, Harmonics.random(CURRENT_VARIATION, CURRENT_BANDS, rng))
 
     def at(self, time: float) -> FloatArray:
         """Return x, y at a time [s], shape (2,) [m/s]."""
-        velocity: FloatArray = self.mean * (1.0 + float(self.wavering.values(np.array(time))))
+        velocity: FloatArray = self.mean * (1.0 + float(self.variation.values(np.array(time))))
         return velocity
 
 
@@ -146,7 +146,7 @@ class VehicleState:
     acceleration: FloatArray
 
     def moved(self, seconds: float) -> VehicleState:
-        """Return where it is a short time later, or before, if it keeps its velocity."""
+        """Return the state some seconds later, or earlier, at constant velocity."""
         ground = rotation_of(self.angles) @ self.twist[:3]
         return replace(
             self,
@@ -156,7 +156,7 @@ class VehicleState:
 
 
 class Vehicle:
-    """A vehicle on its way.
+    """A simulated vehicle: its pose and velocity, integrated over time.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ class Vehicle:
     pose : FloatArray
         Initial x, y, z, yaw, shape (4,) [m, rad]. The vehicle keeps the altitude z.
     rng : numpy.random.Generator
-        Draws how it rolls and pitches.
+        Draws roll and pitch over time.
     """
 
     def __init__(self, current: Current, pose: FloatArray, rng: np.random.Generator) -> None:
@@ -175,7 +175,7 @@ class Vehicle:
         self._velocity = np.zeros(AXES)
         self._thrust = np.zeros(AXES)
         self._gain = np.zeros(AXES)
-        self._altitude_wanted = float(pose[2])
+        self._altitude_setpoint = float(pose[2])
         self._time = 0.0
         self._roll = Harmonics.random(self._model.tilt, TILT_BANDS, rng)
         self._pitch = Harmonics.random(self._model.tilt, TILT_BANDS, rng)
@@ -191,7 +191,7 @@ class Vehicle:
         return self._pose.copy()
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
-        """Let time pass.
+        """Integrate the motion over some time.
 
         Parameters
         ----------
@@ -208,9 +208,9 @@ class Vehicle:
 
     def _step(self, command: VelocityCommand, altitude: float, step: float) -> None:
         model = self._model
-        self._altitude_wanted += command.heave * step
+        self._altitude_setpoint += command.heave * step
         limit = model.most_heave
-        climb = model.altitude_stiffness * (self._altitude_wanted - altitude)
+        climb = model.altitude_stiffness * (self._altitude_setpoint - altitude)
         heave = command.heave if command.heave else min(max(climb, -limit), limit)
         wanted = _axes(command.surge, command.sway, heave, command.turn)
         push = model.mass * model.stiffness * (wanted - self._velocity) + model.drag(wanted)
@@ -218,18 +218,18 @@ class Vehicle:
         self._thrust += (push - self._thrust) * -math.expm1(-step / model.thrust_lag)
         self._gain = (self._thrust - model.drag(self._velocity)) / model.mass
         self._velocity = self._velocity + self._gain * step
-        self._pose = self._pose + self._drift() * step
+        self._pose = self._pose + self._pose_rates() * step
         self._time += step
 
-    def _drift(self) -> FloatArray:
-        """Return how the pose changes, shape (4,) [m/s, rad/s]."""
+    def _pose_rates(self) -> FloatArray:
+        """Return the rates of x, y, z and yaw in the world, shape (4,) [m/s, rad/s]."""
         surge, sway, heave, turn = self._velocity
         cos, sin = math.cos(self._pose[3]), math.sin(self._pose[3])
         x, y = self._current.at(self._time)
         return np.array([cos * surge - sin * sway + x, sin * surge + cos * sway + y, heave, turn])
 
     def state(self) -> VehicleState:
-        """Return where the vehicle is now, and how it moves over the ground."""
+        """Return the true pose, velocity and acceleration now."""
         step = 1e-3
         times = np.array([self._time - step, self._time, self._time + step])
         rolls, pitches = self._roll.values(times), self._pitch.values(times)
@@ -242,7 +242,7 @@ class Vehicle:
         yaw = float(self._pose[3])
         angles = np.array([roll, pitch, yaw])
         to_world = rotation_of(angles)
-        over_ground = self._drift()[:3]
+        over_ground = self._pose_rates()[:3]
         # Surge, sway and heave are along axes that turn with the yaw, but stay level.
         level = rotation_of(np.array([0.0, 0.0, yaw]))
         turning = np.cross([0.0, 0.0, self._velocity[3]], self._velocity[:3])

@@ -18,19 +18,19 @@ from cable_tracker.simulation.scenarios.scenario import (
     ROUGH,
     SHAKY,
     SWELL,
+    ComponentMotion,
     Crossing,
     Motion,
     Scenario,
-    Sway,
     frame_move,
 )
 from cable_tracker.tracking.parameter_table import named
 
 USUAL_MOTION = Motion(
-    distance=Sway(0.0, 55.0, CALM),
-    angle=Sway(0.0, 14.0, CALM),
-    width=Sway(38.0, 7.0, CALM),
-    skew=Sway(2.2, 0.9, CALM),
+    distance=ComponentMotion(0.0, 55.0, CALM),
+    angle=ComponentMotion(0.0, 14.0, CALM),
+    width=ComponentMotion(38.0, 7.0, CALM),
+    skew=ComponentMotion(2.2, 0.9, CALM),
 )
 
 _OLD_CABLE = Skin(tone=0.58, stains=1.0, cover=0.4, turf=0.1, silt=0.1, bulge=0.07, shade=0.6)
@@ -59,10 +59,10 @@ _ALL = (
         "much clutter; tilt and pitch waver in the first 120 frames",
         248,
         Motion(
-            distance=Sway(0.0, 95.0, BRISK, 16.92),
-            angle=Sway(0.0, 28.0, BRISK, 0.627, strength=(frame_move(105, 30, -0.6),)),
-            width=Sway(40.0, 14.0, BRISK, 0.26),
-            skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(frame_move(105, 30, -0.75),)),
+            distance=ComponentMotion(0.0, 95.0, BRISK, 16.92),
+            angle=ComponentMotion(0.0, 28.0, BRISK, 0.627, strength=(frame_move(105, 30, -0.6),)),
+            width=ComponentMotion(40.0, 14.0, BRISK, 0.26),
+            skew=ComponentMotion(2.4, 2.6, BRISK, 0.008, strength=(frame_move(105, 30, -0.75),)),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.33, stones=1.8, algae=1.4, gravel=0.5),
@@ -80,10 +80,10 @@ _ALL = (
         "continuous pitch oscillation; a rapid move near frame 430",
         499,
         Motion(
-            distance=Sway(-15.0, 45.0, BRISK, 2.07, moves=(frame_move(424, 14, 42.0),)),
-            angle=Sway(0.0, 18.0, BRISK, 0.286, moves=(frame_move(424, 14, -14.0),)),
-            width=Sway(58.0, 36.0, ROUGH, 5.19),
-            skew=Sway(3.2, 3.0, SWELL, 0.034),
+            distance=ComponentMotion(-15.0, 45.0, BRISK, 2.07, moves=(frame_move(424, 14, 42.0),)),
+            angle=ComponentMotion(0.0, 18.0, BRISK, 0.286, moves=(frame_move(424, 14, -14.0),)),
+            width=ComponentMotion(58.0, 36.0, ROUGH, 5.19),
+            skew=ComponentMotion(3.2, 3.0, SWELL, 0.034),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.33, ripples=2.0, stones=0.6, algae=1.0, ripple_angle=6.0),
@@ -100,10 +100,10 @@ _ALL = (
         "calm",
         409,
         Motion(
-            distance=Sway(8.0, 65.0, BRISK, 4.92),
-            angle=Sway(2.0, 15.0, BRISK, 0.160),
-            width=Sway(44.0, 18.0, BRISK, 0.51),
-            skew=Sway(2.0, 1.8, BRISK, 0.004),
+            distance=ComponentMotion(8.0, 65.0, BRISK, 4.92),
+            angle=ComponentMotion(2.0, 15.0, BRISK, 0.160),
+            width=ComponentMotion(44.0, 18.0, BRISK, 0.51),
+            skew=ComponentMotion(2.0, 1.8, BRISK, 0.004),
         ),
         SceneAppearance(
             bottom=Bottom(stones=0.7, algae=0.9),
@@ -120,16 +120,16 @@ _ALL = (
         "pitch moves near frames 70 and 125",
         172,
         Motion(
-            distance=Sway(0.0, 60.0, BRISK, 4.93),
-            angle=Sway(-4.0, 22.0, BRISK, 0.486),
-            width=Sway(
+            distance=ComponentMotion(0.0, 60.0, BRISK, 4.93),
+            angle=ComponentMotion(-4.0, 22.0, BRISK, 0.486),
+            width=ComponentMotion(
                 62.0,
                 38.0,
                 ROUGH,
                 8.59,
                 moves=(frame_move(62, 18, -16.0), frame_move(117, 18, 16.0)),
             ),
-            skew=Sway(
+            skew=ComponentMotion(
                 2.4,
                 1.4,
                 BRISK,
@@ -152,10 +152,10 @@ _ALL = (
         "a dark cable on bright ground",
         171,
         Motion(
-            distance=Sway(5.0, 70.0, BRISK, 10.21),
-            angle=Sway(0.0, 16.0, BRISK, 0.199),
-            width=Sway(34.0, 11.0, BRISK, 0.21),
-            skew=Sway(2.4, 2.6, BRISK, 0.021),
+            distance=ComponentMotion(5.0, 70.0, BRISK, 10.21),
+            angle=ComponentMotion(0.0, 16.0, BRISK, 0.199),
+            width=ComponentMotion(34.0, 11.0, BRISK, 0.21),
+            skew=ComponentMotion(2.4, 2.6, BRISK, 0.021),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.6, ripples=2.0, stones=0.7, algae=0.6, ripple_angle=-8.0),
@@ -174,10 +174,10 @@ _ALL = (
         "a hard move from looking down to looking forward near frame 20",
         129,
         Motion(
-            distance=Sway(0.0, 75.0, BRISK, 10.31),
-            angle=Sway(0.0, 24.0, BRISK, 0.599),
-            width=Sway(62.0, 33.0, ROUGH, 7.50, moves=(frame_move(16, 10, -8.0),)),
-            skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(frame_move(16, 9, 6.4),)),
+            distance=ComponentMotion(0.0, 75.0, BRISK, 10.31),
+            angle=ComponentMotion(0.0, 24.0, BRISK, 0.599),
+            width=ComponentMotion(62.0, 33.0, ROUGH, 7.50, moves=(frame_move(16, 10, -8.0),)),
+            skew=ComponentMotion(0.8, 3.4, SHAKY, 0.177, moves=(frame_move(16, 9, 6.4),)),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.32, ripples=1.4, stones=1.2, algae=1.3),
@@ -195,15 +195,15 @@ _ALL = (
         "the cable leaves the image to the right and comes back",
         300,
         Motion(
-            distance=Sway(
+            distance=ComponentMotion(
                 20.0,
                 30.0,
                 CALM,
                 moves=(frame_move(90, 40, 235.0), frame_move(190, 40, -245.0)),
             ),
-            angle=Sway(0.0, 8.0, CALM),
-            width=Sway(38.0, 6.0, CALM),
-            skew=Sway(2.0, 0.8, CALM),
+            angle=ComponentMotion(0.0, 8.0, CALM),
+            width=ComponentMotion(38.0, 6.0, CALM),
+            skew=ComponentMotion(2.0, 0.8, CALM),
         ),
     ),
     Scenario(
@@ -213,8 +213,8 @@ _ALL = (
         # A steady view and little else on the cable: it goes and comes back at the sand's edge.
         replace(
             USUAL_MOTION,
-            width=Sway(38.0, 4.0, CALM),
-            skew=Sway(2.2, 0.3, CALM),
+            width=ComponentMotion(38.0, 4.0, CALM),
+            skew=ComponentMotion(2.2, 0.3, CALM),
             speed=0.7,
         ),
         SceneAppearance(skin=Skin(cover=0.15)),
@@ -261,10 +261,10 @@ _ALL = (
         "the vehicle stops over the cable for 3 s",
         250,
         Motion(
-            distance=Sway(10.0, 45.0, CALM, strength=_STOPPING),
-            angle=Sway(0.0, 12.0, CALM, strength=_STOPPING),
-            width=Sway(40.0, 6.0, CALM, strength=_STOPPING),
-            skew=Sway(2.2, 0.8, CALM, strength=_STOPPING),
+            distance=ComponentMotion(10.0, 45.0, CALM, strength=_STOPPING),
+            angle=ComponentMotion(0.0, 12.0, CALM, strength=_STOPPING),
+            width=ComponentMotion(40.0, 6.0, CALM, strength=_STOPPING),
+            skew=ComponentMotion(2.2, 0.8, CALM, strength=_STOPPING),
             stop=(95, 170),
         ),
     ),

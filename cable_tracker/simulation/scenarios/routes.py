@@ -14,7 +14,7 @@ from cable_tracker.simulation.motion.trajectory import (
     Signal,
     Trajectory,
 )
-from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Scenario, Sway
+from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, ComponentMotion, Scenario
 
 DISTANCE_LIMIT = 70.0
 """Largest |d| of the plain simulation [px at the reference width]."""
@@ -31,7 +31,7 @@ SKEW_LIMITS = (float(np.deg2rad(1.0)), float(np.deg2rad(3.2)))
 SPEED_LIMITS = (0.2, 0.36)
 """Forward speed [m/s]."""
 
-LEAN_LIMIT = float(np.deg2rad(2.5))
+ROLL_LIMIT = float(np.deg2rad(2.5))
 """Largest roll of the vehicle [rad]."""
 
 SURGE_LIMIT = 0.06
@@ -65,8 +65,8 @@ def random_trajectory(rng: np.random.Generator) -> Trajectory:
         angle=_wander(0.0, ANGLE_LIMIT, SWAY_BANDS, rng),
         width=_wander((widest + narrowest) / 2, (widest - narrowest) / 2, DRIFT_BANDS, rng),
         skew=_wander((high + low) / 2, (high - low) / 2, DRIFT_BANDS, rng),
-        lean=_random_lean(rng),
-        travel=_wander(0.0, SURGE_LIMIT, DRIFT_BANDS, rng),
+        roll=_random_roll(rng),
+        surge=_wander(0.0, SURGE_LIMIT, DRIFT_BANDS, rng),
         speed=float(rng.uniform(*SPEED_LIMITS)),
     )
 
@@ -75,8 +75,8 @@ def _wander(mean: float, limit: float, bands: Bands, rng: np.random.Generator) -
     return Signal(mean, Harmonics.random(limit, bands, rng, SHARES))
 
 
-def _random_lean(rng: np.random.Generator) -> Signal:
-    return Signal(0.0, Harmonics.random(LEAN_LIMIT, ROLL_BANDS, rng))
+def _random_roll(rng: np.random.Generator) -> Signal:
+    return Signal(0.0, Harmonics.random(ROLL_LIMIT, ROLL_BANDS, rng))
 
 
 def scenario_trajectory(scenario: Scenario, rng: np.random.Generator) -> Trajectory:
@@ -89,34 +89,36 @@ def scenario_trajectory(scenario: Scenario, rng: np.random.Generator) -> Traject
         first, last = (frame / SCENARIO_RATE for frame in motion.stop)
         pause = Pause(first, last, BRAKING_TIME)
     return Trajectory(
-        distance=_sway(motion.distance, 1.0, times, rng),
-        angle=_sway(motion.angle, radian, times, rng),
-        width=_sway(motion.width, 1.0, times, rng),
-        skew=_sway(motion.skew, radian, times, rng),
-        lean=_random_lean(rng),
-        travel=Signal(0.0, Harmonics.random(0.0, DRIFT_BANDS, rng)),
+        distance=_random_signal(motion.distance, 1.0, times, rng),
+        angle=_random_signal(motion.angle, radian, times, rng),
+        width=_random_signal(motion.width, 1.0, times, rng),
+        skew=_random_signal(motion.skew, radian, times, rng),
+        roll=_random_roll(rng),
+        surge=Signal(0.0, Harmonics.random(0.0, DRIFT_BANDS, rng)),
         speed=motion.speed,
         pause=pause,
     )
 
 
-def _sway(sway: Sway, unit: float, times: FloatArray, rng: np.random.Generator) -> Signal:
-    """Draw a signal until its wavering keeps within its limit; the calmest of many otherwise."""
+def _random_signal(
+    motion: ComponentMotion, unit: float, times: FloatArray, rng: np.random.Generator
+) -> Signal:
+    """Draw a signal until its oscillation keeps within its limit; the calmest of many otherwise."""
     best, smallest = None, np.inf
     for _ in range(ATTEMPTS):
         signal = Signal(
-            unit * sway.mean,
-            Harmonics.random(unit * sway.limit, sway.bands, rng),
-            tuple(replace(move, amount=unit * move.amount) for move in sway.moves),
-            sway.strength,
+            unit * motion.mean,
+            Harmonics.random(unit * motion.limit, motion.bands, rng),
+            tuple(replace(move, amount=unit * move.amount) for move in motion.moves),
+            motion.strength,
         )
-        if sway.variance is None:
+        if motion.variance is None:
             return signal
-        signal = signal.with_increment_variance(unit**2 * sway.variance, times)
-        reach = float(np.abs(signal.wavering(times)).max())
+        signal = signal.with_increment_variance(unit**2 * motion.variance, times)
+        reach = float(np.abs(signal.oscillation(times)).max())
         if reach < smallest:
             best, smallest = signal, reach
-        if reach <= unit * sway.limit:
+        if reach <= unit * motion.limit:
             break
     assert best is not None
     return best

@@ -24,24 +24,24 @@ def frame_move(frame: int, frames: int, amount: float) -> Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Sway:
-    """How one of d, alpha, w, beta moves; lengths in px at a width of 320, angles in degrees.
+class ComponentMotion:
+    """Motion of one of d, alpha, w, beta; lengths in px at a width of 320, angles in degrees.
 
     Attributes
     ----------
     mean : float
         Initial value.
     limit : float
-        The wavering stays within +-limit.
+        The oscillation stays within +-limit.
     bands : Bands
-        Frequencies of the wavering.
+        Frequencies of the oscillation.
     variance : float or None
-        Wanted variance of the steps from frame to frame [px² or deg²]; None: the wavering takes all
-        of its limit.
+        Wanted variance of the steps from frame to frame [px² or deg²]; None: the oscillation takes
+        all of its limit.
     moves : tuple of Move
-        Besides the wavering.
+        Besides the oscillation.
     strength : tuple of Move
-        How the strength of the wavering departs from 1.
+        Changes of the strength of the oscillation, which starts at 1.
     """
 
     mean: float
@@ -54,13 +54,13 @@ class Sway:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How the cable moves through the image.
+    """Motion of the cable in the image.
 
     Attributes
     ----------
-    distance, width : Sway
+    distance, width : ComponentMotion
         d and w [px at a width of 320].
-    angle, skew : Sway
+    angle, skew : ComponentMotion
         alpha and beta [deg].
     speed : float
         Along the cable [m/s].
@@ -68,10 +68,10 @@ class Motion:
         First and last frame between which the vehicle stands still.
     """
 
-    distance: Sway
-    angle: Sway
-    width: Sway
-    skew: Sway
+    distance: ComponentMotion
+    angle: ComponentMotion
+    width: ComponentMotion
+    skew: ComponentMotion
     speed: float = 0.35
     stop: tuple[int, int] | None = None
 

@@ -158,7 +158,7 @@ def simulate_scenario(
 def scenario_dive(
     scenario: str | Scenario, seed: int = 0, image_size: tuple[int, int] = SCENARIO_SIZE
 ) -> Dive:
-    """Return the camera, the cable and the motion of a scenario: where everything is at any time.
+    """Return the camera, the cable and the motion of a scenario.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def scenario_dive(
 
 
 def _checked(scenario: str | Scenario, seed: int, image_size: tuple[int, int]) -> Scenario:
-    """Return the scenario that is asked for, if the other values are in their ranges."""
+    """Return the scenario itself, or that of a name; check the other values."""
     chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
     check_size(image_size)
     check_seed(seed)
@@ -186,22 +186,22 @@ def _scenario_dive(scenario: Scenario, seeds: Seeds, image_size: tuple[int, int]
 
 
 def _places_in_view(dive: Dive, frames: IndexArray) -> FloatArray:
-    """Return the places along the cable that are seen in any of some frames, shape (K,) [m]."""
+    """Return the positions along the cable in view in any of some frames, shape (K,) [m]."""
     projected = dive.views(frames / SCENARIO_RATE).projected
-    seen: FloatArray = projected.along[projected.inside.any(axis=1)]
-    if not seen.size:
+    in_view: FloatArray = projected.along[projected.inside.any(axis=1)]
+    if not in_view.size:
         raise ParameterError(
             f"no cable is in view in the frames {frames[0]} to {frames[-1]}: choose others in which"
             " it is buried or crossed"
         )
-    return seen
+    return in_view
 
 
 def _bury(dive: Dive, frames: tuple[int, int]) -> BuriedStretch:
     """Return the stretch that hides the cable from all of the frames from first to last."""
-    seen = _places_in_view(dive, np.arange(frames[0], frames[1] + 1))
+    in_view = _places_in_view(dive, np.arange(frames[0], frames[1] + 1))
     margin = 0.5 * dive.tube.radius
-    return BuriedStretch(float(seen.min()) - margin, float(seen.max()) + margin, 0.1)
+    return BuriedStretch(float(in_view.min()) - margin, float(in_view.max()) + margin, 0.1)
 
 
 def _cross(dive: Dive, crossing: Crossing) -> Tube:

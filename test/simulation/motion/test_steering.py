@@ -14,28 +14,28 @@ STATES = st.tuples(
 )
 
 
-def _steer(tube, camera, state, lean=0.0, way=0.0):
+def _steer(tube, camera, state, roll=0.0, travel=0.0):
     states = np.zeros((1, 8))
     states[0, :4] = state
-    poses = steer(tube, camera, states, np.array([lean]), np.array([way]))
+    poses = steer(tube, camera, states, np.array([roll]), np.array([travel]))
     return poses, fit_states(project_tube(tube, camera, poses), camera.image_size)[0]
 
 
 @given(STATES, st.floats(-0.1, 0.1), st.floats(-100, 100))
-def test_the_vehicle_sees_what_it_was_steered_for(state, lean, way):
-    poses, seen = _steer(Tube(0.08), CAMERA, state, lean, way)
+def test_the_vehicle_sees_what_it_was_steered_for(state, roll, travel):
+    poses, seen = _steer(Tube(0.08), CAMERA, state, roll, travel)
     np.testing.assert_allclose(seen[:4], state, atol=1e-6)
-    assert poses.positions[0, 1] == pytest.approx(way, abs=1e-6)
+    assert poses.positions[0, 1] == pytest.approx(travel, abs=1e-6)
     assert np.linalg.det(poses.rotations[0]) == pytest.approx(1.0)
-    assert poses.rotations[0, 2, 0] == pytest.approx(-np.sin(lean), abs=1e-9)
+    assert poses.rotations[0, 2, 0] == pytest.approx(-np.sin(roll), abs=1e-9)
 
 
 @settings(max_examples=25)
 @given(STATES, st.floats(0.0, 50.0))
-def test_bends_and_distortion_are_taken_into_account(state, way):
+def test_bends_and_distortion_are_taken_into_account(state, travel):
     tube = Tube(0.08, (Bend(0.07, 0.4, 0.3),))
     camera = Camera((320, 240), 280.0, 0.3, (-0.1, 0.02, 0.0, 0.0, 0.0))
-    _, seen = _steer(tube, camera, state, way=way)
+    _, seen = _steer(tube, camera, state, travel=travel)
     np.testing.assert_allclose(seen[[0, 2]], [state[0], state[2]], atol=0.15)
     np.testing.assert_allclose(seen[[1, 3]], [state[1], state[3]], atol=3e-3)
 

@@ -44,12 +44,12 @@ def test_velocities_are_derivatives(seed, time):
 
 @given(SEEDS, TIMES, st.floats(0.001, 10.0))
 def test_vehicle_never_goes_backwards(seed, time, step):
-    first, second = _trajectory(seed).way(np.array((time, time + step)))
+    first, second = _trajectory(seed).travel(np.array((time, time + step)))
     assert second > first
 
 
 def test_the_way_starts_at_zero():
-    assert _trajectory(3).way(np.zeros(1))[0] == 0.0
+    assert _trajectory(3).travel(np.zeros(1))[0] == 0.0
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -7,7 +7,7 @@ import pytest
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import RawImage
 from cable_tracker.simulation.scenarios.catalogue import find_scenario
-from cable_tracker.simulation.scenarios.scenario import Crossing, Sway
+from cable_tracker.simulation.scenarios.scenario import ComponentMotion, Crossing
 from cable_tracker.simulation.scenarios.scenario_dive import (
     SimulationSettings,
     simulate,
@@ -111,6 +111,6 @@ def test_values_out_of_range_are_refused(change, named):
 @pytest.mark.parametrize("event", [{"buried": (2, 4)}, {"crossing": Crossing(frame=3)}])
 def test_no_cable_is_buried_or_crossed_where_none_is_in_view(event):
     calm = find_scenario("stop")
-    aside = dataclasses.replace(calm.motion, distance=Sway(900.0, 0.0))
+    aside = dataclasses.replace(calm.motion, distance=ComponentMotion(900.0, 0.0))
     with pytest.raises(ParameterError, match="no cable is in view"):
         simulate_scenario(dataclasses.replace(calm, motion=aside, **event))
