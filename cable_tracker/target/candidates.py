@@ -1,4 +1,4 @@
-"""What detectors propose: outlines of whatever stands out from a picture."""
+"""Detectors of targets: outlines of all that stands out from a picture."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ class Candidate:
     worth: float
 
 
-def conspicuousness(frame: WorkingFrame) -> NDArray[np.float32]:
-    """Return how far every pixel is from the usual values of the picture, 0 to 1, shape (H, W)."""
+def saliency(frame: WorkingFrame) -> NDArray[np.float32]:
+    """Return the saliency of every pixel, its distance from usual values, 0 to 1, shape (H, W)."""
     channels = frame.channels[..., 1:] if frame.is_coloured else frame.channels[..., :1]
     values = cv2.GaussianBlur(channels, (0, 0), 1.5).astype(np.float32)
     if values.ndim == 2:
@@ -80,8 +80,8 @@ def conspicuousness(frame: WorkingFrame) -> NDArray[np.float32]:
 
 
 def contour_candidates(frame: WorkingFrame) -> list[Candidate]:
-    """Propose what contours from seeds on a grid converge to, the likeliest first."""
-    map_ = conspicuousness(frame)
+    """Return the outlines that contours from seeds on a grid converge to, the likeliest first."""
+    map_ = saliency(frame)
     height, width = map_.shape
     rows, columns = np.mgrid[:height, :width]
     settings = ContourSettings(regulariser=0.02, balance=-1.0, iterations=ITERATIONS)
@@ -104,8 +104,8 @@ def contour_candidates(frame: WorkingFrame) -> list[Candidate]:
 
 
 def marching_candidates(frame: WorkingFrame) -> list[Candidate]:
-    """Propose what a front from the borders of the picture cannot enter, the likeliest first."""
-    map_ = conspicuousness(frame)
+    """Return the regions that a front from the picture's borders cannot enter, likeliest first."""
+    map_ = saliency(frame)
     width = map_.shape[1]
     seeds = np.zeros(map_.shape, np.bool_)
     seeds[0] = seeds[-1] = True

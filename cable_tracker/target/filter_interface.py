@@ -1,4 +1,4 @@
-"""What the target tracker gets of any filter after each frame: a summary and a belief."""
+"""Output of any target filter after each frame: a summary and a belief."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class TargetSummary:
     outline : Outline or None
         Contour; None where the target is beyond the picture.
     is_whole : bool
-        Whether its size means something.
+        Whether the outline shows the whole target, so that its size is meaningful.
     presence : float
         Probability that the target is in view.
     effective_sample_size, score : float
         N_eff and score, see `TargetEstimate`.
     supports_claim, supports_keeping : bool
-        Whether the frame speaks for claiming the target, and for going on to claim it.
+        Whether the frame supports claiming the target, and keeping the claim.
     """
 
     state: FloatArray
@@ -42,7 +42,7 @@ class TargetSummary:
 
 
 class TargetBelief(Protocol):
-    """What any filter believes of a target: particles at least. Never changed in place."""
+    """Belief of any filter: particles at least. Immutable."""
 
     @property
     def particles(self) -> Particles:

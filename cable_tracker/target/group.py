@@ -1,4 +1,4 @@
-"""Several targets at once: a mixture of filters, which meet only in where they are not.
+"""Several targets at once: one filter each, kept apart by mutual exclusion.
 
 J. Ha (2008), (38): the belief is a mixture of filters with weights of their own. He has no
 exclusion; here a target that is claimed keeps the particles of the others away.
@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.target.model.camera_motion import CameraMotion, telling
+from cable_tracker.target.model.camera_motion import CameraMotion, usable_motion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -51,7 +51,7 @@ class TargetGroup:
         return self._parameters
 
     def configure(self, parameters: TargetParameters) -> None:
-        """Take other parameters from now on, and keep the beliefs; see `TargetTracker`."""
+        """Use other parameters from now on, and keep the beliefs; see `TargetTracker`."""
         self._parameters = parameters
         for number, tracker in enumerate(self._trackers):
             tracker.configure(_with_seed(parameters, number))
@@ -110,13 +110,13 @@ class TargetGroup:
     def _claimed_before(
         self, motion: CameraMotion | None, image_size: tuple[int, int]
     ) -> dict[int, FloatArray]:
-        """Return where targets were claimed in the frame before, carried on to this one.
+        """Return the states claimed in the frame before, moved with the camera, by their numbers.
 
         Otherwise a target that comes, as the camera pans, to where another one was would be kept
         from its own place.
         """
         claimed = _claimed(dict(enumerate(self._estimates)))
-        motion = telling(motion, image_size)
+        motion = usable_motion(motion, image_size)
         if motion is None:
             return claimed
         return dict(zip(claimed, motion.moved(_stacked(claimed.values()), 1.0), strict=True))

@@ -20,7 +20,7 @@ from cable_tracker.target.measure.working_frame import (
     check_target_frame,
     make_working_frame,
 )
-from cable_tracker.target.model.camera_motion import CameraMotion, telling
+from cable_tracker.target.model.camera_motion import CameraMotion, usable_motion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import (
@@ -48,7 +48,7 @@ NO_OTHERS = np.empty((0, STATE_SIZE))
 
 
 class FrameTask(IntEnum):
-    """What a tracker does with a frame."""
+    """Use that a tracker makes of a frame."""
 
     START = 0
     """Take what was marked for the target."""
@@ -95,7 +95,7 @@ class TargetTracker:
         return particles.moved_to(particles.states * state_units(self._zoom))
 
     def configure(self, parameters: TargetParameters) -> None:
-        """Take other parameters from now on, and keep the belief.
+        """Use other parameters from now on, and keep the belief.
 
         A changed seed waits for the next reset; another filter or working width starts anew with
         the next target that is marked or that the detector proposes. Where a marked one is lost by
@@ -124,7 +124,7 @@ class TargetTracker:
         self._notice = ""
 
     def copy(self) -> TargetTracker:
-        """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
+        """Return an independent tracker in the same state, which goes on bit for bit alike."""
         return copy.deepcopy(self, {id(self._parameters): self._parameters})
 
     def initialise(self, start: TargetStart) -> None:
@@ -140,18 +140,20 @@ class TargetTracker:
         self._start = start
 
     def task_for(self, image: Image, stamp: int) -> FrameTask:
-        """See that `process` can take a frame, and say what it will do with it.
+        """Check a frame, and return what `process` would do with it.
 
         Raises
         ------
         FrameError
-            It cannot. Nothing has changed, but for a mark that the frame cannot hold: it is
-            dropped.
+            `process` would refuse it. Nothing has changed, but for a mark that the frame cannot
+            hold: it is dropped.
         """
         step = self._succession(self._frame_mark(image, stamp))
         if self._start is not None:
             return FrameTask.START
-        return FrameTask.SEARCH if self._ends(step) or self.is_searching else FrameTask.FOLLOW
+        return (
+            FrameTask.SEARCH if self._loses_target(step) or self.is_searching else FrameTask.FOLLOW
+        )
 
     def _frame_mark(self, image: Image, stamp: int) -> FrameMark:
         check_target_frame(image, self._parameters.working_width)
@@ -200,28 +202,28 @@ class TargetTracker:
         step = self._succession(frame)
         start, self._start = self._start, None
         self._has_begun = False
-        event = self._leave_behind(step)
+        event = self._forget_before(step)
         self._frame = frame
-        seen = make_working_frame(self._in_bytes(image), self._parameters.working_width)
-        self._zoom = seen.zoom
+        working = make_working_frame(self._in_bytes(image), self._parameters.working_width)
+        self._zoom = working.zoom
         if start is not None:
             try:
-                return self._begin(seen, start, step.event)
+                return self._begin(working, start, step.event)
             except FrameError as error:
                 # It does not stand out: what was followed still is.
                 event = joined_events(event, str(error))
                 if self.is_searching:
-                    return self._nothing(event)
-        apart = others * state_units(1.0 / seen.zoom)
+                    return self._without_target(event)
+        apart = others * state_units(1.0 / working.zoom)
         if self.is_searching:
-            return self._search(seen, event, apart)
+            return self._search(working, event, apart)
         # After a gap the marked target may be anywhere that it can get to within the longest one.
         dt = self._parameters.maximum_gap if step.event else step.dt
-        motion = telling(motion, frame.size)
+        motion = usable_motion(motion, frame.size)
         # Of this filter: with another one the tracker starts anew.
         belief: Any = self._belief
         summary, self._belief = self._filter.step(
-            belief, seen, dt, motion, apart, counts_for=step.dt
+            belief, working, dt, motion, apart, counts_for=step.dt
         )
         return self._estimate(summary, step.dt, event)
 
@@ -234,18 +236,15 @@ class TargetTracker:
             self._gain = byte_gain(image)
         return eight_bits(amplified(image, self._gain))
 
-    def _leave_behind(self, step: Succession) -> str:
-        """Forget what cannot be followed into a frame; return what to say of its time and of that.
-
-        Unless what is marked in the frame takes the place of what is forgotten.
-        """
+    def _forget_before(self, step: Succession) -> str:
+        """Forget a target that cannot be followed into a frame; return the event to report."""
         notice, self._notice = self._notice, ""
-        is_missed = (self._ends(step) and self._forget()) or bool(notice)
+        is_missed = (self._loses_target(step) and self._forget()) or bool(notice)
         reasons = joined_events(step.event, notice)
         return f"{reasons}: the marked target is forgotten, mark it again" if is_missed else reasons
 
-    def _ends(self, step: Succession) -> bool:
-        """Tell whether nothing that was followed before a frame can be followed on.
+    def _loses_target(self, step: Succession) -> bool:
+        """Return whether the target of the frame before cannot be followed into a frame.
 
         A marked target is looked for until another mark, also after a gap; what a detector proposed
         is proposed again.
@@ -253,7 +252,7 @@ class TargetTracker:
         return bool(step.event) and (self._is_proposed or not step.is_same_size)
 
     def _forget(self) -> bool:
-        """Begin with no target, and tell whether a marked one is missed by that."""
+        """Drop the target, and return whether it was a marked one."""
         is_missed = self._belief is not None and not self._is_proposed
         self._belief = None
         self._status = StatusMachine()
@@ -266,7 +265,7 @@ class TargetTracker:
 
     @property
     def is_searching(self) -> bool:
-        """Whether there is no target, or only one of a detector that was wrong or is long gone."""
+        """Whether there is no target, or one of the detector that was refuted or is long lost."""
         if self._belief is None:
             return True
         if not self._is_proposed:
@@ -275,42 +274,45 @@ class TargetTracker:
             return self._presence < self._parameters.presence_to_lose
         return self._status.is_search_due(LONG_GONE * self._parameters.memory_time)
 
-    def _search(self, seen: WorkingFrame, event: str, others: FloatArray) -> TargetEstimate:
-        """Take the likeliest candidate of the detector that stands out, if there is one."""
+    def _search(self, working: WorkingFrame, event: str, others: FloatArray) -> TargetEstimate:
+        """Start with the likeliest candidate of the detector that stands out, if there is one."""
         if self._parameters.detector != "none":
-            for candidate in DETECTORS[self._parameters.detector](seen):
+            for candidate in DETECTORS[self._parameters.detector](working):
                 if _covers_any(candidate.mask, others):
                     continue
                 try:
-                    summary, self._belief = self._filter.start(seen, candidate.mask, is_exact=True)
+                    summary, self._belief = self._filter.start(
+                        working, candidate.mask, is_exact=True
+                    )
                 except FrameError:
                     # It does not stand out: the next candidate may.
                     continue
                 self._is_proposed = True
                 self._status = StatusMachine()
                 return self._estimate(summary, 0.0, event)
-        return self._nothing(event)
+        return self._without_target(event)
 
     def _make_filter(self) -> PoseFilter | BlobFilter:
         if self._parameters.filter == "blobs":
             return BlobFilter(self._parameters, self._rng)
         return PoseFilter(self._parameters, self._rng)
 
-    def _begin(self, seen: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
-        """Take what was marked for the target.
+    def _begin(self, working: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
+        """Start with what was marked.
 
         Raises
         ------
         FrameError
             It does not stand out. Nothing has changed.
         """
-        mask = start.mask(seen.shape, seen.zoom)
-        summary, self._belief = self._filter.start(seen, mask, is_exact=not start.is_box)
+        mask = start.mask(working.shape, working.zoom)
+        summary, self._belief = self._filter.start(working, mask, is_exact=not start.is_box)
         self._status = StatusMachine().confirm_with_next_frame()
         self._is_proposed, self._has_begun = False, True
         return self._estimate(summary, 1.0, event)
 
-    def _nothing(self, event: str) -> TargetEstimate:
+    def _without_target(self, event: str) -> TargetEstimate:
+        """Return the estimate of a frame without any target."""
         assert self._frame is not None
         return TargetEstimate(
             stamp=self._frame.stamp,
@@ -360,7 +362,7 @@ class TargetTracker:
 
 
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:
-    """Tell whether a mask (H, W) holds the centre of one of the poses (K, 6)."""
+    """Return whether a mask (H, W) contains the centre of one of the poses (K, 6)."""
     height, width = mask.shape
     places = to_pixel(others[:, X], others[:, Y], (width, height))
     columns, rows = (np.rint(each).astype(int) for each in places)

@@ -1,4 +1,4 @@
-"""Compiles and loads what a target tracker needs, before frames come."""
+"""Compiles and loads the machine code of a target tracker before frames come."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the target looks, and its surroundings: histograms, learnt at the start and after."""
+"""Appearance of a target and its surroundings: histograms, learnt at the start and adapted."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ NEAR_SHARE = 0.5
 """Share of the surroundings' histogram that comes from near the target."""
 
 LEAST_LIKENESS = 0.5
-"""Pixels whose greys are less like the target's do not show it."""
+"""Least likeness of the greys of pixels that resemble the target."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Appearance:
-    """Histograms of target and surroundings, and what follows from them.
+    """Histograms of target and surroundings, with likelihood ratios and likeness.
 
     Attributes
     ----------
@@ -76,8 +76,8 @@ class Appearance:
         )
         return float(np.sqrt(target * other).sum())
 
-    def shown_by(self, greys: NDArray[np.uint8]) -> bool:
-        """Tell whether pixels (K,) are the target by their grey alone, and not its surroundings.
+    def resembles_target(self, greys: NDArray[np.uint8]) -> bool:
+        """Return whether pixels (K,) resemble the target by their grey alone, not its surroundings.
 
         Frames in colour and in grey have that in common.
         """
@@ -97,7 +97,7 @@ class Appearance:
     def adapted(
         self, target: FloatArray, surroundings: FloatArray, rate: float, outer_rate: float
     ) -> Appearance:
-        """Return it moved towards the histograms of a new frame, by shares of the way."""
+        """Return the appearance moved towards histograms of a new frame, by two rates."""
         return replace(
             self,
             target=(1.0 - rate) * self.target + rate * target,
@@ -163,7 +163,7 @@ def window_near(mask: BoolArray) -> Window:
 
 
 def learn_appearance(bin_map: BinMap, mask: BoolArray, bins: Bins) -> Appearance:
-    """Return how a target looks that is seen for the first time, and its surroundings.
+    """Return the appearance of a target and its surroundings, from a single frame.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How likely a score is of the target, and of a place without it: the frame's own null."""
+"""Likelihoods of a score: of the target, and of places without it in the same frame."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class UsualScore:
     mean: float
     variance: float
 
-    def seen(self, score: float, rate: float) -> UsualScore:
-        """Return it after one more frame in which the target was surely in view."""
+    def updated(self, score: float, rate: float) -> UsualScore:
+        """Return the statistics after one more score; `rate` is its weight."""
         gap = score - self.mean
         variance = (1.0 - rate) * (self.variance + rate * gap * gap)
         return replace(self, mean=self.mean + rate * gap, variance=variance)
@@ -46,7 +46,7 @@ def log_ratio_of_likeness(likeness: float, usual: UsualScore, least: float) -> f
     Parameters
     ----------
     likeness : float
-        Likeness of what the contour shows to the target, 0 to 1.
+        Likeness of the histogram in the contour to that of the target, 0 to 1.
     usual : UsualScore
         Mean and variance of the target's own likeness.
     least : float
@@ -65,13 +65,13 @@ class Clutter:
     ----------
     middle, spread : float
         Median and half the 16-84 % range of the scores.
-    anything : float
-        Share of clutter with any score at all.
+    uniform_share : float
+        Weight of a uniform density in that of clutter.
     """
 
     middle: float
     spread: float
-    anything: float
+    uniform_share: float
 
     def log_ratios(self, scores: FloatArray, usual: UsualScore, least: float) -> FloatArray:
         """Return log p(score | target) / p(score | clutter), shape (N,).
@@ -91,24 +91,24 @@ class Clutter:
         standard = (scores - self.middle) / self.spread
         student = STUDENT_PEAK * (1.0 + standard**2 / TAIL) ** (-(TAIL + 1) / 2) / self.spread
         even = 1.0 / max(2.0 * abs(usual.mean), 1.0)
-        clutter = (1.0 - self.anything) * student + self.anything * even
+        clutter = (1.0 - self.uniform_share) * student + self.uniform_share * even
         ratios: FloatArray = target - np.log(clutter)
         return ratios
 
 
-def clutter_of(scores: FloatArray, anything: float) -> Clutter:
-    """Return the clutter that random places of a frame show.
+def clutter_of(scores: FloatArray, uniform_share: float) -> Clutter:
+    """Return the statistics of clutter from random places of a frame.
 
     Parameters
     ----------
     scores : FloatArray
         Scores of places where the target is not, shape (K,).
-    anything : float
+    uniform_share : float
         See `Clutter`.
     """
     if len(scores) == 0:
-        return Clutter(0.0, LEAST_SPREAD, anything)
+        return Clutter(0.0, LEAST_SPREAD, uniform_share)
     # The same as np.percentile, without its overhead.
     places = np.array([0.16, 0.5, 0.84]) * (len(scores) - 1)
     low, middle, high = np.interp(places, np.arange(len(scores)), np.sort(scores))
-    return Clutter(float(middle), max(float(high - low) / 2.0, LEAST_SPREAD), anything)
+    return Clutter(float(middle), max(float(high - low) / 2.0, LEAST_SPREAD), uniform_share)

@@ -1,4 +1,4 @@
-"""The first look at a marked target: which pixels it has, and how they look."""
+"""Learns pixels, shape and appearance of a target from the frame in which it was marked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.image_frame import bounding_box
 
 ROUNDS = 3
-"""How often outline and appearance are worked out in turn."""
+"""Iterations of outline and appearance in turn."""
 
 BOX_SOFTNESS = 0.15
 """Softness of the ellipse in a box as a prior of shape, in roots of its area."""
@@ -28,7 +28,7 @@ BOX_ERROR = 0.15
 
 
 class FirstLook(NamedTuple):
-    """What is known of a target after the frame in which it was marked.
+    """Shape, appearance and pose of a target in the frame in which it was marked.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class FirstLook(NamedTuple):
     score: float
 
 
-def look_first(
+def learn_target(
     frame: WorkingFrame, mask: BoolArray, parameters: TargetParameters, *, is_exact: bool
 ) -> FirstLook:
     """Learn a target from the frame in which it was marked.
@@ -58,7 +58,7 @@ def look_first(
     mask : BoolArray
         Marked pixels, shape (H, W).
     is_exact : bool
-        Whether the mask is an outline; of a box, what belongs to the target is worked out.
+        Whether the mask is the target's own; else it is that of a box, and is refined.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def look_first(
 
 
 def _widened(mask: BoolArray) -> BoolArray:
-    """Return the box around a mask that is not empty, and a little more on every side."""
+    """Return the box around a mask that is not empty, with a margin of `BOX_ERROR`, as a mask."""
     box = bounding_box(mask)
     assert box is not None
     left, top, right, bottom = box

@@ -66,7 +66,7 @@ class Outline:
         return whole
 
     def touches_border(self, shape: tuple[int, int]) -> bool:
-        """Tell whether the target reaches the border of a picture of this shape."""
+        """Return whether the mask reaches the border of a picture of this shape."""
         left, top, right, bottom = self.box
         return left <= 0 or top <= 0 or right >= shape[1] or bottom >= shape[0]
 
@@ -84,7 +84,7 @@ def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) 
 
 
 def contour_settings(parameters: TargetParameters) -> ContourSettings:
-    """Return how contours evolve."""
+    """Return the settings of contour evolution."""
     return ContourSettings(parameters.contour_regulariser, -1.0, parameters.contour_iterations)
 
 

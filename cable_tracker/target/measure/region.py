@@ -1,6 +1,6 @@
-"""A frame seen with the learnt appearance of a target: what poses are scored by.
+"""Scores of poses in a frame, by the learnt appearance of a target.
 
-A score is how much more a region looks like the target than what is around it.
+A score is the mean log-ratio within a region less that around it, with the likeness of its hues.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from cable_tracker.target.model.template import Template
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 MIN_SHARE = 0.05
-"""With less of its points in the picture a region has no score."""
+"""Smallest share of a region's points in the picture for a score."""
 
 NO_SCORE = -10.0
 
@@ -74,7 +74,7 @@ def _mean_around(
 
 
 class HueModel(NamedTuple):
-    """What the hues of a region are compared with.
+    """The histogram of hues that regions are compared with.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class HueModel(NamedTuple):
 
 
 @compiled_inside
-def _seen_inside(
+def _interior_statistics(
     ratios: NDArray[np.float32],
     hues: HueModel,
     counts: FloatArray,
@@ -158,7 +158,7 @@ def score_poses(
         place = (states[row, X], states[row, Y])
         length = size * math.exp(states[row, LOG_SCALE])
         turn = (length * math.cos(states[row, ANGLE]), length * math.sin(states[row, ANGLE]))
-        mean, share, likeness = _seen_inside(ratios, hues, counts, inside, place, turn)
+        mean, share, likeness = _interior_statistics(ratios, hues, counts, inside, place, turn)
         if share < MIN_SHARE:
             scores[row] = NO_SCORE
             continue
@@ -169,7 +169,7 @@ def score_poses(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredFrame:
-    """What a frame shows of a target's appearance.
+    """A frame measured by a target's appearance: a log-ratio for each pixel.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ class MeasuredFrame:
     hues: HueModel
 
     def scores(self, states: FloatArray, template: Template) -> FloatArray:
-        """Return how much the regions of poses (N, 6) look like the target, shape (N,)."""
+        """Return the scores of the regions of poses (N, 6), shape (N,); see `score_poses`."""
         scores: FloatArray = score_poses(
             self.ratios, states, template.inside, template.around, template.size, self.hues
         )
@@ -199,7 +199,7 @@ class MeasuredFrame:
 def measure_frame(
     frame: WorkingFrame, appearance: Appearance, parameters: TargetParameters
 ) -> MeasuredFrame:
-    """Look at a frame with what has been learnt of a target's appearance."""
+    """Return the log-ratios and hues of a frame by a target's appearance."""
     share = parameters.first_look_share
     bins = bins_of(frame.channels, appearance.bins.lookups)
     weight = parameters.hue_weight if frame.is_coloured else parameters.grey_hue_weight

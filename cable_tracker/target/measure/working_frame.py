@@ -1,4 +1,4 @@
-"""The frame as it is measured: reduced, and as channels."""
+"""The working frame: reduced to the working width, and split into channels."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class WorkingFrame:
         return self.picture if self.picture.ndim == 2 else _in_grey(self.picture)
 
     def measured_in(self, *, colour: bool) -> WorkingFrame:
-        """Return it with the channels of colour, or of grey, whatever it shows."""
+        """Return the frame with the channels of colour, or of grey."""
         if colour == self.is_coloured:
             return self
         picture = self.picture
@@ -75,12 +75,12 @@ def _in_grey(picture: Image) -> Image:
 
 
 def check_target_frame(image: Image, working_width: int) -> None:
-    """See that a frame can be measured at a working width.
+    """Check shape and levels of a frame, and its size at a working width [px].
 
     Raises
     ------
     FrameError
-        It cannot.
+        It cannot be used.
     """
     if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)):
         raise FrameError(

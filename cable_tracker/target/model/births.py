@@ -1,4 +1,4 @@
-"""Where a target that was not in view comes into it."""
+"""Density of the poses at which a target comes into view."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TAIL = 4.0
 """Degrees of freedom about the last place."""
 
 FIRST_SPREAD, SPREADING, WIDEST = 0.1, 0.35, 0.5
-"""How far from the last place at once, how much farther every second, and at most: in widths."""
+"""Scale of the position about the last one: at first, growth per second, and at most [widths]."""
 
 SCALE_SPREAD, SCALE_SPREADING, WIDEST_SCALE = 0.25, 0.15, 0.6
 """The same of the log scale."""
@@ -51,14 +51,14 @@ class Births:
     shape: tuple[int, int]
 
     def aged(self, dt: float) -> Births:
-        """Return it `dt` seconds later."""
+        """Return the density `dt` seconds later."""
         return replace(self, seconds=self.seconds + dt)
 
-    def turned(self, motion: CameraMotion, zoom: float) -> Births:
-        """Return it after a motion of the camera; `zoom` pixels of the frame are one of a pose.
+    def moved(self, motion: CameraMotion, zoom: float) -> Births:
+        """Return the density after a motion of the camera; `zoom` frame pixels are one of a pose.
 
-        A last place that turns out of the picture stays: it would say nothing of where in the
-        picture to look, and of a turn that is wrong the target is still where it was.
+        A last place that would leave the picture stays: outside it is no use for the search, and if
+        the motion is wrong, the target is still there.
         """
         last = motion.moved(self.last[None], zoom)[0]
         height, width = self.shape

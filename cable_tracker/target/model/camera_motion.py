@@ -1,4 +1,4 @@
-"""How the camera has moved: where the pixels of the frame before are now."""
+"""Motion of the camera between two frames, as a homography."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ STEP = 1.0
 """Length over which the local turn and stretch of a homography are measured [px]."""
 
 LEAST_DEPTH = 0.3
-"""Least depth before the turned camera, against that of the picture's centre, at which places are
-told of the picture before."""
+"""Least depth of the corners before the turned camera, against that of the picture's centre, at
+which the homography is used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,10 +31,10 @@ class CameraMotion:
     homography: FloatArray
 
     def keeps_picture(self, image_size: tuple[int, int]) -> bool:
-        """Tell whether all that a picture showed is still well before the camera.
+        """Return whether all points of a picture stay well in front of the camera.
 
-        Of a farther turn a homography says nothing: towards the camera's side all lengths grow
-        without bounds, and what is behind it is mirrored.
+        After a farther turn a homography is useless: towards the camera's side all lengths grow
+        without bounds, and points behind it are mirrored.
 
         Parameters
         ----------
@@ -49,7 +49,7 @@ class CameraMotion:
         return bool(not is_mirrored and (depths >= LEAST_DEPTH * centre**2).all())
 
     def moved(self, states: FloatArray, zoom: float) -> FloatArray:
-        """Return poses (N, 6) in pixels of the working image, `zoom` of the frame's, carried on."""
+        """Return poses (N, 6) mapped into this frame; `zoom` of its pixels are one of a pose."""
         places = states[:, :2] * zoom
         here = self._mapped(places)
         ahead = self._mapped(places + np.array([STEP, 0.0])) - here
@@ -68,8 +68,8 @@ class CameraMotion:
         return mapped
 
 
-def telling(motion: CameraMotion | None, image_size: tuple[int, int]) -> CameraMotion | None:
-    """Return a motion that says where things are now; None of one that does not keep the picture.
+def usable_motion(motion: CameraMotion | None, image_size: tuple[int, int]) -> CameraMotion | None:
+    """Return a motion, or None if it is unknown or does not keep the picture.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the tracker says about one frame."""
+"""The estimate of a target after one frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where targets are at the start: boxes or outlines that were marked, and what a parameter says."""
+"""Start of a target: marked boxes or outlines, and the parameter that names them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import FrameError, ParameterError
 
 WAIT, DETECT = "wait", "detect"
-"""Words for a start where a mark is waited for, and where a detector proposes."""
+"""Values of the parameter: wait for a mark, or take what a detector proposes."""
 
 LEAST_SIDE = 3.0
 """Minimum width and height of a marked box [px]."""
@@ -85,7 +85,7 @@ class TargetStart:
         return float(np.linalg.svd(centred, compute_uv=False)[-1])
 
     def check(self, image_size: tuple[int, int]) -> None:
-        """See that it can be in a picture of this size.
+        """Check that the start can be in a picture of this size [px].
 
         Raises
         ------
@@ -127,7 +127,7 @@ class TargetStart:
 
 @dataclass(frozen=True, slots=True)
 class StartText:
-    """What a parameter says of the start.
+    """Value of the parameter that names the start.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ def wrap_full_turn(angles: FloatArray) -> FloatArray:
 
 
 def distances_from(x: float, y: float, states: FloatArray) -> FloatArray:
-    """Return how far from a place poses (N, 4 or 6) are, shape (N,) [px]."""
+    """Return the distances of poses (N, 4 or 6) from a point, shape (N,) [px]."""
     distances: FloatArray = np.hypot(states[:, X] - x, states[:, Y] - y)
     return distances
 

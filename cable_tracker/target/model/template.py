@@ -1,4 +1,4 @@
-"""The shape of a target as it is remembered: signed distances, and points to measure at."""
+"""The template of a target's shape: signed distances, and points to measure at."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Template:
 
     @property
     def is_bar(self) -> bool:
-        """Whether too little of its outline lies at its ends to tell how much of it is seen."""
+        """Whether the shape is a thin bar, of which the visible share of the length is unknown."""
         if float(self.distances.min()) <= -THIN:
             return False
         across, along = np.linalg.eigvalsh(np.cov(np.nonzero(self.distances < 0.0)))
@@ -99,7 +99,7 @@ def make_template(distances: NDArray[np.float32], size: float, points: int) -> T
 
 
 def check_area(mask: BoolArray, zoom: float) -> None:
-    """See that a mask has enough pixels for a shape; `zoom` of the frame are one of its pixels.
+    """Check that a mask has enough pixels for a shape; `zoom` frame pixels are one of its pixels.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Drawing the particles of a frame, with what is needed to weigh them."""
+"""Draws the particles of a frame, with the densities and scores for their weights."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.measure.region import MeasuredFrame
-from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
+from cable_tracker.target.model.predicted_density import (
+    PredictedDensity,
+    Proposal,
+    choose_columns,
+    log_mix,
+)
 from cable_tracker.target.model.state import ANGLE, POSE_SIZE, at_rest, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.map_peaks import PeakPoses
@@ -32,7 +37,7 @@ DRAWN_TAIL = 4.0
 """Degrees of freedom of the kernels about peaks and best particles."""
 
 OWN_REACH = 0.8
-"""The target is seen at its own place this near to where it is expected, in roots of the area."""
+"""Largest distance of the target's own place from the expected one, in roots of the area."""
 
 
 class ProposalCounts(NamedTuple):
@@ -75,11 +80,11 @@ class ScoredPoses(NamedTuple):
     states : FloatArray
         Shape (N, 6).
     log_prior : FloatArray
-        Log-density of the forecast, sizes included, shape (N,).
+        Log-density of the prediction, sizes included, shape (N,).
     log_birth : FloatArray
         Log-density of the births, shape (N,).
     kernel_values : FloatArray
-        Kernels of the forecast over their peak, shape (N, M).
+        Kernels of the prediction over their peak, shape (N, M).
     scores : FloatArray
         Scores of their regions, shape (N,).
     """
@@ -99,7 +104,7 @@ class DrawnParticles(NamedTuple):
     poses : ScoredPoses
         The particles, with their rates.
     log_proposal : FloatArray
-        Log-density of what they were drawn from, shape (N,).
+        Log-density of the proposal that they were drawn from, shape (N,).
     own_scores : FloatArray
         Scores less the penalty where another target is seen, shape (N,).
     """
@@ -117,8 +122,8 @@ class FrameSampler:
     ----------
     belief : PoseBelief
         Belief after the frame before, carried on to this one.
-    forecast : Forecast
-        Forecast of the belief for this frame.
+    prediction : PredictedDensity
+        Predicted density of the poses in this frame.
     measured : MeasuredFrame
         The frame.
     dt : float
@@ -128,7 +133,7 @@ class FrameSampler:
     """
 
     belief: PoseBelief
-    forecast: Forecast
+    prediction: PredictedDensity
     measured: MeasuredFrame
     dt: float
     parameters: TargetParameters
@@ -141,14 +146,16 @@ class FrameSampler:
     def draw(self, peaks: PeakPoses, rng: np.random.Generator) -> DrawnParticles:
         """Draw the particles, with the densities of belief and proposal at each."""
         counts = proposal_counts(self.parameters, has_peaks=len(peaks.poses) > 0)
-        followed = Proposal(self.forecast.kernels, self.forecast.even, self._share(counts.followed))
+        followed = Proposal(
+            self.prediction.kernels, self.prediction.even, self._share(counts.followed)
+        )
         others = []
         parts = [followed.draw(counts.followed, rng)]
         if counts.peaks:
             weights = peaks.strengths / peaks.strengths.sum()
             others.append(self._about(peaks.poses, weights, PEAK_SPREAD, counts.peaks))
             parts.append(others[-1].draw(counts.peaks, rng))
-        parts.append(self.forecast.draw_births(counts.search, rng))
+        parts.append(self.prediction.draw_births(counts.search, rng))
         scored = self._scored(np.concatenate(parts))
         own = self._expected_place(scored)
         if counts.refined:
@@ -158,7 +165,7 @@ class FrameSampler:
             more = self._scored(others[-1].draw(counts.refined, rng))
             scored = ScoredPoses(*(np.concatenate(pair) for pair in zip(scored, more, strict=True)))
         log_proposal = self._log_proposal(scored, followed, others, counts)
-        self._give_rates(scored, rng)
+        self._set_rates(scored, rng)
         own_scores = own.own_scores(scored.states, scored.scores)
         return DrawnParticles(scored, log_proposal, own_scores)
 
@@ -184,19 +191,21 @@ class FrameSampler:
         states = at_rest(poses)
         angles = states[:, ANGLE]
         states[:, ANGLE] = reference + wrap_full_turn(angles - reference)
-        log_prior, log_birth, kernel_values = self.forecast.log_density(states)
+        log_prior, log_birth, kernel_values = self.prediction.log_density(states)
         log_prior = log_prior + known.log_size_factor(states, self.parameters.size_spread)
         scores = self.measured.scores(states, known.template)
         return ScoredPoses(states, log_prior, log_birth, kernel_values, scores)
 
     def _expected_place(self, scored: ScoredPoses) -> ExpectedPlace:
-        """Return where the target is expected, and what that says about other places."""
+        """Return the expected place of the target, with the penalty on scores elsewhere."""
         belief = self.belief
         x, y = belief.estimate[:2] + belief.estimate[POSE_SIZE:] * self.dt
         place = ExpectedPlace(float(x), float(y), OWN_REACH * belief.size)
         if belief.presence < self.parameters.presence_to_track:
             return place
-        return place.seen(scored.states, scored.scores, RIVAL_SCORE * belief.known.usual.mean)
+        return place.with_penalty(
+            scored.states, scored.scores, RIVAL_SCORE * belief.known.usual.mean
+        )
 
     def _best(self, scored: ScoredPoses, own: ExpectedPlace) -> FloatArray:
         """Return the best of the poses that have been drawn, shape (K, 4)."""
@@ -221,11 +230,11 @@ class FrameSampler:
         log_proposal: FloatArray = np.logaddexp.reduce(parts)
         return log_proposal
 
-    def _give_rates(self, scored: ScoredPoses, rng: np.random.Generator) -> None:
-        """Give every pose the rates of an ancestor that it may come from, corrected."""
+    def _set_rates(self, scored: ScoredPoses, rng: np.random.Generator) -> None:
+        """Set the rates of every pose: those of an ancestor drawn for it, corrected by a gain."""
         states = scored.states
         parents = choose_columns(scored.kernel_values, rng.random(len(states)))
-        unforeseen = states[:, :2] - self.forecast.kernels.places[parents, :2]
+        unforeseen = states[:, :2] - self.prediction.kernels.places[parents, :2]
         # A jump that no movement explains says nothing about the rates.
         limit = 0.5 * self.belief.size
         reach = np.hypot(unforeseen[:, 0], unforeseen[:, 1])
@@ -233,4 +242,6 @@ class FrameSampler:
         share = share_over_time(self.parameters.rate_gain, self.dt)
         gain = share * np.where(reach > limit, 0.0, 1.0)
         gain *= self.belief.rivals.gain_factor
-        states[:, POSE_SIZE:] = self.forecast.rates[parents] + gain[:, None] * unforeseen / self.dt
+        states[:, POSE_SIZE:] = (
+            self.prediction.rates[parents] + gain[:, None] * unforeseen / self.dt
+        )

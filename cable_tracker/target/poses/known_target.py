@@ -1,4 +1,4 @@
-"""What is known of a target besides where it is, and how it is learnt."""
+"""Shape, appearance and usual scores of a target, and their adaptation."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ LONGEST_LEARNT = 0.2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownTarget:
-    """What is known of a target besides where it is.
+    """Shape, appearance, size and usual scores of a target.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class KnownTarget:
         return self.template.size * math.exp(state[LOG_SCALE])
 
     def log_size_factor(self, states: FloatArray, spread: float) -> FloatArray:
-        """Return how likely the scales of poses are beside the usual one, against that one, (N,).
+        """Return the log-densities of the scales of poses, relative to that of the usual one, (N,).
 
         Parameters
         ----------
@@ -102,19 +102,19 @@ class KnownTarget:
         factors: FloatArray = -0.5 * (SIZE_TAIL + 1.0) * np.log1p(gaps**2 / SIZE_TAIL)
         return factors
 
-    def seen_at(self, state: FloatArray) -> KnownTarget:
-        """Return it after it was surely in view in a pose (6,)."""
+    def with_last_pose(self, state: FloatArray) -> KnownTarget:
+        """Return the target with a pose (6,) in which it was surely in view."""
         return replace(self, births=replace(self.births, last=state.copy(), seconds=0.0))
 
     def with_size(self, state: FloatArray, share: float) -> KnownTarget:
-        """Return it with a usual size that has followed that of a pose (6,) by a share."""
+        """Return the target with its usual size moved by a share towards that of a pose (6,)."""
         gap = float(state[LOG_SCALE]) - self.usual_log_scale
         return replace(self, usual_log_scale=self.usual_log_scale + share * gap)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ShownTarget:
-    """What the contour of a frame shows.
+class ContourHistograms:
+    """Histograms within and around the contour of a frame.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class ShownTarget:
 
 
 def first_likeness(frame: WorkingFrame) -> UsualScore:
-    """Return what is expected of the likeness before a contour has been seen."""
+    """Return the prior of the likeness, before any contour was measured."""
     return FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS
 
 
@@ -154,17 +154,17 @@ def outline_at(
 
 
 def first_known(
-    look: FirstLook, measured: MeasuredFrame, parameters: TargetParameters
+    first: FirstLook, measured: MeasuredFrame, parameters: TargetParameters
 ) -> KnownTarget:
-    """Return what is known of a target after it was marked in a frame, measured by that look."""
+    """Return a target as known after the frame in which it was marked."""
     frame = measured.frame
     return KnownTarget(
-        look.template,
-        look.appearance,
-        _usual_in(look.state, measured, look.template, parameters),
+        first.template,
+        first.appearance,
+        _first_usual_score(first.state, measured, first.template, parameters),
         first_likeness(frame),
         0.0,
-        Births(look.state, 0.0, frame.shape),
+        Births(first.state, 0.0, frame.shape),
     )
 
 
@@ -181,20 +181,20 @@ def relearnt(
     if expected is None:
         return known
     mask = expected.in_picture(frame.shape)
-    if not known.appearance.shown_by(frame.channels[mask, 0]):
+    if not known.appearance.resembles_target(frame.channels[mask, 0]):
         return known
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
     appearance = learn_appearance(bin_map, mask, bins)
     measured = measure_frame(frame, appearance, parameters)
-    usual = _usual_in(state, measured, known.template, parameters)
+    usual = _first_usual_score(state, measured, known.template, parameters)
     return replace(known, appearance=appearance, usual=usual, usual_likeness=first_likeness(frame))
 
 
-def _usual_in(
+def _first_usual_score(
     state: FloatArray, measured: MeasuredFrame, template: Template, parameters: TargetParameters
 ) -> UsualScore:
-    """Return what is usual after the score in a pose (6,) of a frame alone."""
+    """Return the usual score from that in a pose (6,) of a single frame."""
     score = float(measured.scores(state[None], template)[0])
     return UsualScore(score, (parameters.score_spread * score) ** 2)
 
@@ -204,34 +204,34 @@ def contour_histograms(
     measured: MeasuredFrame,
     known: KnownTarget,
     parameters: TargetParameters,
-) -> ShownTarget | None:
-    """Return what a contour shows of a frame; None without a contour."""
+) -> ContourHistograms | None:
+    """Return the histograms of a frame within and around a contour; None without one."""
     if outline is None or outline.area == 0:
         return None
     mask = outline.in_picture(measured.frame.shape)
     appearance = known.appearance
     target, around = learn_histograms(measured.bins, mask, appearance.bins.count)
     likeness = appearance.likeness(target, parameters.first_look_share)
-    return ShownTarget(target, around, likeness)
+    return ContourHistograms(target, around, likeness)
 
 
 def adapted_to_contour(
     known: KnownTarget,
     outline: Outline,
-    shown: ShownTarget,
+    shown: ContourHistograms,
     parameters: TargetParameters,
     *,
     dt: float,
     angle: float,
     score: float,
 ) -> KnownTarget:
-    """Let shape, appearance and usual scores follow what the contour of a frame shows.
+    """Adapt shape, appearance and usual scores to the contour of a frame.
 
     Parameters
     ----------
     known : KnownTarget
         Target as known before the frame.
-    shown : ShownTarget
+    shown : ContourHistograms
         Histograms within and around it.
     dt : float
         Time since the frame before [s].
@@ -258,8 +258,8 @@ def adapted_to_contour(
         known,
         appearance=appearance,
         template=template,
-        usual=known.usual.seen(score, SCORE_RATE),
-        usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
+        usual=known.usual.updated(score, SCORE_RATE),
+        usual_likeness=known.usual_likeness.updated(shown.likeness, SCORE_RATE),
         adaptations=known.adaptations + 1,
         unshaped=unshaped,
     )

@@ -1,4 +1,4 @@
-"""Where a frame speaks for the target: peaks of the map of log-ratios, and rivals among them."""
+"""Peaks of the map of log-ratios, where the target may be, and rivals among them."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ SURROUND_WEIGHT = 0.6
 ELLIPSE_SIDE = 0.87
 """Side of the box of an ellipse's area, over that of the box about it: about the root of pi/4."""
 
-SCALES_LOOKED_FOR = (-0.3, 0.0, 0.3)
-"""Log scales against the last one at which peaks are looked for."""
+SEARCHED_SCALES = (-0.3, 0.0, 0.3)
+"""Log scales against the last one at which peaks are searched."""
 
 
 class PeakPoses(NamedTuple):
@@ -60,7 +60,7 @@ def propose_from_map(
     return find_peaks(
         measured.ratios,
         (extent[0] * template.size, extent[1] * template.size),
-        _scales_looked_for(belief, parameters),
+        _searched_scales(belief, parameters),
         parameters.place_count,
         belief.angle,
     )
@@ -124,20 +124,20 @@ def _kernel(sides: list[float], factor: float) -> tuple[int, int]:
     return (2 * round((sides[0] * factor - 1) / 2) + 1, 2 * round((sides[1] * factor - 1) / 2) + 1)
 
 
-def _scales_looked_for(belief: PoseBelief, parameters: TargetParameters) -> FloatArray:
-    """Return the log scales at which peaks are looked for."""
+def _searched_scales(belief: PoseBelief, parameters: TargetParameters) -> FloatArray:
+    """Return the log scales at which peaks are searched."""
     expected = belief.estimate
     if belief.presence < parameters.presence_to_lose:
         # The estimate is then on something else, whose size says nothing.
         expected = belief.known.births.last
-    scales: FloatArray = expected[LOG_SCALE] + np.array(SCALES_LOOKED_FOR)
+    scales: FloatArray = expected[LOG_SCALE] + np.array(SEARCHED_SCALES)
     return scales
 
 
 def watch_rivals(
     belief: PoseBelief, measured: MeasuredFrame, peaks: PeakPoses, dt: float
 ) -> RivalWatch:
-    """Return what is known of rivals after the peaks of a frame."""
+    """Return the watch on rivals after the peaks of a frame."""
     watch = belief.rivals.aged(dt)
     poses = peaks.poses
     distances = distances_from(belief.estimate[X], belief.estimate[Y], poses) / belief.size

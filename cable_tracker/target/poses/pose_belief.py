@@ -1,4 +1,4 @@
-"""What the filter believes of a target, and what it expects of the next frame."""
+"""Belief of the pose filter after a frame, and the density predicted from it for the next."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.forecast import Forecast
+from cable_tracker.target.model.predicted_density import PredictedDensity
 from cable_tracker.target.model.state import ANGLE, POSE_SIZE, X, Y, wrap_full_turn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
@@ -31,7 +31,7 @@ from cable_tracker.tracking.rates import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseBelief:
-    """What is believed after a frame, in pixels of the working image.
+    """Belief after a frame, in pixels of the working image.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class PoseBelief:
         motion: CameraMotion | None,
         parameters: TargetParameters,
     ) -> PoseBelief:
-        """Return it carried on to the time of a new frame, as far as the camera has moved.
+        """Return the belief moved with the camera to the time of a new frame.
 
         Where colour comes or goes, the appearance of a target that is surely in view is learnt
         anew.
@@ -78,13 +78,13 @@ class PoseBelief:
         belief = replace(self, known=replace(self.known, births=self.known.births.aged(dt)))
         if motion is not None:
             belief = belief._moved(motion, frame)
-        if belief.presence >= parameters.presence_to_track and belief._shows_otherwise(frame):
+        if belief.presence >= parameters.presence_to_track and belief._differs_in_colour(frame):
             known = relearnt(belief.known, belief.estimate, frame, parameters)
             belief = replace(belief, known=known)
         return belief
 
-    def _shows_otherwise(self, frame: WorkingFrame) -> bool:
-        """Tell whether a frame is grey for a target that was learnt in colour, or the converse.
+    def _differs_in_colour(self, frame: WorkingFrame) -> bool:
+        """Return whether a frame is grey for a target that was learnt in colour, or the converse.
 
         In between, with colour in a few pixels, it is measured as the target was learnt.
         """
@@ -96,18 +96,18 @@ class PoseBelief:
             self,
             particles=self.particles.moved_to(motion.moved(self.particles.states, zoom)),
             estimate=motion.moved(self.estimate[None], zoom)[0],
-            known=replace(self.known, births=self.known.births.turned(motion, zoom)),
+            known=replace(self.known, births=self.known.births.moved(motion, zoom)),
         )
 
 
-def forecast_of(
+def predict_density(
     belief: PoseBelief,
     shape: tuple[int, int],
     dt: float,
     parameters: TargetParameters,
     rng: np.random.Generator,
-) -> Forecast:
-    """Return the belief before a frame is looked at.
+) -> PredictedDensity:
+    """Return the predicted density of the poses in a frame.
 
     Parameters
     ----------
@@ -116,12 +116,12 @@ def forecast_of(
     dt : float
         Time since the frame before [s].
     rng : numpy.random.Generator
-        Draws the particles that go on.
+        Draws the ancestors.
     """
     frames = dt * REFERENCE_RATE
     states = belief.particles.states
-    going_on = systematic_resampling(belief.particles.weights, parameters.ancestor_count, rng)
-    ancestors = states[going_on]
+    drawn = systematic_resampling(belief.particles.weights, parameters.ancestor_count, rng)
+    ancestors = states[drawn]
     damping = 1.0 if belief.rivals.is_near else parameters.rate_damping
     rates = ancestors[:, POSE_SIZE:] * over_time(damping, dt)
     centres = ancestors[:, :POSE_SIZE].copy()
@@ -143,7 +143,7 @@ def forecast_of(
     births = belief.known.births
     memory_share = share_about_last_place(births.seconds, parameters.memory_time)
     jumps = parameters.jump_share * belief.rivals.jump_factor
-    return Forecast(kernels, rates, alive, births, memory_share, predicted, jumps)
+    return PredictedDensity(kernels, rates, alive, births, memory_share, predicted, jumps)
 
 
 def _survival(

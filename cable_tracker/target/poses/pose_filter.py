@@ -18,7 +18,7 @@ from cable_tracker.particle_filter.estimates import weighted_covariance, weighte
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
 from cable_tracker.target.filter_interface import TargetSummary
-from cable_tracker.target.measure.first_look import look_first
+from cable_tracker.target.measure.first_look import learn_target
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.region import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.working_frame import WorkingFrame
@@ -33,7 +33,7 @@ from cable_tracker.target.poses.known_target import (
     outline_at,
 )
 from cable_tracker.target.poses.map_peaks import propose_from_map, watch_rivals
-from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
+from cable_tracker.target.poses.pose_belief import PoseBelief, predict_density
 from cable_tracker.target.poses.presence import (
     MOST_PRESENCE,
     presence_by_likeness,
@@ -53,7 +53,7 @@ CLUSTER = 1.0
 """Particles within this many roots of the area of the best one make the estimate."""
 
 CROWD = 0.4
-"""Standard deviation of what it costs to be near another target, in roots of the area."""
+"""Standard deviation of the cost near another target, in roots of the area."""
 
 GOOD_OVERLAP = 0.6
 """Minimum overlap with the expected shape of a contour that the target is adapted to."""
@@ -61,12 +61,12 @@ GOOD_OVERLAP = 0.6
 WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
-WHOLE_HASTE = 3.0
+WHOLE_RATE = 3.0
 """Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
 
 
 class PoseFilter:
-    """See the module. It holds no belief itself.
+    """Particle filter of poses; see the module. It holds no belief itself.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class PoseFilter:
     def start(
         self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool
     ) -> tuple[TargetSummary, PoseBelief]:
-        """Learn a target from its pixels in a frame; say what it shows, and what is believed then.
+        """Learn a target from its pixels in a frame; return the summary and the first belief.
 
         Raises
         ------
@@ -91,23 +91,23 @@ class PoseFilter:
             The mask is too small, or does not stand out from its surroundings.
         """
         parameters = self._parameters
-        look = look_first(frame, mask, parameters, is_exact=is_exact)
-        if look.score < parameters.least_separation:
+        learnt = learn_target(frame, mask, parameters, is_exact=is_exact)
+        if learnt.score < parameters.least_separation:
             raise FrameError(
                 "the marked target does not stand out from its surroundings"
-                f" (score {look.score:.2f}, needs {parameters.least_separation:.2f});"
+                f" (score {learnt.score:.2f}, needs {parameters.least_separation:.2f});"
                 " mark it where it does"
             )
-        spread = FIRST_SPREAD * look.template.size
+        spread = FIRST_SPREAD * learnt.template.size
         rate = FIRST_RATE_PER_SPREAD * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
         noise = self._rng.standard_normal((parameters.particle_count, STATE_SIZE))
-        measured = measure_frame(frame, look.appearance, parameters)
+        measured = measure_frame(frame, learnt.appearance, parameters)
         belief = PoseBelief(
-            particles=Particles.equally_weighted(look.state + noise * scales),
-            estimate=look.state,
+            particles=Particles.equally_weighted(learnt.state + noise * scales),
+            estimate=learnt.state,
             presence=MOST_PRESENCE,
-            known=first_known(look, measured, parameters),
+            known=first_known(learnt, measured, parameters),
             rivals=RivalWatch(),
         )
         weights = np.full(parameters.particle_count, 1.0 / parameters.particle_count)
@@ -123,7 +123,7 @@ class PoseFilter:
         *,
         counts_for: float,
     ) -> tuple[TargetSummary, PoseBelief]:
-        """Follow the target into the next frame; say what it shows, and what is believed then.
+        """Follow the target into the next frame; return its summary and the new belief.
 
         Parameters
         ----------
@@ -143,18 +143,18 @@ class PoseFilter:
         """
         parameters, rng = self._parameters, self._rng
         belief = belief.aged(frame, dt, motion, parameters)
-        seen = frame.measured_in(colour=belief.known.is_coloured)
-        measured = measure_frame(seen, belief.known.appearance, parameters)
+        frame_as_learnt = frame.measured_in(colour=belief.known.is_coloured)
+        measured = measure_frame(frame_as_learnt, belief.known.appearance, parameters)
         peaks = propose_from_map(belief, measured, parameters)
         belief = replace(belief, rivals=watch_rivals(belief, measured, peaks, dt))
-        forecast = forecast_of(belief, frame.shape, dt, parameters, rng)
-        sampler = FrameSampler(belief, forecast, measured, dt, parameters)
+        prediction = predict_density(belief, frame.shape, dt, parameters, rng)
+        sampler = FrameSampler(belief, prediction, measured, dt, parameters)
         drawn = sampler.draw(peaks, rng)
         presence = presence_by_scores(sampler, drawn, rng)
         states = drawn.poses.states
         log_weights = drawn.poses.log_prior - drawn.log_proposal
         log_weights += sampler.sharpness * drawn.own_scores
-        log_weights -= crowding(states, others, parameters.sharpness, CROWD * belief.size)
+        log_weights -= crowding_costs(states, others, parameters.sharpness, CROWD * belief.size)
         particles = Particles(states, log_weights - log_sum_exp(log_weights))
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
@@ -165,17 +165,17 @@ class PoseFilter:
         )
 
 
-def crowding(states: FloatArray, others: FloatArray, cost: float, reach: float) -> FloatArray:
-    """Return what it costs poses (N, 6) to be where other targets (K, 6) are, shape (N,).
+def crowding_costs(states: FloatArray, others: FloatArray, cost: float, reach: float) -> FloatArray:
+    """Return the costs of poses (N, 6) near other targets (K, 6), shape (N,), in log-likelihood.
 
     Parameters
     ----------
     states, others : FloatArray
         Poses.
     cost : float
-        At the place of another target, in log-likelihood.
+        Cost at the position of another target, in log-likelihood.
     reach : float
-        Standard deviation of what it costs [px].
+        Standard deviation of the cost over the distance [px].
     """
     if len(others) == 0:
         return np.zeros(len(states))
@@ -204,7 +204,7 @@ def estimate_and_adapt(
     dt: float,
     parameters: TargetParameters,
 ) -> tuple[TargetSummary, PoseBelief]:
-    """Find the outline, learn from it, and say what was found.
+    """Find the outline, adapt the known target to it, and return summary and belief.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def estimate_and_adapt(
     is_sure = presence >= parameters.presence_to_track and is_near
     score = float(measured.scores(belief.estimate[None], known.template)[0])
     if is_sure:
-        known = known.seen_at(belief.estimate)
+        known = known.with_last_pose(belief.estimate)
         gap = belief.estimate[LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
             known = adapted_to_contour(
@@ -247,7 +247,7 @@ def estimate_and_adapt(
 
 
 def _is_whole(outline: Outline | None, shape: tuple[int, int]) -> bool:
-    """Tell whether a contour has the expected shape, and lies inside the picture."""
+    """Return whether a contour has the expected shape, and lies inside the picture."""
     return (
         outline is not None
         and outline.overlap >= GOOD_OVERLAP
@@ -261,6 +261,6 @@ def _with_followed_size(
     """Let the usual size follow while the target is surely in view."""
     if belief.presence < parameters.presence_to_track:
         return belief
-    haste = WHOLE_HASTE if is_whole else 1.0
-    share = 1.0 - math.exp(-dt * haste / parameters.size_time)
+    factor = WHOLE_RATE if is_whole else 1.0
+    share = 1.0 - math.exp(-dt * factor / parameters.size_time)
     return replace(belief, known=belief.known.with_size(belief.estimate, share))

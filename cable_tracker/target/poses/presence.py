@@ -1,4 +1,4 @@
-"""How likely a target is in view: by the scores of its region, and by what its contour shows."""
+"""Probability that a target is in view: by the scores of its region, and by its contour."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from cable_tracker.target.measure.clutter import clutter_of, log_ratio_of_likene
 from cable_tracker.target.model.state import X, Y, distances_from
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import DrawnParticles, FrameSampler, ScoredPoses
-from cable_tracker.target.poses.known_target import ShownTarget
+from cable_tracker.target.poses.known_target import ContourHistograms
 from cable_tracker.target.poses.pose_belief import PoseBelief
 
 LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-3
-"""The probability of presence stays between, so that it can turn again in time."""
+"""Limits of the probability of presence, so that it can change again in time."""
 
 CLEAR_OF_TARGET = 1.5
 """Random places this far from the target count as clutter, in roots of its area."""
@@ -43,8 +43,8 @@ def presence_by_scores(
     ratios = np.clip(ratios, -parameters.evidence_limit, parameters.evidence_limit)
     evidence = log_sum_exp(poses.log_prior - drawn.log_proposal + ratios)
     evidence -= math.log(len(poses.scores))
-    predicted = sampler.forecast.predicted
-    return update_existence(predicted, evidence, LEAST_PRESENCE, MOST_PRESENCE)
+    existence = sampler.prediction.existence
+    return update_existence(existence, evidence, LEAST_PRESENCE, MOST_PRESENCE)
 
 
 def _random_places(
@@ -63,12 +63,12 @@ def _random_places(
 
 def presence_by_likeness(
     belief: PoseBelief,
-    shown: ShownTarget | None,
+    shown: ContourHistograms | None,
     parameters: TargetParameters,
     *,
     is_coloured: bool,
 ) -> float:
-    """Return the probability of presence after what the contour of a frame shows."""
+    """Return the probability of presence after the likeness of the contour."""
     if shown is None:
         return belief.presence
     least = parameters.likeness_spread if is_coloured else parameters.grey_likeness_spread

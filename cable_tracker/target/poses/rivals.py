@@ -2,8 +2,8 @@
 
 Two of a kind never score the same, and the better one would take the target over within a few
 frames, however far away it is. While the target is seen where it is expected, the other one must be
-something else, so its score says nothing about the target. Near each other they may be told by
-their way: two that cross keep their rates.
+something else, so its score is no evidence about the target. Near each other they may be told apart
+by their motion: two that cross keep their rates.
 """
 
 from __future__ import annotations
@@ -59,17 +59,17 @@ class RivalWatch:
     frames: int = 0
 
     def aged(self, dt: float) -> RivalWatch:
-        """Return it `dt` seconds later."""
+        """Return the watch `dt` seconds later."""
         return replace(self, since=self.since + dt)
 
     def after(self, distances: FloatArray) -> RivalWatch:
-        """Return it after a frame.
+        """Return the watch after the peaks of a frame.
 
         Parameters
         ----------
         distances : FloatArray
-            Distances of what looks like the target from its last place, in roots of its area, shape
-            (K,).
+            Distances of peaks that resemble the target from its last place, in roots of its
+            area, shape (K,).
         """
         if not are_beside(distances):
             return replace(self, frames=0)
@@ -108,7 +108,7 @@ class RivalWatch:
 
 
 def are_beside(distances: FloatArray) -> bool:
-    """Tell whether something is at the target's place, and something else beside it.
+    """Return whether one peak is at the target's place, and another beside it.
 
     The target itself must be seen at its place: else what is beside it may be itself.
     """
@@ -140,12 +140,12 @@ class ExpectedPlace:
     score_penalty: float = 0.0
 
     def is_elsewhere(self, states: FloatArray) -> BoolArray:
-        """Tell which poses (N, 6) are not here, shape (N,)."""
+        """Return which poses (N, 6) are beyond the reach of this place, shape (N,)."""
         elsewhere: BoolArray = distances_from(self.x, self.y, states) > self.reach
         return elsewhere
 
-    def seen(self, states: FloatArray, scores: FloatArray, least: float) -> ExpectedPlace:
-        """Return it with the penalty that follows from a frame.
+    def with_penalty(self, states: FloatArray, scores: FloatArray, least: float) -> ExpectedPlace:
+        """Return the place with the penalty that the scores of a frame call for.
 
         Parameters
         ----------

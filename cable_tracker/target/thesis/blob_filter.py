@@ -96,7 +96,7 @@ class Blob:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlobBelief:
-    """What is believed after a frame, in pixels of the working image.
+    """Belief after a frame, in pixels of the working image.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class BlobBelief:
     before : array
         Intensities of the frame, float32, shape (H, W).
     border : BorderModel
-        What is known of a target that may have left the picture.
+        State of the model for targets that leave the picture.
     """
 
     particles: Particles
@@ -117,7 +117,7 @@ class BlobBelief:
 
 
 class BlobFilter:
-    """See the module. It holds no belief itself.
+    """Filter of blobs; see the module. It holds no belief itself.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class BlobFilter:
     ) -> tuple[TargetSummary, BlobBelief]:
         """Follow the target into the next frame; see `PoseFilter.step`.
 
-        `others` are not heeded, and `counts_for` neither: the shape follows at once.
+        `others` and `counts_for` are ignored: the shape follows at once.
         """
         image, mask = _intensities(frame), belief.prior.mask
         states = self._moved(belief, frame, dt, motion)
@@ -205,7 +205,7 @@ class BlobFilter:
             border = border.after(estimate, frame.shape, is_seen, self._rng)
         belief = BlobBelief(particles, belief.prior, image, border)
         if blob is None:
-            return _nothing(estimate, n_eff), belief
+            return _absent_summary(estimate, n_eff), belief
         return self._summarised(frame, belief, blob, estimate, n_eff, claims=is_seen)
 
     def _moved(
@@ -264,7 +264,7 @@ class BlobFilter:
         *,
         claims: bool,
     ) -> tuple[TargetSummary, BlobBelief]:
-        """Take over the contour as the prior where it is near, and say what was found.
+        """Take the contour over as the prior where it is near; return summary and belief.
 
         `estimate` (6,) is the pose of the particle whose contour that is.
         """
@@ -297,8 +297,8 @@ class BlobFilter:
         return summary, belief
 
 
-def _nothing(estimate: FloatArray, n_eff: float) -> TargetSummary:
-    """Say that nothing of the target can be in the picture."""
+def _absent_summary(estimate: FloatArray, n_eff: float) -> TargetSummary:
+    """Return the summary of a frame in which no part of the target can be."""
     return TargetSummary(
         state=estimate.copy(),
         covariance=UNKNOWN_COVARIANCE,

@@ -42,7 +42,7 @@ def transitions(distance: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True)
 class BorderModel:
-    """Where in the chain the target is. Never changed in place.
+    """State of the chain. Immutable.
 
     Attributes
     ----------

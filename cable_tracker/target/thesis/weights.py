@@ -1,4 +1,4 @@
-"""Weights of blobs: (30) as it is printed, what the sentence before it says, and a ratio."""
+"""Weights of blobs: (30) as printed, as the sentence before it describes, and a ratio."""
 
 from __future__ import annotations
 

@@ -39,6 +39,6 @@ def test_other_colours_speak_against_the_target():
 def test_the_usual_score_follows_what_is_seen():
     seen = USUAL
     for _ in range(200):
-        seen = seen.seen(2.0, 0.05)
+        seen = seen.updated(2.0, 0.05)
     assert seen.mean == pytest.approx(2.0, abs=0.01)
     assert seen.variance < 0.1

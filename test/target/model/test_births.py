@@ -33,7 +33,7 @@ def test_the_longer_it_is_gone_the_farther_it_is_looked_for():
 def test_the_last_place_turns_with_the_camera_within_the_picture(shift, expected):
     homography = np.eye(3)
     homography[0, 2] = shift
-    turned = Births(LAST, 0.5, (240, 320)).turned(CameraMotion(homography), 1.0)
+    turned = Births(LAST, 0.5, (240, 320)).moved(CameraMotion(homography), 1.0)
     assert turned.last == pytest.approx([expected, *LAST[1:]])
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.model.births import TAIL, Births
-from cable_tracker.target.model.forecast import choose_columns, kernels_of, log_mix
+from cable_tracker.target.model.predicted_density import choose_columns, kernels_of, log_mix
 from cable_tracker.target.model.state import STATE_SIZE
 from cable_tracker.tracking.rates import share_about_last_place
 

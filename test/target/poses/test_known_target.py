@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.target.measure.clutter import UsualScore
-from cable_tracker.target.measure.first_look import look_first
+from cable_tracker.target.measure.first_look import learn_target
 from cable_tracker.target.measure.outline import contour_settings, find_outline
 from cable_tracker.target.measure.region import measure_frame
 from cable_tracker.target.measure.working_frame import make_working_frame
@@ -42,7 +42,7 @@ def test_the_size_follows_the_scale(known):
 def test_the_usual_size_is_the_likeliest_and_the_others_less_so_the_shorter_it_is_away(known):
     states = np.stack((pose(0.5), pose(0.9)))
     away = known.log_size_factor(states, 0.1)
-    in_view = known.seen_at(pose(0.5)).log_size_factor(states, 0.1)
+    in_view = known.with_last_pose(pose(0.5)).log_size_factor(states, 0.1)
     assert away[0] == in_view[0] == 0.0
     assert in_view[1] < away[1] < 0.0
 
@@ -52,7 +52,7 @@ def test_the_usual_size_follows_by_a_share(known):
 
 
 def test_where_it_was_seen_it_may_come_again(known):
-    births = known.seen_at(pose(0.2)).births
+    births = known.with_last_pose(pose(0.2)).births
     assert births.seconds == 0.0
     np.testing.assert_array_equal(births.last, pose(0.2))
 
@@ -62,7 +62,7 @@ PARAMETERS = TargetParameters()
 
 def learnt(image, mask):
     frame = make_working_frame(image, 320)
-    look = look_first(frame, mask, PARAMETERS, is_exact=True)
+    look = learn_target(frame, mask, PARAMETERS, is_exact=True)
     measured = measure_frame(frame, look.appearance, PARAMETERS)
     return first_known(look, measured, PARAMETERS), look.state
 

@@ -1,4 +1,4 @@
-"""The belief before a frame is looked at, and the mixtures that particles are drawn from."""
+"""The predicted density of the poses in a frame, and the mixtures that particles are drawn from."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def relative_kernels(
 
 @compiled
 def choose_columns(values: FloatArray, shares: FloatArray) -> NDArray[np.int64]:
-    """Return in every row (N, M) the column on which a share (N,) of its sum falls, shape (N,)."""
+    """Draw a column of each row (N, M) by its values, from uniform numbers (N,), shape (N,)."""
     chosen = np.empty(len(values), np.int64)
     for row in range(len(values)):
         total = 0.0
@@ -112,8 +112,8 @@ class Proposal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Forecast:
-    """The predicted belief: what has survived, what has jumped, and what has come into view.
+class PredictedDensity:
+    """The predicted density: of targets that survived, jumped, or came into view.
 
     Attributes
     ----------
@@ -124,11 +124,11 @@ class Forecast:
     alive : FloatArray
         Shares of the ancestors by their survival, shape (M,), summing to one.
     births : Births
-        Density of the places of what jumps or comes into view.
+        Density of the poses of targets that jump or come into view.
     memory_share : float
         Share of the births about the last place.
-    predicted : PredictedExistence
-        Probabilities of both.
+    existence : PredictedExistence
+        Probabilities that the target has survived, and that it has come into view.
     jump_share : float
         Share of the survivors that jump.
     """
@@ -138,7 +138,7 @@ class Forecast:
     alive: FloatArray
     births: Births
     memory_share: float
-    predicted: PredictedExistence
+    existence: PredictedExistence
     jump_share: float
 
     @property
@@ -161,8 +161,8 @@ class Forecast:
         """
         kernels = kernels_of(states, self.kernels)
         birth = self.births.log_density(states, self.memory_share)
-        following = (1.0 - self.jump_share) * self.predicted.survived
-        elsewhere = self.jump_share * self.predicted.survived + self.predicted.born
+        following = (1.0 - self.jump_share) * self.existence.survived
+        elsewhere = self.jump_share * self.existence.survived + self.existence.born
         belief: FloatArray = np.logaddexp(
             math.log(max(following, NEVER)) + log_mix(kernels, self.alive, self.kernels),
             math.log(max(elsewhere, NEVER)) + birth,
