@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.example_controller.line_of_sight import Cable
+from cable_tracker.example_controller.line_of_sight import CableLine
 
 REMEMBERED = 5.0
-"""Length of the way whose sightings count [m]."""
+"""Distance travelled over which observations are kept [m]."""
 
 FEWEST = 5
-"""Sightings needed for a line."""
+"""Observations needed for a line."""
 
 BENT_FROM = 2.0
-"""Shortest way of sightings over which a bend is told from noise [m]."""
+"""Shortest stretch of observations over which curvature is fitted [m]."""
 
 BEND_LASTS = 5.0
 """Length over which a bend is extrapolated; beyond it the cable runs straight on [m]."""
@@ -26,15 +26,15 @@ MOST_CURVATURE = 0.08
 """[1/m]."""
 
 DOUBTFUL = 0.3
-"""The sightings of the last way are doubted first: the cable was about to disappear [m]."""
+"""Last stretch, without weight in the first fit, for the cable may disappear there [m]."""
 
 USUAL_ERROR = 0.03
-"""Sightings farther off the curve than this count less and less [m]."""
+"""Scale of the residuals of the robust fit [m]."""
 
 REWEIGHTINGS = 4
 
 LEAST_COSINE = 0.1
-"""Lines that run more across the vehicle are as far beside it as at that cosine of the angle."""
+"""Lower bound of the cosine of a line's heading in its offset from the vehicle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,14 +56,14 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class RememberedLine:
-    """A line that goes on where the cable was seen last.
+    """Extrapolated line of the cable, in the frame odom.
 
     Attributes
     ----------
     x, y : float
-        A point of it in odom [m].
+        A point of the line [m].
     direction : float
-        There [rad].
+        Direction at that point [rad].
     curvature : float
         To the left positive, for a while before and behind that point [1/m].
     """
@@ -74,12 +74,12 @@ class RememberedLine:
     curvature: float = 0.0
 
     def progress(self, pose: Pose) -> float:
-        """Return how far along the line the vehicle is, from its point [m]."""
+        """Return the position of the vehicle along the line, from its point [m]."""
         cos, sin = math.cos(self.direction), math.sin(self.direction)
         return (pose.x - self.x) * cos + (pose.y - self.y) * sin
 
-    def seen_from(self, pose: Pose, aside: float = 0.0) -> Cable:
-        """Return the line, shifted to its left by `aside` [m], as `cross_track` would say it."""
+    def relative_to(self, pose: Pose, shift: float = 0.0) -> CableLine:
+        """Return offset and heading of the line from a pose, shifted to its left by `shift` [m]."""
         cos, sin = math.cos(self.direction), math.sin(self.direction)
         along = self.progress(pose)
         across = (pose.y - self.y) * cos - (pose.x - self.x) * sin
@@ -87,12 +87,12 @@ class RememberedLine:
         slope = self.curvature * bent
         bend = slope * (along - bent / 2)
         heading = math.remainder(self.direction + math.atan(slope) - pose.yaw, 2 * math.pi)
-        left = aside + (bend - across) * math.cos(math.atan(slope))
-        return Cable(_offset_at_vehicle(left, heading), heading)
+        left = shift + (bend - across) * math.cos(math.atan(slope))
+        return CableLine(_offset_at_vehicle(left, heading), heading)
 
 
 def _offset_at_vehicle(left: float, heading: float) -> float:
-    """Return y of a line at x = 0, from how far it is to the left, seen in its direction [m].
+    """Return y of a line at x = 0 in the vehicle's frame, from its distance to its own left [m].
 
     Beyond a right angle what is to the left of the line is to the right of the vehicle.
     """
@@ -100,15 +100,15 @@ def _offset_at_vehicle(left: float, heading: float) -> float:
     return left / math.copysign(max(abs(cos), LEAST_COSINE), cos)
 
 
-def line_at(cable: Cable, pose: Pose) -> RememberedLine:
-    """Return the straight line on which a cable is seen from a pose."""
+def line_of(cable: CableLine, pose: Pose) -> RememberedLine:
+    """Return the straight line in odom of a cable that was observed from a pose."""
     x = pose.x - cable.offset * math.sin(pose.yaw)
     y = pose.y + cable.offset * math.cos(pose.yaw)
     return RememberedLine(x, y, pose.yaw + cable.heading)
 
 
 @dataclass(frozen=True, slots=True)
-class _Sighting:
+class _Observation:
     x: float
     y: float
     direction: float
@@ -116,45 +116,48 @@ class _Sighting:
 
 
 LEAST_WAY = 0.01
-"""Shortest way from one sighting that is remembered to the next but one [m]."""
+"""Shortest distance from one remembered observation to the next but one [m]."""
 
 
 class CableMemory:
-    """The sightings of the last metres."""
+    """Observations of the cable over the last metres, with a robust line through them."""
 
     def __init__(self) -> None:
-        self._sightings: deque[_Sighting] = deque()
+        self._observations: deque[_Observation] = deque()
 
-    def add(self, cable: Cable, pose: Pose) -> None:
-        """Remember where the cable is now."""
-        seen = line_at(cable, pose)
+    def add(self, cable: CableLine, pose: Pose) -> None:
+        """Add an observation of the cable from a pose."""
+        line = line_of(cable, pose)
         place = (pose.x, pose.y)
-        if len(self._sightings) > 1 and math.dist(self._sightings[-2].vehicle, place) < LEAST_WAY:
-            # A vehicle that hovers keeps the newest sighting alone.
-            self._sightings.pop()
-        self._sightings.append(_Sighting(seen.x, seen.y, seen.direction, place))
-        while math.dist(self._sightings[0].vehicle, place) > REMEMBERED:
-            self._sightings.popleft()
+        if (
+            len(self._observations) > 1
+            and math.dist(self._observations[-2].vehicle, place) < LEAST_WAY
+        ):
+            # A vehicle that hovers keeps the newest observation alone.
+            self._observations.pop()
+        self._observations.append(_Observation(line.x, line.y, line.direction, place))
+        while math.dist(self._observations[0].vehicle, place) > REMEMBERED:
+            self._observations.popleft()
 
     @property
     def way(self) -> float:
-        """Length of the way from the first sighting that counts to the last [m]."""
-        if not self._sightings:
+        """Distance between the vehicle's positions at the first and the last observation [m]."""
+        if not self._observations:
             return 0.0
-        return math.dist(self._sightings[0].vehicle, self._sightings[-1].vehicle)
+        return math.dist(self._observations[0].vehicle, self._observations[-1].vehicle)
 
     def line(self) -> RememberedLine | None:
-        """Return the line through the sightings; None if they are too few.
+        """Return the line fitted to the observations; None if they are too few.
 
-        While the cable disappears under sand, the last sightings may be off: they must not turn
+        While the cable disappears under sand, the last observations may be off: they must not turn
         the line away.
         """
-        if len(self._sightings) < FEWEST:
+        if len(self._observations) < FEWEST:
             return None
         straight = self._straight_line()
         cos, sin = math.cos(straight.direction), math.sin(straight.direction)
-        x = np.array([each.x - straight.x for each in self._sightings])
-        y = np.array([each.y - straight.y for each in self._sightings])
+        x = np.array([each.x - straight.x for each in self._observations])
+        y = np.array([each.y - straight.y for each in self._observations])
         along, across = x * cos + y * sin, y * cos - x * sin
         if np.ptp(along) < BENT_FROM:
             return straight
@@ -174,11 +177,11 @@ class CableMemory:
         )
 
     def _straight_line(self) -> RememberedLine:
-        last = self._sightings[-1]
-        directions = np.array([each.direction for each in self._sightings])
+        last = self._observations[-1]
+        directions = np.array([each.direction for each in self._observations])
         turned = np.remainder(directions - last.direction + np.pi, 2 * np.pi) - np.pi
         direction = last.direction + float(np.median(turned))
         cos, sin = math.cos(direction), math.sin(direction)
-        places = np.array([(each.x - last.x, each.y - last.y) for each in self._sightings])
+        places = np.array([(each.x - last.x, each.y - last.y) for each in self._observations])
         aside = float(np.median(places[:, 1] * cos - places[:, 0] * sin))
         return RememberedLine(last.x - aside * sin, last.y + aside * cos, direction)

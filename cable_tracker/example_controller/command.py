@@ -1,4 +1,4 @@
-"""What a controller tells its vehicle."""
+"""Commands of a controller to its vehicle."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ class Command:
 STOP = Command()
 """Stand still."""
 
-PATIENCE = 0.4
-"""Time for which the last command goes on: a frame or two without an answer are usual [s]."""
+HOLD_TIME = 0.4
+"""Time for which the last command is held: a frame or two without an answer are usual [s]."""

@@ -31,8 +31,8 @@ class GuidanceSettings(ParameterSet):
 
 
 @dataclass(frozen=True, slots=True)
-class Cable:
-    """The cable beside the vehicle, as `cross_track` says it.
+class CableLine:
+    """The cable relative to the vehicle, as in `cross_track`.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Cable:
 
 
 class LineOfSight:
-    """Turns where the cable is into what to do.
+    """Guidance law: turns the line of the cable into commands.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ class LineOfSight:
         self._settings = settings
         self._integral = 0.0
 
-    def steer(self, cable: Cable, seconds: float, speed: float | None = None) -> Command:
+    def steer(self, cable: CableLine, seconds: float, speed: float | None = None) -> Command:
         """Return the next command.
 
         Parameters
         ----------
-        cable : Cable
+        cable : CableLine
             Current line of the cable.
         seconds : float
             Time since the command before [s].

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 LONGEST_STEP = 1.0
-"""Longest time that one step counts for in what is integrated [s]."""
+"""Longest duration of one step in integrals [s]."""
 
 LATE = 0.2
-"""A step back by no more is that of a frame which was overtaken on the way; the tracker refuses it
-[s]."""
+"""Largest step back of a frame that was overtaken; the tracker refuses it [s]."""
 
 ROUNDING = 1e-6
-"""Differences between times of day are off by up to so much: they are stamps in seconds [s]."""
+"""Rounding error of differences between stamps in seconds [s]."""
 
 
 class StepClock:
-    """Adds up the time from step to step; what a clock is set back by does not count.
+    """Adds up the time from step to step; steps back of the clock do not count.
 
     A step back of at most `LATE` sets no clock back: time stands still until the steps are past the
     newest one again.

@@ -1,9 +1,9 @@
-"""Keep a distance behind a target, as an example: its place in, surge, heave and turn out.
+"""Keep a distance behind a target, as an example: its position in, surge, heave and turn out.
 
 The surge has an integral part, which comes to be the target's own speed and the current's. Where
 there is no answer for a frame or two the last command goes on; while the target is lost the
 integral part carries the vehicle on. After a while the vehicle also looks to both sides of its
-course in turn, farther every time, beginning where the target was last seen.
+course in turn, farther every time, beginning on the side of the last bearing.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from cable_tracker.example_controller.command import PATIENCE, STOP, Command
+from cable_tracker.example_controller.command import HOLD_TIME, STOP, Command
 from cable_tracker.example_controller.step_clock import StepClock
 from cable_tracker.tracking.parameter_table import ParameterSet, number
 
@@ -70,7 +70,7 @@ class TargetPlace:
 
     @property
     def bearing(self) -> float:
-        """To the left [rad]."""
+        """Bearing, to the left positive [rad]."""
         return math.atan2(self.left, self.ahead)
 
 
@@ -85,7 +85,7 @@ class FollowMode(str, Enum):
 
 
 class TargetController:
-    """Turns places of a target into commands.
+    """Turns positions of a target into commands.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class TargetController:
         self._mode = FollowMode.WAITING
         self._integral = 0.0
         self._last: TargetPlace | None = None
-        self._seen = 0.0
+        self._last_time = 0.0
         self._command = STOP
         self._clock = StepClock()
 
@@ -108,7 +108,7 @@ class TargetController:
         return self._mode
 
     def step(self, time: float, place: TargetPlace | None) -> Command:
-        """Return what to do.
+        """Return the command for a time.
 
         Parameters
         ----------
@@ -119,29 +119,29 @@ class TargetController:
         """
         dt = self._clock.advance(time)
         if place is not None:
-            self._last, self._seen = place, self._clock.now
+            self._last, self._last_time = place, self._clock.now
             self._mode = FollowMode.FOLLOWING
             self._command = self._follow(place, dt)
             return self._command
-        return self._without(self._clock.now - self._seen)
+        return self._command_without(self._clock.now - self._last_time)
 
-    def _without(self, lost: float) -> Command:
-        """Return what to do without a target, `lost` seconds after it was seen."""
+    def _command_without(self, lost: float) -> Command:
+        """Return the command without a target, `lost` seconds after the last position."""
         if self._last is None:
             self._mode = FollowMode.WAITING
             return STOP
         if lost > self._settings.give_up:
             self._mode = FollowMode.GIVEN_UP
             return STOP
-        if lost <= PATIENCE:
+        if lost <= HOLD_TIME:
             return self._command
         if lost <= self._settings.memory_time:
             self._mode = FollowMode.REMEMBERING
             # The turn for the last bearing fades away: by then the vehicle has made it.
             turn = self._turn(self._last.bearing) * math.exp(-lost)
-            return Command(self._limited(self._integral), turn)
+            return Command(self._limited_surge(self._integral), turn)
         self._mode = FollowMode.SEARCHING
-        begun = max(self._settings.memory_time, PATIENCE)
+        begun = max(self._settings.memory_time, HOLD_TIME)
         return self._search(lost - begun, self._last.bearing)
 
     def _follow(self, place: TargetPlace, dt: float) -> Command:
@@ -149,23 +149,23 @@ class TargetController:
         too_far = place.range - settings.distance
         wanted = settings.gain * too_far + self._integral
         # The integral stands still while the surge is at its limit.
-        if self._limited(wanted) == wanted:
+        if self._limited_surge(wanted) == wanted:
             self._integral += settings.integral_gain * too_far * dt
-        surge = self._limited(wanted) * max(math.cos(place.bearing), 0.0)
+        surge = self._limited_surge(wanted) * max(math.cos(place.bearing), 0.0)
         heave = min(max(settings.climb_gain * place.up, -settings.most_heave), settings.most_heave)
         return Command(surge, self._turn(place.bearing), heave)
 
     def _search(self, seconds: float, bearing: float) -> Command:
-        """Look to both sides, `seconds` after the search has begun."""
+        """Return the turn to one side or the other, `seconds` after the search has begun."""
         settings = self._settings
-        surge, side = self._limited(self._integral), 1.0 if bearing >= 0.0 else -1.0
+        surge, side = self._limited_surge(self._integral), 1.0 if bearing >= 0.0 else -1.0
         # Each leg goes from one side to the other, and farther than the one before: by 1, 3, 5 ...
         # times the first angle, so that the first n of them take n squared times as long.
         turn = min(settings.search_turn, settings.most_turn)
         legs = math.isqrt(int(seconds * turn / settings.search_angle))
         return Command(surge, -side * turn if legs % 2 else side * turn)
 
-    def _limited(self, surge: float) -> float:
+    def _limited_surge(self, surge: float) -> float:
         most = self._settings.most_surge
         return min(max(surge, -0.5 * most), most)
 

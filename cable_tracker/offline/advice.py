@@ -1,4 +1,4 @@
-"""Reasons against a cable where none was claimed in a whole recording, and advice."""
+"""Reasons why no cable was claimed in a whole recording, and advice."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from cable_tracker.tracking.status import REFUSED, TrackingStatus
 
 TRACKING = TrackingStatus.TRACKING.value
 NEAR_LIMIT = 1.1
-"""A width within this factor of a limit is taken to be held by it."""
+"""Factor of a limit within which a width counts as held by it."""
 
 MOST_DIGITS = 17
-"""Digits that any number is told in exactly."""
+"""Significant digits that write any float exactly."""
 
 
 def advice(
@@ -26,7 +26,7 @@ def advice(
     widths: Sequence[tuple[float, int]],
     parameters: TrackerParameters,
 ) -> list[str]:
-    """Say why no cable was claimed, in a few lines; nothing where one was.
+    """Return lines that explain why no cable was claimed; none if one was.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _below(value: float, limit: float) -> str:
 
 
 def _confirmation_advice(rows: Sequence[EstimateRow], parameters: TrackerParameters) -> str:
-    """Say why frames that support a claim led to none."""
+    """Return why frames that support a claim led to none."""
     begun = [row.event for row in rows if row.event and row.status != REFUSED]
     if 2 * len(begun) >= len(rows):
         return (
@@ -123,7 +123,7 @@ def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) ->
 
 
 def _more_for_thin(needed: float, width: float | None, parameters: TrackerParameters) -> str:
-    """Say why a thin cable needs more than `evidence_to_find`, and what to do about that.
+    """Return why a thin cable needs more than `evidence_to_find`, and the remedy.
 
     `width` is that of the cable [px at the reference width]; None: not known.
     """

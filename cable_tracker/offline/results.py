@@ -1,4 +1,4 @@
-"""Folder of results of a tracked recording: what those of cables and of targets share."""
+"""Folder of results of a tracked recording: the common part of those of cables and targets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ METRES = "metres.csv"
 """Of a target."""
 
 FILES = (ESTIMATES, METRES, VIDEO, CONTACT_SHEET, PLOTS, BAG)
-"""All that is ever written into such a folder, in the order in which it is told."""
+"""All files that are ever written into such a folder, in the order of display."""
 
 SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 """Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
@@ -42,7 +42,7 @@ class WantedResults:
     Attributes
     ----------
     video : bool
-        The frames with all that the tracker believes drawn over them.
+        The frames with the tracker's belief drawn over them.
     bag : bool
         The messages that the node publishes.
     pictures : bool
@@ -58,7 +58,7 @@ EVERYTHING = WantedResults()
 
 
 def follow_all(frames: Iterable[Frame], follow: Callable[[Frame], None]) -> RecordingError | None:
-    """Follow what is tracked through all frames; return why the recording broke off, if it did."""
+    """Track all frames; return why the recording broke off, if it did."""
     try:
         for frame in frames:
             follow(frame)
@@ -96,7 +96,7 @@ class Results(ABC):
     Raises
     ------
     OutputError
-        The path is taken, or the disk does not let us write.
+        The path is taken, or the disk cannot be written.
     """
 
     def __init__(
@@ -156,7 +156,7 @@ class Results(ABC):
 
     @property
     def names(self) -> list[str]:
-        """Names of the files in the finished folder, in the order in which they are told."""
+        """Names of the files in the finished folder, in the order of display."""
         return [name for name in FILES if (self.path / name).exists()]
 
     @abstractmethod

@@ -36,7 +36,7 @@ class TargetFolder(Results):
         self.metres: StoredRows[tuple[str, ...]] = StoredRows(self._content)
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
-        """Add one frame, with the picture that shows what was found; None for a refused frame."""
+        """Add one frame, with the picture of its result; None for a refused frame."""
         self.rows.append(row if self._timing else replace(row, ms=None))
         if picture is None:
             return

@@ -104,7 +104,7 @@ def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRo
 
 
 def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
-    """Return a frame's row of the table in metres; empty cells where something is not told.
+    """Return a frame's row of the table in metres; empty cells for unknown values.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ TRUTH = "truth"
 
 
 def given_state_for(source: Source, init: str, limits: PairLimits) -> GivenState | None:
-    """Return what is given by `truth`, a detector's name, or `d,alpha,w,beta`; None by `random`.
+    """Return the start by `truth`, a detector's name, or `d,alpha,w,beta`; None by `random`.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def given_state_for(source: Source, init: str, limits: PairLimits) -> GivenState
     Raises
     ------
     ParameterError
-        The words are none of these, or the first frame has no ground truth, or shows no cable to
+        `init` is none of these, or the first frame has no ground truth, or shows no cable to
         the detector.
     RecordingError
         The recording cannot be read.
@@ -117,9 +117,10 @@ def row_of(
 def track_picture(
     frame: Frame, grey: Image, tracker: CableTracker, metres: RecordedCableInstruments | None
 ) -> tuple[CableEstimate, float, CrossTrack | Withheld | None]:
-    """Track a picture, shape (H, W), with what the instruments said up to its frame.
+    """Track a picture, shape (H, W), with the instruments' readings up to its frame.
 
-    Return the estimate, the time that took [ms], and the cable in metres; None: no instruments.
+    Return the estimate, its processing time [ms], and the cable in metres, None without
+    instruments.
 
     Raises
     ------

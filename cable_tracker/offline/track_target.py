@@ -36,12 +36,12 @@ from cable_tracker.visualisation.target_overlay import draw_target
 
 
 def parse_start(init: str) -> TargetStart | None:
-    """Return the start that the words say: `x0,y0,x1,y1`, or None for `detect`.
+    """Parse a start: the box `x0,y0,x1,y1` [px], or None for `detect`.
 
     Raises
     ------
     ParameterError
-        They say neither, or the box has no area.
+        It is neither, or the box has no area.
     """
     if init == DETECT:
         return None
@@ -57,9 +57,10 @@ def follow_picture(
     tracker: TargetTracker,
     instruments: RecordedInstruments[TargetInstrumentFusion] | None,
 ) -> tuple[TargetEstimate, float, TargetMetres | None]:
-    """Follow into a picture, shape (H, W, 3), with what the instruments said up to its frame.
+    """Track a target in a picture, shape (H, W, 3), with the instruments' readings up to its frame.
 
-    Return the estimate, the time that took [ms], and the target in metres; None: no instruments.
+    Return the estimate, its processing time [ms], and the target in metres, None without
+    instruments.
 
     Raises
     ------
@@ -83,7 +84,7 @@ def follow_frame(
     results: TargetFolder,
     instruments: RecordedInstruments[TargetInstrumentFusion] | None,
 ) -> None:
-    """Follow a target into a frame, and add it to the results; in pixels without instruments."""
+    """Track a target in a frame, and add it to the results; in pixels without instruments."""
     output = FrameMessages(results.bag, frame)
     try:
         image = decode_bgr_levels(frame.image)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.example_controller.cable_memory import Pose, RememberedLine
-from cable_tracker.example_controller.command import PATIENCE, STOP, Command
+from cable_tracker.example_controller.command import HOLD_TIME, STOP, Command
 from cable_tracker.example_controller.controller import (
     CONFIRMATIONS,
     MOST_SWEEP,
@@ -20,11 +20,11 @@ from cable_tracker.example_controller.controller import (
     Mode,
     sweep,
 )
-from cable_tracker.example_controller.line_of_sight import Cable
+from cable_tracker.example_controller.line_of_sight import CableLine
 
 STEP = 0.1
 SETTINGS = ControllerSettings()
-AHEAD = Cable(0.0, 0.0)
+AHEAD = CableLine(0.0, 0.0)
 
 
 class Trial:
@@ -41,7 +41,7 @@ class Trial:
     def mode(self) -> Mode:
         return self.controller.mode
 
-    def sees(self, cable: Cable | None, *, is_processed: bool = True) -> Command:
+    def sees(self, cable: CableLine | None, *, is_processed: bool = True) -> Command:
         self.time += STEP
         pose = self.pose if self.has_odometry else None
         self.command = self.controller.step(self.time, cable, pose, is_processed=is_processed)
@@ -55,7 +55,7 @@ class Trial:
 
     def sees_the_x_axis(self, seconds: float) -> None:
         for _ in range(round(seconds / STEP)):
-            self.sees(Cable(-self.pose.y / math.cos(self.pose.yaw), -self.pose.yaw))
+            self.sees(CableLine(-self.pose.y / math.cos(self.pose.yaw), -self.pose.yaw))
 
     def sees_nothing(self, seconds: float) -> Iterator[Command]:
         for _ in range(round(seconds / STEP)):
@@ -100,7 +100,7 @@ def test_frames_that_were_refused_neither_confirm_a_cable_nor_interrupt_its_sigh
 
 
 def test_of_refused_frames_alone_a_vehicle_does_not_go_on(following):
-    for _ in range(round((PATIENCE + PAUSE) / STEP) - 1):
+    for _ in range(round((HOLD_TIME + PAUSE) / STEP) - 1):
         following.passes_over_a_frame()
     assert following.command == STOP
     assert following.mode is Mode.STOPPED
@@ -113,7 +113,7 @@ def test_a_frame_without_an_answer_changes_nothing(following):
 
 
 def test_when_the_cable_is_lost_the_vehicle_stops(following):
-    commands = list(following.sees_nothing(PATIENCE + PAUSE - STEP))
+    commands = list(following.sees_nothing(HOLD_TIME + PAUSE - STEP))
     assert commands[-1] == STOP
     assert following.mode is Mode.STOPPED
 
@@ -189,7 +189,7 @@ def test_a_cable_that_comes_back_after_giving_up_is_followed_again(following):
 def test_after_giving_up_a_cable_may_lie_anywhere_but_must_be_seen_in_a_row(following):
     for _ in following.sees_nothing(200.0):
         pass
-    elsewhere = Cable(5.0, 1.0)
+    elsewhere = CableLine(5.0, 1.0)
     for _ in range(3):
         for _ in range(CONFIRMATIONS - 1):
             assert following.sees(elsewhere) == STOP
@@ -248,14 +248,14 @@ def test_a_vehicle_that_moves_fast_has_not_jumped(following, blind):
     assert following.mode is Mode.SEARCHING
 
 
-@pytest.mark.parametrize("other", [Cable(1.5, 0.0), Cable(-1.5, 0.0), Cable(0.0, 1.0)])
+@pytest.mark.parametrize("other", [CableLine(1.5, 0.0), CableLine(-1.5, 0.0), CableLine(0.0, 1.0)])
 def test_what_lies_elsewhere_is_not_the_cable(following, other):
     for _ in range(20):
         following.sees(other)
     assert following.mode is not Mode.FOLLOWING
 
 
-@pytest.mark.parametrize("other", [Cable(0.35, 0.0), Cable(0.0, math.radians(24.0))])
+@pytest.mark.parametrize("other", [CableLine(0.35, 0.0), CableLine(0.0, math.radians(24.0))])
 def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_bent(other):
     soon, late = Trial(), Trial()
     for trial, seconds in ((soon, 1.0), (late, 10.0)):
@@ -264,14 +264,14 @@ def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_be
             pass
         line = RememberedLine(trial.pose.x, other.offset, other.heading)
         for _ in range(2 * CONFIRMATIONS):
-            trial.sees(line.seen_from(trial.pose))
+            trial.sees(line.relative_to(trial.pose))
     assert soon.mode is not Mode.FOLLOWING
     assert late.mode is Mode.FOLLOWING
 
 
 def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
     for step in range(40):
-        following.sees(Cable(0.0, 0.02 * min(step, 20)))
+        following.sees(CableLine(0.0, 0.02 * min(step, 20)))
         assert following.mode is Mode.FOLLOWING
 
 
@@ -291,7 +291,7 @@ def test_a_find_that_is_lost_again_soon_does_not_turn_the_search_away(following)
         pass
     furrow = RememberedLine(following.pose.x, following.pose.y + 0.1, math.radians(25.0))
     for _ in range(35):
-        following.sees(furrow.seen_from(following.pose))
+        following.sees(furrow.relative_to(following.pose))
     assert following.mode is Mode.FOLLOWING
     assert following.pose.yaw > math.radians(20.0)
     for _ in following.sees_nothing(9.0):
@@ -305,7 +305,7 @@ def test_the_cable_is_known_again_after_something_else_was_followed_for_long(fol
         pass
     furrow = RememberedLine(following.pose.x, following.pose.y + 0.1, math.radians(25.0))
     for _ in range(80):
-        following.sees(furrow.seen_from(following.pose))
+        following.sees(furrow.relative_to(following.pose))
     for _ in following.sees_nothing(3.0):
         pass
     assert following.mode is Mode.SEARCHING
@@ -319,11 +319,11 @@ def test_a_find_that_was_followed_for_long_is_the_new_line(following):
         pass
     cable = RememberedLine(following.pose.x, following.pose.y, math.radians(25.0))
     for _ in range(80):
-        following.sees(cable.seen_from(following.pose))
+        following.sees(cable.relative_to(following.pose))
     for _ in following.sees_nothing(9.0):
         pass
     assert following.mode is Mode.SEARCHING
-    assert abs(cable.seen_from(following.pose).offset) < 0.2
+    assert abs(cable.relative_to(following.pose).offset) < 0.2
 
 
 def test_without_odometry_a_lost_cable_is_not_searched_for():

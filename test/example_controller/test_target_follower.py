@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.example_controller.command import PATIENCE
+from cable_tracker.example_controller.command import HOLD_TIME
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
     FollowSettings,
@@ -48,7 +48,7 @@ def test_it_comes_to_keep_its_distance_behind_a_target_that_moves():
         gap += (speed - command.surge) * DT
     assert gap == pytest.approx(2.5, abs=0.05)
     # What it has learnt of the speed carries it on when the target is gone.
-    assert follower.step(2000 * DT + PATIENCE, None).surge == pytest.approx(speed, abs=0.05)
+    assert follower.step(2000 * DT + HOLD_TIME, None).surge == pytest.approx(speed, abs=0.05)
     assert follower.mode is FollowMode.REMEMBERING
 
 
@@ -57,10 +57,10 @@ def test_the_last_command_goes_on_for_a_moment():
     before = run(follower, [TargetPlace(4.0, 0.3, 0.5)] * 3)[-1]
     seen = 2 * DT
     assert before.surge > 0.7
-    for passed in (DT, PATIENCE - 0.01):
+    for passed in (DT, HOLD_TIME - 0.01):
         assert follower.step(seen + passed, None) == before
         assert follower.mode is FollowMode.FOLLOWING
-    assert follower.step(seen + PATIENCE + DT, None).surge < 0.1
+    assert follower.step(seen + HOLD_TIME + DT, None).surge < 0.1
     assert follower.mode is FollowMode.REMEMBERING
 
 

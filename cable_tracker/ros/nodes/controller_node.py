@@ -9,7 +9,7 @@ from typing import Any
 from cable_tracker.example_controller.cable_memory import Pose
 from cable_tracker.example_controller.command import Command
 from cable_tracker.example_controller.controller import Controller, ControllerSettings, Mode
-from cable_tracker.example_controller.line_of_sight import Cable
+from cable_tracker.example_controller.line_of_sight import CableLine
 from cable_tracker.metric.odometry.motion import LONGEST_HOLD
 from cable_tracker.node_parameter_tables import BEST_EFFORT, RELIABLE
 from cable_tracker.ros import qos
@@ -42,7 +42,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("controller", ControllerSettings(), **node_arguments)
         self._controller = Controller(self._settings)
-        self._cables: OrderedDict[int, Cable] = OrderedDict()
+        self._cables: OrderedDict[int, CableLine] = OrderedDict()
         self._poses: OrderedDict[int, Pose] = OrderedDict()
         reliability = RELIABLE if self._own.lockstep else BEST_EFFORT
         subscription(
@@ -69,7 +69,7 @@ class ControllerNode(GuidanceNode[ControllerSettings]):
     def on_cross_track(self, message: Message) -> None:
         """Remember where the cable was."""
         pose = message.pose.pose
-        cable = Cable(float(pose.position.y), yaw_of(pose.orientation))
+        cable = CableLine(float(pose.position.y), yaw_of(pose.orientation))
         keep(self._cables, stamp_of(message.header), cable)
 
     def _is_complete(self, stamp: int, has_position: bool) -> bool:
