@@ -324,4 +324,4 @@ def make_proposer(parameters: TrackerParameters) -> LinePairProposer | None:
     """Return the detector that parameters name; the bootstrap filter asks none."""
     if parameters.filter == "bootstrap" or parameters.detector == "none":
         return None
-    return LinePairProposer(pair_limits(parameters), looks_at_map=parameters.uses_map)
+    return LinePairProposer(pair_limits(parameters), uses_map=parameters.uses_map)

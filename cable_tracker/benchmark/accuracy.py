@@ -1,4 +1,4 @@
-"""How well what is timed follows the cable: time is worth nothing without that."""
+"""Accuracy of the methods that are timed, on the same frames."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """How well a method follows the frames that times are taken on, from the truth.
+    """Accuracy of a method on the frames of the benchmark, started from the truth.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Accuracy:
 
 
 def measure_accuracy(frame_count: int) -> list[Accuracy]:
-    """Follow the frames at 320x240 with every method and library that is installed."""
+    """Track the frames at 320x240 with every method and every installed library."""
     makers: dict[str, Callable[[int], Method]] = {name: spec.make for name, spec in METHODS.items()}
     for name in filter(is_installed, LIBRARY_LOOPS):
         makers[name] = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)

@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.benchmark.footage import FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
-from cable_tracker.benchmark.sample_points import sample_points
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.measure.borders.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.picture.working_image import WorkingImage, working_image_for
-from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.geometry import Borders, points_on_lines, project_borders
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
@@ -40,12 +39,12 @@ SPACINGS = (5.0, 10.0, 20.0, 40.0)
 """Distances between sample points whose cost is compared [px at the reference width]."""
 
 FRAMES_BEFORE_STEPS = 4
-"""Frames that a filter has seen when its steps are timed."""
+"""Frames that a filter has processed when its steps are timed."""
 
 DT = FRAME_STEP * 1e-9
 
 
-def _itself(step: Step) -> Step:
+def _identity(step: Step) -> Step:
     return step
 
 
@@ -54,10 +53,10 @@ def _loop(make: Callable[[], Method], shown: Footage) -> Step:
 
 
 def yardstick_case(yardstick: Yardstick) -> BenchmarkCase:
-    """Return the yardstick as one to be held against itself."""
+    """Return the yardstick as a case of its own."""
     size = yardstick.pixels.shape[1], yardstick.pixels.shape[0]
     label = CaseLabel("yardstick", "literal observation", size, len(yardstick.states))
-    return BenchmarkCase(label, functools.partial(_itself, yardstick))
+    return BenchmarkCase(label, functools.partial(_identity, yardstick))
 
 
 def copy_cases(yardstick: Yardstick, footages: Sequence[Footage]) -> list[BenchmarkCase]:
@@ -69,7 +68,7 @@ def copy_cases(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Benchm
     for name, size, source in named:
         step = functools.partial(np.copyto, np.empty_like(source), source)
         label = CaseLabel("copy", name, size, amount=float(source.nbytes))
-        cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+        cases.append(BenchmarkCase(label, functools.partial(_identity, step)))
     return cases
 
 
@@ -121,6 +120,37 @@ def points_of_a_cable(shown: Footage, spacing: float) -> float:
     return float(inside.sum(axis=(1, 2)).mean())
 
 
+def sample_points(
+    borders: Borders, spacing: float, image_size: tuple[int, int]
+) -> tuple[FloatArray, BoolArray]:
+    """Place points along each border, at equal distances from the border's own foot point.
+
+    Parameters
+    ----------
+    borders : Borders
+        N pairs of borders.
+    spacing : float
+        Distance between neighbours [px].
+    image_size : (int, int)
+        Width and height of the image [px].
+
+    Returns
+    -------
+    points : FloatArray
+        x, y in the image frame [px], shape (N, 2, M, 2); M is odd and the same for all borders.
+    inside : BoolArray
+        Whether the point lies inside the image, shape (N, 2, M).
+    """
+    width, height = image_size
+    reach = int(np.hypot(width, height) / 2 / spacing)
+    along = np.arange(-reach, reach + 1, dtype=np.float64) * spacing
+    points = points_on_lines(borders.angles, borders.offsets, along)
+    inside = (np.abs(points[..., 0]) <= (width - 1) / 2) & (
+        np.abs(points[..., 1]) <= (height - 1) / 2
+    )
+    return points, inside
+
+
 def rival_cases(shown: Footage) -> list[BenchmarkCase]:
     """Return the baselines of the evaluation, and the filter of the thesis on libraries."""
     cases = [
@@ -139,28 +169,28 @@ def rival_cases(shown: Footage) -> list[BenchmarkCase]:
 
 
 def step_cases(shown: Footage) -> list[BenchmarkCase]:
-    """Return the steps of `default` and `thesis`, as far as they exist alone."""
+    """Return the steps of `default` and `thesis` that can be called alone."""
     cases = []
     for name in TIMED_PRESETS:
         parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
         for step_name, step in FilterSteps(parameters, shown).steps().items():
             label = CaseLabel("step", f"{name}: {step_name}", shown.size, REFERENCE_PARTICLES)
-            cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+            cases.append(BenchmarkCase(label, functools.partial(_identity, step)))
     return cases
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
-    """A filter in the middle of a dive.
+class FilterSnapshot:
+    """Particles and picture of a filter after some frames of a dive.
 
     Attributes
     ----------
     particles : Particles
         Particles before the step.
     frame : Image
-        The frame that it has seen last.
+        Last frame, grey levels, uint8, shape (H, W).
     image : WorkingImage
-        The same, with all that was worked out of it.
+        The same frame, with all results of its preprocessing.
     """
 
     particles: Particles
@@ -168,39 +198,37 @@ class Moment:
     image: WorkingImage
 
 
-class _NotingTracker(CableTracker):
-    """Keeps the picture that its filter saw last."""
+class _SnapshotTracker(CableTracker):
+    """A tracker that keeps the last working image of its filter."""
 
-    seen: WorkingImage
+    last_image: WorkingImage
 
     def _step_filter(
         self, image: WorkingImage, dt: float, motion: MotionAid | None
     ) -> BeliefSummary:
-        self.seen = image
+        self.last_image = image
         return super()._step_filter(image, dt, motion)
 
 
-def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Moment:
-    """Follow the cable for some frames, and stop."""
-    tracker = _NotingTracker(parameters)
+def snapshot_after(parameters: TrackerParameters, shown: Footage, frames: int) -> FilterSnapshot:
+    """Track some frames, and return the state of the filter."""
+    tracker = _SnapshotTracker(parameters)
     # Beside a known cable no detector would be asked: a guess is known after a while only.
     tracker.initialise(GivenState.around(shown.truths[0], is_guess=True))
     for number in range(frames):
         frame = shown.images[shown.index_at(number)]
         tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)
     assert tracker.particles is not None
-    return Moment(tracker.particles, frame, tracker.seen)
+    return FilterSnapshot(tracker.particles, frame, tracker.last_image)
 
 
 class FilterSteps:
-    """The steps of a filter on one frame, with particles that it had there.
-
-    A step is what can be called alone.
+    """The steps of a filter that can be called alone, on one frame and its particles.
 
     Parameters
     ----------
     parameters : TrackerParameters
-        All of them.
+        Parameters of the filter.
     shown : Footage
         Its first frames are tracked before.
     """
@@ -209,12 +237,12 @@ class FilterSteps:
         self._parameters = parameters
         self._rng = np.random.default_rng(parameters.seed)
         self._width = shown.size[0]
-        self._moment = moment_of(parameters, shown, FRAMES_BEFORE_STEPS)
+        self._snapshot = snapshot_after(parameters, shown, FRAMES_BEFORE_STEPS)
         self._movement = LimitedMovement(parameters, self._width)
 
     def steps(self) -> dict[str, Step]:
-        """Return what can be called alone, by name, in the order of a frame."""
-        frame, particles = self._moment.frame, self._moment.particles
+        """Return the steps by name, in their order within a frame."""
+        frame, particles = self._snapshot.frame, self._snapshot.particles
         scheme = RESAMPLING_SCHEMES[self._parameters.resampling]
         measuring = (
             self._thesis_steps()
@@ -223,26 +251,28 @@ class FilterSteps:
         )
         return {
             "working image": lambda: working_image_for(frame, self._parameters),
-            **self.picture_steps(),
+            **self.preprocessing_steps(),
             "resample": lambda: scheme(particles.weights, particles.count, self._rng),
             "predict": lambda: self._movement.propagate(particles.states, DT, self._rng),
             **measuring,
         }
 
-    def picture_steps(self) -> dict[str, Step]:
-        """Return what the filter had worked out of the picture, each from its very beginning."""
-        image = self._moment.image
+    def preprocessing_steps(self) -> dict[str, Step]:
+        """Return the steps of preprocessing that the filter used, each from the bare picture."""
+        image = self._snapshot.image
         names = [
             name
             for name, member in vars(type(image)).items()
             if isinstance(member, functools.cached_property) and vars(image).get(name) is not None
         ]
-        return {f"picture: {name}": functools.partial(_worked_out, image, name) for name in names}
+        return {
+            f"picture: {name}": functools.partial(_computed_anew, image, name) for name in names
+        }
 
     def _thesis_steps(self) -> dict[str, Step]:
-        image = self._moment.image
+        image = self._snapshot.image
         observation = BorderResponseModel(self._parameters)
-        states, weights = self._moment.particles.states, self._moment.particles.weights
+        states, weights = self._snapshot.particles.states, self._snapshot.particles.weights
         mean, _ = cable_mean_and_covariance(states, weights)
         return {
             "measure": lambda: observation.log_likelihoods(states, image),
@@ -251,9 +281,9 @@ class FilterSteps:
         }
 
     def _default_steps(self) -> dict[str, Step]:
-        image = self._moment.image
+        image = self._snapshot.image
         observation = BorderLikelihoodRatio(self._parameters)
-        states = self._moment.particles.states
+        states = self._snapshot.particles.states
         proposer = make_proposer(self._parameters)
         detecting: dict[str, Step] = {}
         if proposer is not None:
@@ -267,6 +297,6 @@ class FilterSteps:
         }
 
 
-def _worked_out(image: WorkingImage, name: str) -> object:
-    # A replaced picture has nothing worked out yet.
+def _computed_anew(image: WorkingImage, name: str) -> object:
+    # A replaced working image has no cached results yet.
     return getattr(replace(image), name)

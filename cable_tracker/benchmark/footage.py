@@ -1,4 +1,4 @@
-"""Frames to measure on: a simulated dive, rendered once and kept, in every size that is asked for.
+"""Frames of the benchmark: a simulated dive, rendered once, in any size.
 
 Larger frames are enlarged ones: their fine texture is missing, which nothing that is timed here
 depends on.
@@ -31,7 +31,7 @@ FRAME_STEP = 40_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Footage:
-    """Frames of one size that are shown forwards and backwards, so that the cable never jumps.
+    """Frames of one size, played forwards and backwards for ever, so that the cable never jumps.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Footage:
         return max(2 * len(self.images) - 2, 1)
 
     def index_at(self, number: int) -> int:
-        """Return which image is shown as the `number`-th, counted from 0 for ever."""
+        """Return the index of the image that is played as the `number`-th, from 0 on."""
         place = number % self.period
         return place if place < len(self.images) else self.period - place
 
@@ -96,10 +96,10 @@ def enlarged(image: Image, size: tuple[int, int]) -> Image:
 
 
 class FrameLoop:
-    """A method that goes through footage for ever, one frame a call.
+    """A method that tracks footage for ever, one frame a call.
 
-    It is told the truth at the beginning, and again whenever the first frame comes back, so that
-    what is timed is tracking.
+    It is initialised by the truth whenever the first frame comes, so that tracking is timed, not
+    searching.
 
     Parameters
     ----------

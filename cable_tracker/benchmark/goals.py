@@ -1,4 +1,4 @@
-"""Goals of the tracker, beside what was measured."""
+"""Goals of the tracker, with the measured values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cable_tracker.benchmark.statistics import Percentiles
 
 FULL_HD, VGA = (1920, 1080), (640, 480)
 FLAT_MEMORY = 64.0
-"""Growth that counts as none: pages that the allocator keeps [KiB per 1000 frames]."""
+"""Growth that counts as none, of pages that the allocator retains [KiB per 1000 frames]."""
 
 
 MOST_UNANSWERED = 0.05
@@ -56,7 +56,7 @@ class Goal:
 
 
 def goals_of(result: BenchmarkResult) -> list[Goal]:
-    """Return all goals with what was measured."""
+    """Return all goals with their measured values."""
     return [
         *_frame_goals(result),
         *_rival_goals(result),
@@ -142,8 +142,8 @@ def _node_goals(result: BenchmarkResult) -> list[Goal]:
 
 
 def _added(node: NodeTiming, read: Callable[[Percentiles], float]) -> float | None:
-    """Return what the node adds [ms]; infinite where it is too slow for the rate."""
-    added = node.added()
+    """Return the latency that the node adds [ms]; infinite where it is too slow for the rate."""
+    added = node.added_latency()
     if added is None or node.unanswered > MOST_UNANSWERED * (node.unanswered + added.count):
         return math.inf
     return read(added)

@@ -1,4 +1,4 @@
-"""How the time of a frame grows: with particles, with pixels, with sample points."""
+"""Linear fits of the time of a frame over particles, pixels and sample points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NANOSECONDS_PER_MS = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """A straight line through the medians of frames that differ in one thing.
+    """Linear fit of the median time of a frame over one variable.
 
     Attributes
     ----------

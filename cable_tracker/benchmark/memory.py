@@ -1,4 +1,4 @@
-"""Whether memory grows while frames go by."""
+"""Growth of memory over many frames."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def resident_bytes() -> int:
 
 
 def measure_memory(name: str, shown: Footage, frames: int) -> MemoryUse:
-    """Track some frames with a preset, at least a few dozen, and watch the memory."""
+    """Track some frames with a preset, at least a few dozen, and sample the resident memory."""
     loop = FrameLoop(ConfiguredFilter(name, preset(name)).make(0), shown)
     warm_up = min(int(WARM_UP_SHARE * frames), LONGEST_WARM_UP)
     _run(loop, warm_up)
@@ -80,13 +80,13 @@ def measure_memory(name: str, shown: Footage, frames: int) -> MemoryUse:
     )
 
 
-def measure_memory_apart(name: str, footage_frames: int, frames: int) -> MemoryUse:
-    """Do the same in a fresh process, where no memory that was freed before hides the growth."""
+def measure_memory_in_fresh_process(name: str, footage_frames: int, frames: int) -> MemoryUse:
+    """Call `measure_memory` in a fresh process: memory freed earlier would hide growth."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        return pool.submit(_measure_alone, name, footage_frames, frames).result()
+        return pool.submit(_measure_in_this_process, name, footage_frames, frames).result()
 
 
-def _measure_alone(name: str, footage_frames: int, frames: int) -> MemoryUse:
+def _measure_in_this_process(name: str, footage_frames: int, frames: int) -> MemoryUse:
     with one_thread():
         return measure_memory(name, footage(footage_frames, RENDERED_SIZE), frames)
 

@@ -47,8 +47,8 @@ class NodeTiming:
     cpu_share: float
     echo_cpu_share: float
 
-    def added(self) -> Percentiles | None:
-        """Return what the way through the node adds to the tracker's own time [ms]."""
+    def added_latency(self) -> Percentiles | None:
+        """Return the latency that the node adds to the tracker's own time [ms]."""
         if self.state is None:
             return None
         return Percentiles(

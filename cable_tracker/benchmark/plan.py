@@ -19,7 +19,7 @@ from cable_tracker.benchmark.contours import measure_contour
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
 from cable_tracker.benchmark.growth import fit_growth
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
-from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
+from cable_tracker.benchmark.memory import MemoryUse, measure_memory_in_fresh_process
 from cable_tracker.benchmark.profiling import profile_preset
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import (
@@ -36,7 +36,7 @@ from cable_tracker.libraries import one_thread
 from cable_tracker.trackers import warm_up
 
 SMALLEST_MEMORY_RUN = 50
-"""Smallest number of frames that tells about memory."""
+"""Smallest number of frames for a measurement of memory."""
 
 VERSIONS = ("numba", "particles", "filterpy", "rclpy")
 """Packages whose versions are named besides the line about the machine."""
@@ -127,7 +127,7 @@ class Benchmark:
         ]
 
     def turn_count(self) -> int:
-        """Return how often `advance` is told of one more turn or one more frame."""
+        """Return the total of turns and frames that `advance` is called with."""
         memory = self._plan.memory * len(TIMED_PRESETS)
         return len(self._cases) * self._plan.effort.rounds + memory
 
@@ -144,7 +144,7 @@ class Benchmark:
             ]
             memory: list[MemoryUse] = []
             for name in TIMED_PRESETS if plan.memory else ():
-                memory.append(measure_memory_apart(name, plan.frames, plan.memory))
+                memory.append(measure_memory_in_fresh_process(name, plan.frames, plan.memory))
                 advance(plan.memory)
             return BenchmarkResult(
                 circumstances,
@@ -164,7 +164,7 @@ def absent_libraries() -> tuple[str, ...]:
 
 
 def versions() -> str:
-    """Return the versions of what else the times depend on, in one line."""
+    """Return the versions of further packages that times depend on, in one line."""
     known = []
     for name in VERSIONS:
         try:

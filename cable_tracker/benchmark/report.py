@@ -236,7 +236,7 @@ def _contour_table(result: BenchmarkResult) -> ResultTable:
 
 
 def circumstances_text(circumstances: Circumstances) -> str:
-    """Say in Markdown how, where and when it was measured."""
+    """Return in Markdown how, where and when it was measured."""
     before, after = (
         ", ".join(f"{load:.2f}" for load in loads)
         for loads in (circumstances.load_before, circumstances.load_after)
@@ -256,7 +256,7 @@ def result_markdown(result: BenchmarkResult) -> str:
 
 
 def check_page(path: Path) -> None:
-    """See that a page can be written: a new one, or one with a place for the tables.
+    """Check that a page can be written: a new one, or one with a place for the tables.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def check_page(path: Path) -> None:
 
 
 def write_page(path: Path, content: str) -> None:
-    """Write what was measured into its place on a page, or a new page.
+    """Write the results into their place on a page, or a new page.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""All that one benchmark has measured, and how it is written down."""
+"""Results of one benchmark, and their JSON file."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Timing side by side: all take turns in blocks, each next to a block of the yardstick.
+"""Timing in turns: blocks of all cases alternate, each next to a block of the yardstick.
 
-What a neighbour on a shared machine does then hits the yardstick and what is held against it alike.
+Load by others on a shared machine then slows the yardstick and the case beside it alike.
 Times are those of the processor that this process used: waiting while others run does not count.
 """
 
@@ -115,7 +115,7 @@ class Effort:
     block : float
         Wanted length of a block [s]; at least one call.
     budget : float
-        Time after which a case takes part in no further round, but for the first three [s].
+        Time after which a case takes no further turn, but for the first three [s].
     longest : float
         Longest time of a call of a case that is not left out [s].
     """
@@ -127,8 +127,8 @@ class Effort:
 
 
 @dataclass(slots=True)
-class _Turns:
-    """One case, the times that it took so far, and the calls in its blocks."""
+class _CaseTimes:
+    """One case, its times so far, and the number of calls in its blocks."""
 
     case: BenchmarkCase
     step: Step
@@ -140,7 +140,7 @@ class _Turns:
     def is_due(self, effort: Effort) -> bool:
         return len(self.ratios) < FEWEST_ROUNDS or sum(self.wall) < effort.budget
 
-    def take(self, yardstick: Step) -> None:
+    def time_block(self, yardstick: Step) -> None:
         reference, _ = timed_block(yardstick, YARDSTICK_CALLS)
         cpu, wall = timed_block(self.step, self.calls)
         self.cpu += cpu
@@ -184,7 +184,7 @@ def measure_in_turns(
     effort : Effort
         Rounds and time spent on each case.
     advance : callable
-        Told how many more turns are over, ``effort.rounds`` for each case in the end.
+        Called with the number of further turns done, ``effort.rounds`` for each case in the end.
 
     Returns
     -------
@@ -192,30 +192,30 @@ def measure_in_turns(
         One for each case, in their order.
     """
     timed_block(yardstick, WARM_UP_CALLS)
-    running: list[_Turns | Measurement] = []
-    seen: dict[tuple[object, ...], tuple[int, float]] = {}
+    running: list[_CaseTimes | Measurement] = []
+    shortest_calls: dict[tuple[object, ...], tuple[int, float]] = {}
     for case in cases:
-        ready = _warm_up(case, seen, effort)
+        ready = _warm_up(case, shortest_calls, effort)
         running.append(ready)
         if isinstance(ready, Measurement):
             advance(effort.rounds)
     for _ in range(effort.rounds):
-        for turns in running:
-            if isinstance(turns, Measurement):
+        for times in running:
+            if isinstance(times, Measurement):
                 continue
-            if turns.is_due(effort):
-                turns.take(yardstick)
+            if times.is_due(effort):
+                times.time_block(yardstick)
             advance(1)
     return [each if isinstance(each, Measurement) else each.measurement() for each in running]
 
 
 def _warm_up(
-    case: BenchmarkCase, seen: dict[tuple[object, ...], tuple[int, float]], effort: Effort
-) -> _Turns | Measurement:
-    """Make a case ready, or say why it is left out; `seen` holds what its family took."""
+    case: BenchmarkCase, shortest_calls: dict[tuple[object, ...], tuple[int, float]], effort: Effort
+) -> _CaseTimes | Measurement:
+    """Make a case ready, or leave it out; `shortest_calls` has particles and time [s] by family."""
     label = case.label
-    if label.particles and label.family in seen:
-        fewer, before = seen[label.family]
+    if label.particles and label.family in shortest_calls:
+        fewer, before = shortest_calls[label.family]
         expected = before * label.particles / fewer
         if expected > effort.longest:
             return Measurement(label, skipped=f"left out: about {expected:.1f} s")
@@ -223,7 +223,7 @@ def _warm_up(
     _, wall = timed_block(step, WARM_UP_CALLS)
     shortest = min(wall)
     if label.particles:
-        seen[label.family] = (label.particles, shortest)
+        shortest_calls[label.family] = (label.particles, shortest)
     if shortest > effort.longest:
         return Measurement(label, skipped=f"left out: {shortest:.1f} s")
-    return _Turns(case, step, int(np.clip(effort.block / max(shortest, 1e-9), 1, MOST_CALLS)))
+    return _CaseTimes(case, step, int(np.clip(effort.block / max(shortest, 1e-9), 1, MOST_CALLS)))

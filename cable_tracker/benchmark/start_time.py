@@ -1,4 +1,4 @@
-"""How long a tracker takes until it is ready: with nothing compiled yet, and with all kept."""
+"""Start time of a tracker: with an empty and with a full cache of machine code."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class Yardstick:
         )
 
     def pixels_touched(self) -> int:
-        """Return how many pixels are read for points that all lie inside the image."""
+        """Return the number of pixels read, if all points lie inside the image."""
         height, width = self.pixels.shape
         points: int = min(2 * int(math.hypot(width, height) / 2 / self.spacing) + 1, height)
         return 8 * len(self.kernel) * points * len(self.states)

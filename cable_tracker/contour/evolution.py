@@ -20,7 +20,7 @@ from cable_tracker.errors import FrameError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contour:
-    """What a contour has become.
+    """Result of an evolution.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Contour:
 def evolve(
     data: NDArray[np.float32], start: BoolArray, settings: ContourSettings, *, by_means: bool
 ) -> Contour:
-    """Let a contour evolve: Table 1 of the thesis.
+    """Evolve a contour: Table 1 of the thesis.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def evolve(
     settings : ContourSettings
         Settings of the contour.
     by_means : bool
-        Whether regions of different mean intensity are separated, or what is likelier target from
-        what is likelier background.
+        Whether `data` are intensities, separated by their means, or log-likelihood ratios,
+        separated by their sign.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Fast marching: when a front that starts at seeds arrives at every pixel.
+"""Fast marching: arrival times of a front that starts at seeds.
 
 J. Ha (2008), (13) and (14), with the upwind form of Sethian (1999): the outer power in the thesis'
 (14) is a misprint.
@@ -97,7 +97,7 @@ def _arrival(
 
 @compiled
 def arrival_times(speed: FloatArray, seeds: BoolArray, latest: float) -> FloatArray:
-    """Return when the front arrives at every pixel, shape (H, W); infinite after `latest`.
+    """Return the arrival time of the front at every pixel, shape (H, W); infinite after `latest`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far two shapes differ: energies (19) to (22) of J. Ha (2008)."""
+"""Energies of the difference of two shapes: (19) to (22) of J. Ha (2008)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A soft prior of shape: how likely a pixel is inside, by its distance from a known outline."""
+"""A soft shape prior: log-odds that a pixel is inside, by its distance from a known outline."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 Its level set has four values: exterior, interior, and the two lists between. Table 1 of J. Ha,
 "Visual tracking and control" (2008), chapter 3. Where the thesis is silent, it is our choice that:
 what lies beyond the picture has no side; neither region is emptied; points that join a list during
-a scan wait for the next one, or are looked at in the same (`flooding`).
+a scan wait for the next one, or are checked in the same (`flooding`).
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ FlatLevels: TypeAlias = NDArray[np.int8]
 """Levels with a margin of zeros about the picture, row after row."""
 
 PointList: TypeAlias = NDArray[np.int32]
-"""Places in them."""
+"""Indices into flat levels."""
 
 INSIDE, OUTSIDE = 0, 1
-"""Rows of what is kept of the two regions."""
+"""Indices of the two regions in the arrays of `Regions`."""
 
 EDGES, DEPTHS = (INNER, OUTER), (INTERIOR, EXTERIOR)
 """Levels of the regions' points beside the contour, and of the others."""
 
 FEWEST = 2
-"""Points that either region keeps at least: with one, its mean would be divided by nothing."""
+"""Least number of points in a region: taking one out of one point would divide by zero."""
 
 
 @compiled
@@ -74,10 +74,10 @@ def _positive_neighbours(levels: FlatLevels, point: int, width: int) -> int:
 
 
 @compiled_inside
-def _join(
+def _join_edge(
     levels: FlatLevels, point: int, deep: int, joined: int, points: PointList, count: int
 ) -> int:
-    """Let a point of level `deep` join a list; return how long it is then."""
+    """Append a point to a list if its level is `deep`; return the length of the list."""
     if levels[point] == deep:
         levels[point] = joined
         points[count] = point
@@ -89,7 +89,7 @@ def _join(
 def _drop_buried(
     levels: FlatLevels, width: int, points: PointList, count: int, own: int, deep: int
 ) -> int:
-    """Drop the points of a list that no longer touch the other side; return how many remain."""
+    """Remove the points of a list that no longer touch the other side; return its length."""
     kept = 0
     for index in range(count):
         point = points[index]
@@ -107,7 +107,7 @@ def _drop_buried(
 
 
 class ContourSettings(NamedTuple):
-    """How contours evolve.
+    """Settings of contour evolution.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class ContourSettings(NamedTuple):
     iterations : int
         Largest number of iterations; hardly any contour needs as many as the default.
     flooding : bool
-        Whether points that join a list are looked at in the same scan, so that one iteration can
+        Whether points that join a list are checked in the same scan, so that one iteration can
         carry the contour any distance; otherwise by about a pixel.
     """
 
@@ -156,7 +156,7 @@ def switch_points(
     settings: ContourSettings,
     by_means: bool,
 ) -> tuple[int, int, float, float]:
-    """Let the contour evolve; `levels` is changed in place.
+    """Evolve the contour by switching points; `levels` is changed in place.
 
     Parameters
     ----------
@@ -177,8 +177,8 @@ def switch_points(
     """
     height, width = levels.shape
     stride = width + 2
-    # A margin without a side saves asking whether a neighbour is within the picture.
-    sides = np.zeros((height + 2) * stride, np.int8)
+    # A margin of level 0 saves checking whether a neighbour is within the picture.
+    padded = np.zeros((height + 2) * stride, np.int8)
     values = np.empty((height + 2) * stride, np.float32)
     regions = Regions(
         np.empty((2, height * width), np.int32),
@@ -186,16 +186,16 @@ def switch_points(
         np.zeros(2, np.int64),
         np.zeros(2),
     )
-    _read(data, levels, sides, values, regions)
+    _initialise(data, levels, padded, values, regions)
     iterations, has_changed = 0, True
     while iterations < settings.iterations and has_changed:
         iterations += 1
         has_changed = False
         for region in (INSIDE, OUTSIDE):
-            has_changed |= _scan(region, sides, values, stride, regions, settings, by_means)
+            has_changed |= _scan(region, padded, values, stride, regions, settings, by_means)
             other = 1 - region
             regions.edge_sizes[other] = _drop_buried(
-                sides,
+                padded,
                 stride,
                 regions.edges[other],
                 regions.edge_sizes[other],
@@ -205,25 +205,25 @@ def switch_points(
     for row in range(height):
         first = (row + 1) * stride + 1
         for column in range(width):
-            levels[row, column] = sides[first + column]
+            levels[row, column] = padded[first + column]
     return iterations, regions.sizes[INSIDE], regions.sums[INSIDE], regions.sums[OUTSIDE]
 
 
 @compiled_loop
-def _read(
+def _initialise(
     data: NDArray[np.float32],
     levels: Levels,
-    sides: FlatLevels,
+    padded: FlatLevels,
     values: NDArray[np.float32],
     regions: Regions,
 ) -> None:
-    """Fill in sides, values and regions from a picture and its levels."""
+    """Fill in padded levels, padded values and regions from a picture and its levels."""
     height, width = levels.shape
     inner, outer, inside, inside_sum, outside_sum = 0, 0, 0, 0.0, 0.0
     for row in range(height):
         first = (row + 1) * (width + 2) + 1
         for column in range(width):
-            sides[first + column] = levels[row, column]
+            padded[first + column] = levels[row, column]
             values[first + column] = data[row, column]
         for column in range(width):
             level, value = levels[row, column], data[row, column]
@@ -246,14 +246,14 @@ def _read(
 @compiled_loop
 def _scan(
     region: int,
-    sides: FlatLevels,
+    padded: FlatLevels,
     values: NDArray[np.float32],
     stride: int,
     regions: Regions,
     settings: ContourSettings,
     by_means: bool,
 ) -> bool:
-    """Let the points of one region beside the contour go over; tell whether any did."""
+    """Switch the edge points of one region where that lowers the energy; return whether any was."""
     other = 1 - region
     sign = 1.0 if region == INSIDE else -1.0
     edge, foreign_edge, depth = EDGES[region], EDGES[other], DEPTHS[region]
@@ -275,19 +275,19 @@ def _scan(
             change = from_other * from_other * (foreign_size / (foreign_size + 1.0))
             change -= from_own * from_own * (size / (size - 1.0))
         if smooth != 0.0:
-            change += smooth * (4 - _positive_neighbours(sides, point, stride))
+            change += smooth * (4 - _positive_neighbours(padded, point, stride))
         if change >= 0.0 or size <= FEWEST:
             own[kept] = point
             kept += 1
             continue
-        sides[point] = foreign_edge
+        padded[point] = foreign_edge
         foreign[foreign_count] = point
         foreign_count += 1
         has_changed = True
         size, foreign_size = size - 1, foreign_size + 1
         total, foreign_total = total - value, foreign_total + value
         for neighbour in (point - stride, point - 1, point + 1, point + stride):
-            count = _join(sides, neighbour, depth, edge, own, count)
+            count = _join_edge(padded, neighbour, depth, edge, own, count)
         if settings.flooding:
             end = count
     while index < count:

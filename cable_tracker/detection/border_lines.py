@@ -18,7 +18,7 @@ from cable_tracker.detection.edges import EdgePoints
 from cable_tracker.tracking.parameter_table import pixel_scale
 
 FIT_TOLERANCES = (4.0, 2.5, 2.0)
-"""How far a point may lie from its line, at one fit after the other [px at the reference width]."""
+"""Largest distance of a point from its line, in successive fits [px at the reference width]."""
 
 LEAST_COSINE = math.cos(math.radians(20.0))
 """Cosine of the largest angle (20 deg) between a point's gradient and the line normal."""
@@ -220,7 +220,7 @@ def _merged(lines: BorderLines, scale: float) -> BorderLines:
 
 @compiled
 def _first_of_same(angles: FloatArray, offsets: FloatArray, same_offset: float) -> IndexArray:
-    """Return which of some lines (N,) are not the same as one before them that is kept."""
+    """Return the indices of lines (N,) that differ from all earlier ones that remain."""
     kept, count = np.empty(len(angles), np.int64), 0
     for line in range(len(angles)):
         is_new = True

@@ -6,7 +6,7 @@ direction and summed along its lines (a Radon transform), and a sum is judged by
 of its squares: a few strong edges that lie on a line by chance weigh little against many weak ones
 that agree.
 
-Two pictures are looked at: that of the brightness, and that of the texture, in which a smooth cable
+Two pictures are searched: that of the brightness, and that of the texture, in which a smooth cable
 on a rough bottom is a dark strip whatever its grey level.
 
 The constants were chosen on the simulated worlds to tune on (`tune_*`).
@@ -32,7 +32,7 @@ CELL = 4.0
 """Side of a cell of the coarse pictures [px at the reference width]."""
 
 FEWEST_CELLS = 8
-"""A picture with fewer cells on a side has no lines to speak of."""
+"""Least number of cells on a side of a picture that is searched for lines."""
 
 GRADIENT_CAP = 3.0
 """Upper bound of the length of a gradient, in medians of all."""
@@ -82,7 +82,7 @@ def _by_cell(picture: Image, image: WorkingImage) -> Image:
 
 
 def coherent_votes(picture: Image) -> Image:
-    """Return how far the gradients along each line of a coarse picture agree.
+    """Return the agreement of the gradients along each line of a coarse picture.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What every whole-image cable detector looks like."""
+"""Base class of whole-image cable detectors."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from cable_tracker.tracking.succession import check_frame
 PLAIN = TrackerParameters(
     working_width=round(REFERENCE_WIDTH), light_correction=0.0, burned_in_time=0.0
 )
-"""How the tracker makes a picture ready of which nothing is taken out."""
+"""Parameters of a working image without corrections."""
 
 
 class CableDetector(ABC):
-    """Finds cables in one picture between the lines it sees there, without a memory.
+    """Finds cables in single pictures, between pairs of lines.
 
     Pictures wider than the reference width are reduced as the tracker reduces them, so that all
-    methods see the same.
+    methods get the same.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class CableDetector(ABC):
         image : Image
             Grey levels, uint8 or float32 (0..255), shape (H, W).
         region : SearchRegion or None
-            Look here only, in the frame of `image`; everywhere if None.
+            Region to search, in the frame of `image`; None: everywhere.
 
         Raises
         ------

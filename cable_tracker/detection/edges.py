@@ -58,7 +58,7 @@ def gradient_of(smooth: Image) -> Gradient:
     """Return the gradient of a picture that is smoothed already, float32 of shape (h, w)."""
     x, y = sobel(smooth, 1 / 8)
     modulus = magnitude(x, y)
-    # Every second row and column says the same in a quarter of the time.
+    # Every second row and column gives the same in a quarter of the time.
     scale = float(np.median(modulus[::2, ::2])) / RAYLEIGH_MEDIAN
     return Gradient(x, y, modulus, max(scale, GRADIENT_FLOOR))
 

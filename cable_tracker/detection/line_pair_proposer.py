@@ -55,8 +55,8 @@ MOST_FAINT = 4
 """Number of cables between faint lines that are proposed, from brightness, from texture and from
 the map each."""
 
-SHOWN = 0.2
-"""Probability that some cell of a map has at least: below it there are no lines to look for."""
+LEAST_MAP_PROBABILITY = 0.2
+"""Least probability of a map's highest cell, below which the map is not searched for lines."""
 
 
 class LinePairProposer:
@@ -66,13 +66,13 @@ class LinePairProposer:
     ----------
     limits : PairLimits
         Widths and skews of the cables that are proposed.
-    looks_at_map : bool
-        Whether lines are looked for in the map of the frame, too.
+    uses_map : bool
+        Whether lines are searched in the map of the frame, too.
     """
 
-    def __init__(self, limits: PairLimits, *, looks_at_map: bool) -> None:
+    def __init__(self, limits: PairLimits, *, uses_map: bool) -> None:
         self._limits = limits
-        self._looks_at_map = looks_at_map
+        self._uses_map = uses_map
 
     def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         """Return d, alpha, w, beta of cables in the frame [px, rad], best first, shape (K, 4).
@@ -82,8 +82,8 @@ class LinePairProposer:
         image : WorkingImage
             The frame.
         is_searching : bool
-            Whether it is more likely than not that the tracker follows none: faint lines are looked
-            for, too, which takes more time.
+            Whether it is more likely than not that the tracker follows none: faint lines are
+            searched, too, which takes more time.
         """
         votes, offset_bin = accumulated_votes(image)
         found = [self._pairs(votes, offset_bin, image)[:MOST_CABLES]]
@@ -96,10 +96,13 @@ class LinePairProposer:
         return np.asarray(np.concatenate(found) * pose_units(1.0 / image.reduction))
 
     def _coarse_pictures(self, image: WorkingImage) -> Iterator[Image]:
-        """Yield the pictures in which faint lines are looked for."""
+        """Yield the coarse pictures in which faint lines are searched, float32 (m, n)."""
         yield coarse_brightness(image)
         yield coarse_texture(image)
-        if self._looks_at_map and image.cable_map.probabilities.max(initial=0.0) >= SHOWN:
+        if (
+            self._uses_map
+            and image.cable_map.probabilities.max(initial=0.0) >= LEAST_MAP_PROBABILITY
+        ):
             yield image.cable_map.probabilities
 
     def _faint_pairs(self, picture: Image, image: WorkingImage) -> FloatArray:
@@ -163,16 +166,16 @@ def _vote(lines: ScanLines, turned: bool, accumulator: _Accumulator) -> None:
             u, v = place - (length - 1) / 2, places[line]
             weight = min(math.sqrt(squares[place]), VOTE_CAP)
             if turned:
-                _cast(v, u, (across, along), weight, accumulator)
+                _vote_for_point(v, u, (across, along), weight, accumulator)
             else:
-                _cast(u, v, (along, across), weight, accumulator)
+                _vote_for_point(u, v, (along, across), weight, accumulator)
 
 
 @compiled_loop
 def _find_ridges(gradients: Image, squares: Image, candidates: Image, ridges: IndexArray) -> int:
-    """Find where strong gradients (n, 3), rather along a line than across it, are strongest.
+    """Find the local maxima of strong gradients (n, 3) that are rather along a line than across.
 
-    Their squares (n,) and the places are filled in, and the number of places returned.
+    Fills in the squares (n,) and the indices of the maxima, and returns the number of these.
     """
     for place in range(len(squares)):
         along, across = gradients[place, ALONG], gradients[place, ACROSS]
@@ -193,7 +196,7 @@ def _find_ridges(gradients: Image, squares: Image, candidates: Image, ridges: In
 
 
 @compiled_inside
-def _cast(
+def _vote_for_point(
     x: float,
     y: float,
     gradient: tuple[float, float],

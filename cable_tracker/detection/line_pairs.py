@@ -68,12 +68,12 @@ DEFAULT_LIMITS = pair_limits(TrackerParameters())
 
 @dataclass(frozen=True, slots=True)
 class Detection:
-    """One cable that a detector believes to see.
+    """One cable found by a detector.
 
     Attributes
     ----------
     state : CableState
-        State of the cable [px, rad]; a single picture tells no rates, they are 0.
+        State of the cable [px, rad]; rates are unknown from a single picture and 0.
     score : float
         Clearness of the cable, from 0 to 1. Comparable within one detector only.
     """
@@ -201,7 +201,7 @@ def plausible_pairs(
 def _cable_between(
     angle: float, offset: float, other: float, other_offset: float, pose: FloatArray
 ) -> bool:
-    """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright.
+    """Fill in d, alpha, w, beta of the cable between two lines; return whether it is bright.
 
     Their normals point to the same side.
     """

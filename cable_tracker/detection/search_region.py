@@ -1,4 +1,4 @@
-"""Where a detector has to look: a region of interest around an expected cable."""
+"""The search region of a detector, around an expected cable."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SearchRegion:
         )
 
     def admits(self, states: FloatArray) -> BoolArray:
-        """Tell which cables (N, 8) lie in the box, also across the wrap; shape (N,)."""
+        """Return which cables (N, 8) lie in the box, also across the wrap, shape (N,)."""
         expected = self.state
         chart = states_in_chart(states, expected.angle)
         inside: BoolArray = (
@@ -53,7 +53,7 @@ class SearchRegion:
         return inside
 
     def covers(self, points: FloatArray) -> BoolArray:
-        """Tell which points some border of a cable in the box may pass through.
+        """Return which points some border of a cable in the box may pass through.
 
         Parameters
         ----------

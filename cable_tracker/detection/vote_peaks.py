@@ -65,7 +65,7 @@ def strongest_lines(
 def _strongest_lines(
     votes: Image, offset_bin: float, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return what `strongest_lines` does, for blurred votes with the ends repeated."""
+    """Return the result of `strongest_lines`, from blurred votes with the ends repeated."""
     clear = clearness_of(votes)
     highest = highest_about(clear)
     rows, columns = clear.shape
@@ -98,7 +98,7 @@ def _strongest_lines(
 
 @compiled_part
 def highest_about(clear: Image) -> Image:
-    """Return the highest cell about each, see `ANGLE_MARGIN`; rows next to the ends are not set."""
+    """Return the local maximum about each cell, see `ANGLE_MARGIN`; end rows are not set."""
     rows, columns = clear.shape
     beside, highest = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
     for row in range(rows):
@@ -119,7 +119,7 @@ def highest_about(clear: Image) -> Image:
 
 @compiled_part
 def clearness_of(votes: Image) -> Image:
-    """Return how far votes stand above the others at their angle, in spreads; at least 0."""
+    """Return the excess of votes over the mean at their angle, in spreads; at least 0."""
     rows, columns = votes.shape
     clear = np.empty((rows, columns), np.float32)
     means, spreads, sums, squares = np.empty(rows), np.empty(rows), 0.0, 0.0
@@ -153,7 +153,7 @@ def _moments(values: Image) -> tuple[float, float]:
 
 @compiled_inside
 def _vertex(before: float, here: float, after: float) -> float:
-    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
+    """Return the vertex of the parabola through three values, from -0.5 to 0.5 [steps]."""
     bend = 2.0 * here - before - after
     if bend <= 0.0:
         return 0.0

@@ -22,9 +22,13 @@ from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.sample_statistics import percentages
 from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
-from cable_tracker.visualisation.figure_files import figure_png, with_faint_grid
+from cable_tracker.visualisation.figure_files import (
+    broken_at_wraps,
+    draw_line,
+    figure_png,
+    with_faint_grid,
+)
 from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
-from cable_tracker.visualisation.panel_lines import broken_at_wraps, draw_line
 
 DOTS_PER_INCH = 130
 NOMINAL = np.linspace(0.02, 0.98, 49)

@@ -69,9 +69,9 @@ class ContactSheet:
         return len(self._thumbnails)
 
     def add(
-        self, draw: Callable[[], Image], frame: int, words: str = "", colour: Colour = WHITE
+        self, draw: Callable[[], Image], frame: int, caption: str = "", colour: Colour = WHITE
     ) -> None:
-        """Take the picture of one more frame, which is drawn only if it is kept.
+        """Add the picture of one more frame; it is drawn only if it stays on the sheet.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class ContactSheet:
             Returns the picture: blue-green-red, uint8, shape (H, W, 3).
         frame : int
             Number of the frame, written below the picture.
-        words : str
+        caption : str
             Written beside the number, such as the status; ASCII.
         """
         self._count += 1
@@ -88,7 +88,7 @@ class ContactSheet:
         overlay = draw()
         if not self._thumbnails:
             self._height = max(1, round(overlay.shape[0] * self._width / overlay.shape[1]))
-        self._thumbnails.append(self._shrink(overlay, frame, words, colour))
+        self._thumbnails.append(self._shrink(overlay, frame, caption, colour))
         if len(self._thumbnails) > self._limit:
             self._thumbnails = self._thumbnails[::2]
             self.stride *= 2
@@ -132,7 +132,7 @@ class ContactSheet:
     def _caption_height(self) -> int:
         return max(6, round(CAPTION_SHARE * self._width))
 
-    def _shrink(self, overlay: Image, frame: int, words: str, colour: Colour) -> Image:
+    def _shrink(self, overlay: Image, frame: int, caption: str, colour: Colour) -> Image:
         """Fit a picture into a cell without distorting it, and write below what it shows."""
         height, width = overlay.shape[:2]
         scale = min(self._width / width, self._height / height)
@@ -143,16 +143,16 @@ class ContactSheet:
         cell: Image = np.full(shape, BACKGROUND, dtype=np.uint8)
         top, left = (self._height - size[1]) // 2, (self._width - size[0]) // 2
         cell[top : top + size[1], left : left + size[0]] = small
-        _write_caption(cell[self._height :], f"{frame}  ", words, colour)
+        _write_caption(cell[self._height :], f"{frame}  ", caption, colour)
         return cell
 
 
-def _write_caption(strip: Image, number: str, words: str, colour: Colour) -> None:
-    """Write the number in white and the words in their colour on a strip below the picture."""
+def _write_caption(strip: Image, number: str, caption: str, colour: Colour) -> None:
+    """Write the number in white and the caption in its colour on a strip below the picture."""
     strip[:] = 20
     font = cv2.FONT_HERSHEY_SIMPLEX
     scale = strip.shape[0] / 34
     baseline = round(0.72 * strip.shape[0])
     cv2.putText(strip, number, (3, baseline), font, scale, to_bgr(WHITE), 1, cv2.LINE_AA)
     left = 3 + cv2.getTextSize(number, font, scale, 1)[0][0]
-    cv2.putText(strip, words, (left, baseline), font, scale, to_bgr(colour), 1, cv2.LINE_AA)
+    cv2.putText(strip, caption, (left, baseline), font, scale, to_bgr(colour), 1, cv2.LINE_AA)

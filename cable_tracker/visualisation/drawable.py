@@ -1,4 +1,4 @@
-"""What of a belief is drawn, in files and in the browser alike."""
+"""Selection of hypotheses and particles to draw, in files and in the browser alike."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LARGEST_SIGMA = 1e6
 """Standard deviation above which bands are no wider; they fill the picture anyway [px, rad]."""
 
 REACH = 20.0
-"""How far beyond the picture lines go, as a multiple of its longer side."""
+"""Length of lines beyond the picture, as a multiple of its longer side."""
 
 
 def likely_states(hypotheses: Iterable[Hypothesis]) -> list[CableState]:

@@ -1,4 +1,4 @@
-"""One frame with everything the tracker believes about it drawn on top."""
+"""Draws the tracker's belief over a frame."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class _Pen:
 
 
 def draw_estimate(image: Image, estimate: CableEstimate, cloud: FloatArray | None) -> Image:
-    """Draw all that an estimate says, and a cloud of particles; see `draw_overlay`."""
+    """Draw an estimate and a cloud of particles over its frame; see `draw_overlay`."""
     return draw_overlay(
         image,
         state=estimate.claimed_state,
@@ -167,7 +167,7 @@ def draw_overlay(
 
 
 def resized(canvas: Image, minimum: int | None, maximum: int | None) -> tuple[Image, float]:
-    """Return an image whose width lies between two limits, and by how much it was enlarged.
+    """Return an image whose width lies between two limits, and its enlargement.
 
     One that is very tall is narrower: no side is longer than `LONGEST_SIDE`.
     """

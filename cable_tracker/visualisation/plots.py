@@ -22,9 +22,13 @@ from cable_tracker.errors import OutputError
 from cable_tracker.sequences.tables.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.status import REFUSED, TrackingStatus
-from cable_tracker.visualisation.figure_files import with_faint_grid, write_figure
+from cable_tracker.visualisation.figure_files import (
+    broken_at_wraps,
+    draw_line,
+    with_faint_grid,
+    write_figure,
+)
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
-from cable_tracker.visualisation.panel_lines import broken_at_wraps, draw_line
 
 LARGEST_COUNT = 10_000
 """A longer recording is thinned out to at most this many frames: a plot cannot show more."""

@@ -1,4 +1,4 @@
-"""Draw what is known of a target over its frame."""
+"""Draws the estimate of a target over its frame."""
 
 from __future__ import annotations
 

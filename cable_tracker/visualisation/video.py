@@ -24,7 +24,7 @@ TICKS = 1000
 """Time stamps of the file per second: WebM counts milliseconds."""
 
 USUAL_STEP = 40_000_000
-"""Time to the next frame where the stamps do not tell [ns]."""
+"""Time to the next frame where the stamps do not give it [ns]."""
 
 LONGEST_STEP = 10_000_000_000
 """A longer pause between two stamps is not shown in full, but as a usual step [ns]."""
@@ -45,7 +45,7 @@ take more of it in all."""
 
 
 def next_step(previous: int, stamp: int, usual: int) -> int:
-    """Return how long a frame is shown [ns].
+    """Return the duration for which a frame is shown [ns].
 
     Parameters
     ----------

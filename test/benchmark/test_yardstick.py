@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.benchmark.sample_points import sample_points
+from cable_tracker.benchmark.cases import sample_points
 from cable_tracker.benchmark.yardstick import TAPS, derivative_of_gaussian, yardstick_of
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.parameters.presets import preset

@@ -29,7 +29,7 @@ CABLES = [
 
 def propose(image, working_width=320, is_searching=False) -> np.ndarray:
     picture = plain_image(image, working_width)
-    proposer = LinePairProposer(DEFAULT_LIMITS, looks_at_map=True)
+    proposer = LinePairProposer(DEFAULT_LIMITS, uses_map=True)
     return proposer.propose(picture, is_searching=is_searching)
 
 
@@ -184,12 +184,12 @@ def test_wide_thin_and_skewed_cables_are_proposed_where_the_limits_let_them(
 ):
     cable = CableState(8.0, 0.1, width, np.deg2rad(skew) * (width > 100.0))
     image = plain_image(draw_strip(cable))
-    wide = LinePairProposer(PairLimits(3.0, 240.0, np.deg2rad(30.0)), looks_at_map=True)
+    wide = LinePairProposer(PairLimits(3.0, 240.0, np.deg2rad(30.0)), uses_map=True)
     found = nearest(wide.propose(image, is_searching=False), cable)
     assert found[0] == pytest.approx(cable.distance, abs=5.0)
     assert found[2] == pytest.approx(width, abs=6.0)
     assert found[3] == pytest.approx(cable.skew, abs=0.05)
-    limited = LinePairProposer(PairLimits(8.0, 120.0, np.deg2rad(15.0)), looks_at_map=True)
+    limited = LinePairProposer(PairLimits(8.0, 120.0, np.deg2rad(15.0)), uses_map=True)
     narrow = limited.propose(image, is_searching=True)
     assert ((narrow[:, 2] >= 8.0) & (narrow[:, 2] <= 120.0)).all()
     assert (np.abs(narrow[:, 3]) <= np.deg2rad(15.0)).all()

@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from cable_tracker.errors import OutputError
 from cable_tracker.visualisation.figure_files import (
     DOTS_PER_INCH,
+    broken_at_wraps,
+    draw_line,
     figure_png,
     with_faint_grid,
     write_figure,
@@ -49,3 +51,18 @@ def test_a_faint_grid_leaves_two_sides_open(figure):
     visible = {side for side, spine in axis.spines.items() if spine.get_visible()}
     assert visible == {"left", "bottom"}
     assert axis.get_xgridlines()[0].get_visible()
+
+
+def test_what_wraps_is_broken_between_two_values_and_loses_none():
+    angles = np.deg2rad([88.0, 89.0, -89.0])
+    places, values = broken_at_wraps(np.arange(3.0), angles, np.array([5.0, 6.0, -6.0]))
+    np.testing.assert_array_equal(places, [0.0, 1.0, np.nan, 2.0])
+    np.testing.assert_array_equal(values, [5.0, 6.0, np.nan, -6.0])
+
+
+def test_values_without_neighbours_are_dots():
+    axis = Figure().subplots()
+    draw_line(axis, np.arange(6.0), np.array([1.0, np.nan, 3.0, 4.0, np.nan, 6.0]), "0.5")
+    line, dots = axis.lines
+    assert len(line.get_xdata()) == 6
+    assert dots.get_xdata().tolist() == [0.0, 5.0]

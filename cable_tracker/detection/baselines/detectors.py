@@ -1,4 +1,4 @@
-"""All detectors by name."""
+"""The whole-image detectors by name."""
 
 from __future__ import annotations
 

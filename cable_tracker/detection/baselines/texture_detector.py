@@ -45,7 +45,7 @@ EDGE_CONTRAST = 2.0
 """Contours are ridges of the gradient with more contrast than this [frame's scale]."""
 
 LITTLE = 0.05
-"""Weight of "no contour here" in the mean over a cell, so that few pixels say little."""
+"""Weight of "no contour here" in the mean over a cell, so that few pixels count little."""
 
 GRAIN_SIGMA = 1.5
 """Sigma of the smoothing before grains are counted [px]."""
@@ -156,7 +156,7 @@ class _CellMaps:
 
 
 def _turns(weight: Image, cos_double: Image, sin_double: Image) -> Image:
-    """Return how far a contour's pixel and its neighbours are from parallel, times their weight."""
+    """Return the deviation of contour pixels from their neighbours' direction, times its weight."""
     near = (3, 3)
     total, cos, sin = (cv2.blur(values, near) for values in (weight, cos_double, sin_double))
     turns: Image = np.where(weight > 0, weight * (1 - magnitude(cos, sin) / (total + 1e-6)), 0)

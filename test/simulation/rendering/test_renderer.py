@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.benchmark.sample_points import sample_points
+from cable_tracker.benchmark.cases import sample_points
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import project_tube
