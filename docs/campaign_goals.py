@@ -5,7 +5,7 @@
 One dive is simulated and copied. Some copies are surveyed one after the other in this process, all
 of them by the workers of a cluster on this machine, as `cable-tracker survey` does; routes are not
 merged. Two processes at once slow each other down, through memory, caches and what else the machine
-does. That is no cost of the campaign, so it is told apart: each task notes when it began and ended,
+does. That is no cost of the campaign, so it is separated: each task notes when it began and ended,
 and how much of the processor it took.
 """
 
@@ -115,7 +115,7 @@ def _span(folder: Path) -> Span:
 
 
 def _processor_time() -> float:
-    """Return what this process and those that it has started and that have ended took [s]."""
+    """Return the processor time of this process and of its children that have ended [s]."""
     kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     used = [resource.getrusage(kind) for kind in kinds]
     return sum(each.ru_utime + each.ru_stime for each in used)

@@ -1,4 +1,4 @@
-"""Evaluate the methods, and write what comes out into docs/evaluation.md.
+"""Evaluate the methods, and write the results into docs/evaluation.md.
 
     python docs/evaluation_tables.py --seeds 10                    # run, then write
     python docs/evaluation_tables.py --seeds 10 --keep             # take results that lie there
@@ -37,7 +37,7 @@ Key: TypeAlias = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Measure:
-    """A column of the summary, what it is called, and with how many digits it is told."""
+    """A column of the summary, its title, and its number of decimals."""
 
     name: str
     title: str
@@ -56,7 +56,7 @@ INSIDE_D = Measure("inside_2_sigma_d", "Truths of d inside two sigma [%]", 0)
 
 @dataclass(frozen=True)
 class Block:
-    """One block of the page: sequences and the measures that are told of them."""
+    """One block of the page: sequences, and the measures in its tables."""
 
     name: str
     arguments: tuple[str, ...]
@@ -83,7 +83,7 @@ BLOCKS = (
 
 
 def main() -> None:
-    """Run what is chosen, and write the page."""
+    """Run the chosen evaluations, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--frames", type=int, help="use only so many frames of each scenario")
@@ -126,13 +126,13 @@ def evaluate(arguments: Sequence[str], folder: Path) -> None:
 
 
 def with_rows(old: str, new: str) -> str:
-    """Return a block's text with the rows of the methods that another text of it has."""
+    """Return an old text of a block, with rows replaced by those of a new one."""
     rows = {row: line for row, line in rows_and_lines(new) if row is not None}
     return "".join(f"{rows.get(row, line)}\n" for row, line in rows_and_lines(old))
 
 
 def rows_and_lines(text: str) -> Iterator[tuple[tuple[str, str] | None, str]]:
-    """Yield lines, each with its table's title and its method, None for what is no such row."""
+    """Yield lines, each with its table's title and its method; None for a line of no method."""
     title = ""
     for line in text.splitlines():
         title = line if line.endswith(":") else title
@@ -169,7 +169,7 @@ def table_of(
 ) -> str:
     """Return a table with a row for each method; a column is of a sequence and a measure."""
     lines = tuple(
-        (f"`{method}`", *(told(rows[name, method, each.name], each) for name, each in columns))
+        (f"`{method}`", *(cell_text(rows[name, method, each.name], each) for name, each in columns))
         for method in methods
     )
     return table_markdown(ResultTable(("method", *titles), lines)) + "\n"
@@ -184,8 +184,8 @@ def read_summary(path: Path) -> dict[Key, tuple[str, str]]:
         }
 
 
-def told(value: tuple[str, str], measure: Measure) -> str:
-    """Return a mean and its standard error as they stand in a cell."""
+def cell_text(value: tuple[str, str], measure: Measure) -> str:
+    """Return the text of a cell: mean and standard error."""
     mean, error = value
     if not mean or not np.isfinite(float(mean)):
         return "-"

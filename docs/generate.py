@@ -210,7 +210,7 @@ API = (
     (TargetEstimate, "cable_tracker.target.model.estimate"),
     (target_preset, "cable_tracker.target.parameters.presets"),
 )
-"""What is meant to be used from outside, and where it is imported from."""
+"""The public names, and the modules that they are imported from."""
 
 
 def api_page() -> str:

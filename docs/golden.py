@@ -3,7 +3,7 @@
     python docs/golden.py freeze FILE.npz     # before a change
     python docs/golden.py compare FILE.npz    # after it
 
-The frames stand in the file too. Estimates are the same bit for bit only on one kind of machine, so
+The frames are in the file, too. Estimates are the same bit for bit only on one kind of machine, so
 the file is made and read on the same one, and never committed.
 """
 
@@ -26,8 +26,8 @@ from cable_tracker.tracking.status import TrackingStatus
 
 DIVES = ("S1", "S2", "S3", "S4", "S5", "S6")
 FRAMES, SEED, STEP = 150, 1, 40_000_000
-TOLD = 75
-"""From this frame on the tracker has been told where the cable is."""
+INITIALISED_AT = 75
+"""Frame at which the tracker is initialised with the true state of the cable."""
 
 STATUSES = list(TrackingStatus)
 
@@ -50,7 +50,7 @@ def freeze(path: Path) -> None:
     for dive in DIVES:
         frames = list(ScenarioSequence(dive, FRAMES).frames(SEED))
         content[f"{dive} frames"] = np.stack([frame.image for frame in frames])
-        truth = frames[TOLD].truth
+        truth = frames[INITIALISED_AT].truth
         content[f"{dive} told"] = truth.to_array() if truth else np.full(8, np.nan)
         for name in PRESETS:
             content[f"{dive} {name}"] = track(
@@ -62,7 +62,7 @@ def freeze(path: Path) -> None:
 
 
 def compare(path: Path) -> bool:
-    """Say for every dive and preset from which frame on estimates differ; True if none does."""
+    """Print for every dive and preset from which frame on estimates differ; True if none does."""
     content = np.load(path)
     same = True
     for name in PRESETS:
@@ -76,19 +76,22 @@ def compare(path: Path) -> bool:
     return same
 
 
-def track(frames: Image, told: FloatArray, name: str) -> FloatArray:
-    """Return what a preset says of each frame, a row each; from the middle on it was told."""
+def track(frames: Image, truth: FloatArray, name: str) -> FloatArray:
+    """Return the numbers of a preset's estimates, a row for each frame.
+
+    At `INITIALISED_AT` it is given the true state (8,) of that frame, unless this is NaN.
+    """
     tracker = make_tracker(preset(name))
     rows = []
     for number, frame in enumerate(frames):
-        if number == TOLD and np.isfinite(told).all():
-            tracker.initialise(GivenState.around(CableState.from_array(told)))
+        if number == INITIALISED_AT and np.isfinite(truth).all():
+            tracker.initialise(GivenState.around(CableState.from_array(truth)))
         rows.append(numbers_of(tracker.process(frame, stamp=(number + 1) * STEP)))
     return np.array(rows)
 
 
 def numbers_of(estimate: CableEstimate) -> FloatArray:
-    """Return all numbers of an estimate in a row."""
+    """Return all numbers of an estimate in a row, shape (K,)."""
     presence = math.nan if estimate.presence is None else estimate.presence
     return np.concatenate(
         (

@@ -3,7 +3,7 @@
     python docs/measure_gui.py [RECORDING] [--picture docs/images/gui.png]
 
 Plays a recording (a simulated dive of 640x480 if none is given) with 500 particles at its own pace,
-in turn with a browser that draws it and with none that looks. The difference in processor time is
+in turn with a browser that draws it and without one. The difference in processor time is
 what the window costs beside the tracker. Needs Playwright and Chromium.
 """
 
@@ -28,7 +28,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 CHROMIUM = "/usr/bin/chromium"
 ROUNDS = 4
 MEASURED = 7.0
-"""How long each turn is measured [s]."""
+"""Duration of a measurement [s]."""
 
 CANVAS = "document.querySelector('.ct-stage canvas')"
 COUNT_PICTURES = f"""
@@ -47,7 +47,7 @@ COUNT_PICTURES = f"""
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What was measured in one turn.
+    """Results of one measurement.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ def turn_alone(process: subprocess.Popen[bytes], browser: Browser, url: str) -> 
 
 
 def take_picture(browser: Browser, url: str, path: Path) -> None:
-    """Save what the window looks like after some seconds of playing."""
+    """Save a screenshot of the window after some seconds of playing."""
     with page_of(browser, url) as page:
         play_from_the_start(page)
         page.wait_for_function(f"{CANVAS}.frameView.description.frame > 200")
@@ -193,7 +193,7 @@ def simulated(folder: Path) -> Path:
 
 
 def main() -> None:
-    """Measure, and say what came out."""
+    """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("recording", type=Path, nargs="?")
     parser.add_argument("--picture", type=Path, help="save the window as this PNG too")

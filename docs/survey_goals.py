@@ -41,25 +41,24 @@ REGION = 1.96
 """Half of a 95 % region [standard deviations]."""
 
 NEAR = 1.0
-"""An event is that of the truth if it is so near to it [m]."""
+"""Largest distance of an event from the true one [m]."""
 
 CLEAR = 6.0
-"""What is nearer than this to where a dive ends need not be found [m]."""
+"""Distance from the end of a dive within which events need not be found [m]."""
 
 HIDDEN_SHARE = 0.4
-"""Where sand, growth and ropes hide so much of the borders, it is right to say so."""
+"""Hidden share of the borders from which on an event that says so is right."""
 
 HALF, HALF_STEP = 0.5, 0.05
-"""A hidden stretch ends where so much of the borders is hidden; looked for in such steps [m]."""
+"""Hidden share of the borders at which a hidden stretch ends, and step of the search for it [m]."""
 
 LEAST_ACROSS = math.sin(math.radians(15.0))
 """Sine of the angle from the cable at which a line counts as across it."""
 
-MEETING_STEP = 0.2
-"""Distance between places of the cable at which it is told on which side of a streak they lie
-[radii]."""
+CROSSING_STEP = 0.2
+"""Step along the cable in which crossings with a streak are searched [radii]."""
 
-SHARE_WAY = 0.5
+SHARE_LENGTH = 0.5
 """Length of cable over which its hidden share is computed [m]."""
 
 HEADINGS = (
@@ -71,8 +70,8 @@ HEADINGS = (
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What came of one dive; lengths in m."""
+class DiveResult:
+    """Results of one dive; lengths in m."""
 
     name: str
     length: float
@@ -97,7 +96,7 @@ class Measured:
 
 
 class Truth:
-    """The true cable, seen from the true vehicle."""
+    """The true course of the cable, and the true poses of the vehicle."""
 
     def __init__(self, path: Path, settings: Simulated) -> None:
         storage = open_storage(path)
@@ -110,8 +109,11 @@ class Truth:
         self._poses[:, 2] = np.unwrap(self._poses[:, 2])
         self.tube: Tube = cable_of_seed(settings.cable_seed)
 
-    def looked_at(self, stamps: FloatArray, look: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the cable's way and its place beside look lines (N,) ahead of the vehicle [m]."""
+    def cable_ahead(self, stamps: FloatArray, look: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return position along the cable, and lateral offset from the vehicle, (N,) each [m].
+
+        On lines across its heading, `look` (N,) ahead of it [m].
+        """
         poses = np.column_stack([np.interp(stamps, self._stamps, each) for each in self._poses.T])
         ahead = np.column_stack((np.cos(poses[:, 2]), np.sin(poses[:, 2])))
         places = poses[:, :2] + look[:, None] * ahead
@@ -129,27 +131,27 @@ class Truth:
         return np.interp(stamps, self._stamps, self._poses[:, 2])
 
 
-def meetings(tube: Tube, streak: Streak) -> FloatArray:
-    """Return where along a bent cable a streak lies across it, shape (N,) [m].
+def crossings_of(tube: Tube, streak: Streak) -> FloatArray:
+    """Return the positions along a bent cable at which a streak crosses it, shape (N,) [m].
 
     A streak's places are in radii of the tube.
     """
     reach = streak.half_length + 1.0
-    places = np.arange(streak.q - reach, streak.q + reach, MEETING_STEP)
+    places = np.arange(streak.q - reach, streak.q + reach, CROSSING_STEP)
     points, directions = tube.axis(places * tube.radius)
     cos, sin = math.cos(streak.angle), math.sin(streak.angle)
     u, v = points[:, 0] / tube.radius - streak.p, points[:, 1] / tube.radius - streak.q
     across, along = u * cos + v * sin, v * cos - u * sin
-    lean = directions[:, 0] * cos + directions[:, 1] * sin
+    cosine = directions[:, 0] * cos + directions[:, 1] * sin
     before = np.flatnonzero(np.diff(np.signbit(across)))
-    before = before[(np.abs(along) <= reach)[before] & (np.abs(lean) >= LEAST_ACROSS)[before]]
+    before = before[(np.abs(along) <= reach)[before] & (np.abs(cosine) >= LEAST_ACROSS)[before]]
     shares = across[before] / (across[before] - across[before + 1])
-    met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
+    met: FloatArray = (places[before] + shares * CROSSING_STEP) * tube.radius
     return met
 
 
 class SeaBed:
-    """What lies across the true cable, and what hides it.
+    """Lines across the true cable, and the hidden share of its borders.
 
     Parameters
     ----------
@@ -163,17 +165,17 @@ class SeaBed:
         self._scene = SurveyDive(settings).scene
 
     def lines_across(self) -> FloatArray:
-        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
-        met = [meetings(self._tube, streak) for streak in self._scene.streaks]
+        """Return the positions at which cables, ropes and furrows cross it, shape (N,) [m]."""
+        met = [crossings_of(self._tube, streak) for streak in self._scene.streaks]
         return np.sort(np.concatenate([self._settings.crossings, *met]))
 
     def hidden_share(self, along: FloatArray) -> FloatArray:
-        """Return which share of both borders is hidden about places along the cable, shape (N,).
+        """Return the hidden share of both borders about positions along the cable, shape (N,).
 
-        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
+        `along` (N,) [m]; over `SHARE_LENGTH`, seen from above.
         """
         shares = np.empty(len(along))
-        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
+        steps = np.linspace(-SHARE_LENGTH / 2, SHARE_LENGTH / 2, 21)
         for number, place in enumerate(along):
             points, _ = self._tube.axis(np.array([place]))
             position = np.array([*points[0, :2], self._settings.altitude])
@@ -183,7 +185,7 @@ class SeaBed:
         return shares
 
 
-def measure(path: Path, settings: Simulated) -> Measured:
+def measure(path: Path, settings: Simulated) -> DiveResult:
     """Survey one dive and compare it with its truth."""
     survey = SurveySettings(pictures=False)
     begin = time.process_time()
@@ -198,19 +200,21 @@ def measure(path: Path, settings: Simulated) -> Measured:
     keyframes, cable = course.keyframes, course.cable
     look = rows["look"][keyframes.first]
     look = np.where(np.isfinite(look), look, np.nanmedian(look))
-    along, beside = truth.looked_at(keyframes.stamps.astype(float), look)
+    along, beside = truth.cable_ahead(keyframes.stamps.astype(float), look)
     on_route = _on_routes(cable, [each.route for each in surveyed.routes])
     errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
     sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
     forwards = smooth(keyframes, dive.disk, backward_pass=False)
     errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
-    where = _Where(course, along)
+    mapping = _CourseMapping(course, along)
     events = [
-        (event, *where.true(event, each.route)) for each in surveyed.routes for event in each.events
+        (event, *mapping.true_stretch(event, each.route))
+        for each in surveyed.routes
+        for event in each.events
     ]
-    done = _as_far_as(settings, float(along.max()))
+    done = _truncated(settings, float(along.max()))
     found, expected, ends, sand = _judge_found(done, SeaBed(settings), events)
-    return Measured(
+    return DiveResult(
         path.name,
         done.length,
         _rms(errors[on_route]),
@@ -225,8 +229,8 @@ def measure(path: Path, settings: Simulated) -> Measured:
     )
 
 
-def _as_far_as(settings: Simulated, reach: float) -> Simulated:
-    """Return what there is up to where a dive has come, which may have been broken off [m]."""
+def _truncated(settings: Simulated, reach: float) -> Simulated:
+    """Return the settings of a dive that broke off, cut to the length that it reached [m]."""
     return replace(
         settings,
         length=min(settings.length, reach),
@@ -236,15 +240,15 @@ def _as_far_as(settings: Simulated, reach: float) -> Simulated:
     )
 
 
-class _Where:
-    """Takes ways along a route to ways along the true course."""
+class _CourseMapping:
+    """Maps positions along a route to positions along the true course."""
 
     def __init__(self, course: Course, along: FloatArray) -> None:
         order = np.argsort(course.cable.along, kind="stable")
         self._own, self._true = course.cable.along[order], along[order]
 
-    def true(self, event: Event, route: DiveRoute) -> tuple[float, float]:
-        """Return from where to where an event is on the true course [m]."""
+    def true_stretch(self, event: Event, route: DiveRoute) -> tuple[float, float]:
+        """Return start and end of an event on the true course [m]."""
         ends = np.interp(
             [route.start + event.along, route.start + event.end], self._own, self._true
         )
@@ -264,11 +268,11 @@ def _rms(errors: FloatArray) -> float:
 
 
 Placed = tuple[Event, float, float]
-"""An event, and from where to where it is on the true course [m]."""
+"""An event, and its start and end on the true course [m]."""
 
 
 def _half_hidden(bed: SeaBed, stretch: Stretch) -> Stretch:
-    """Return from where to where sand, or growth beside it, hides more than half of the cable."""
+    """Return the stretch about a buried one on which more than half of the borders is hidden."""
 
     def walk(place: float, step: float) -> float:
         while float(bed.hidden_share(np.array([place + step]))[0]) > HALF:
@@ -281,9 +285,9 @@ def _half_hidden(bed: SeaBed, stretch: Stretch) -> Stretch:
 def _judge_found(
     settings: Simulated, bed: SeaBed, events: Sequence[Placed]
 ) -> tuple[int, int, float, float]:
-    """Return how many built-in events were found, of how many, and how far ends are off [m].
+    """Return the built-in events found, their number, and the largest errors of ends [m].
 
-    The ends first of what is hidden, then of the sand where it hides the cable altogether.
+    The errors are those of the hidden stretches, then those of the sand itself.
     """
     found, off, off_sand = 0, 0.0, 0.0
     for stretch in settings.buried:
@@ -311,12 +315,12 @@ def _judge_found(
 
 
 def _ends_off(reported: Sequence[Stretch], true: Stretch) -> float:
-    """Return by how much the worse end of the best of some stretches is off [m]."""
+    """Return the error of the worse end, of the reported stretch where it is smallest [m]."""
     return min(max(abs(each.start - true.start), abs(each.end - true.end)) for each in reported)
 
 
 def _judge_false(settings: Simulated, tube: Tube, events: Sequence[Placed]) -> tuple[str, ...]:
-    """Name the events that nothing on the sea bed or in the dive explains."""
+    """Return descriptions of the events without a cause on the sea bed or in the dive."""
     bed = SeaBed(settings)
     across = bed.lines_across()
     aside = tuple(Stretch(each.start - 6.0, each.end + 6.0) for each in settings.excursions)

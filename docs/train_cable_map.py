@@ -100,7 +100,7 @@ SCENE_SHARE = 0.3
 def _convolution(
     before: int, after: int, stride: int = 1, size: int = 3, dilation: int = 1
 ) -> nn.Sequential:
-    """Return a convolution with what goes with it."""
+    """Return a convolution with its normalisation and activation."""
     margin = dilation * (size // 2)
     return nn.Sequential(
         nn.Conv2d(before, after, size, stride, margin, dilation, bias=False),
@@ -176,7 +176,7 @@ def batch(
 
 
 def _drawn(poses: FloatArray, number: int, rng: np.random.Generator) -> IndexArray:
-    """Return which frames a batch has, as many without a cable as `WITHOUT_CABLE` says."""
+    """Draw the indices of a batch's frames, a share `WITHOUT_CABLE` of them without a cable."""
     without = np.isnan(poses).any(1)
     count = rng.binomial(number, WITHOUT_CABLE)
     return np.concatenate(
@@ -196,7 +196,7 @@ def _padded_map(cells: Image, shape: tuple[int, ...], before: tuple[int, int]) -
 
 
 def loss_of(log_odds: Tensor, shares: Tensor) -> Tensor:
-    """Return the cross-entropy of the cells, and how little found and true cables overlap."""
+    """Return the loss: cross-entropy of the cells, and one less their overlap with the truth."""
     entropy = functional.binary_cross_entropy_with_logits(log_odds, shares)
     found = torch.sigmoid(log_odds)
     both, true = (found * shares).sum((1, 2)), shares.sum((1, 2))

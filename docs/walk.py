@@ -47,7 +47,7 @@ class Walk:
         self._is_over = False
 
     def __call__(self, frame: FrameType, event: str, _argument: object) -> None:
-        """Note a call, as `sys.setprofile` tells it."""
+        """Record a call; a profile function for `sys.setprofile`."""
         path = Path(frame.f_code.co_filename)
         if self._is_over or not path.is_relative_to(PACKAGE):
             return
@@ -57,7 +57,7 @@ class Walk:
 
 
 def serialised(frame: Frame) -> bytes:
-    """Return a frame as the middleware hands it to the node."""
+    """Return a frame as the serialised message that a node receives."""
     factory = RclpyMessages()
     header = make_header(factory, frame.stamp, "camera")
     message: bytes = serialize_message(make_image(factory, frame.image, header))

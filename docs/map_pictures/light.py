@@ -1,4 +1,4 @@
-"""Light on ground and cable alike, and what drifts in the water."""
+"""Light on ground and cable alike, and particles in the water."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def barred(levels: Image, rng: np.random.Generator) -> Image:
 def about_any_place(
     shape: tuple[int, ...], turn: float, rng: np.random.Generator
 ) -> tuple[Image, Image]:
-    """Return how far pixels lie from a place along a direction, and aside of it [px]."""
+    """Return pixel coordinates along a direction and across it, from a random origin [px]."""
     height, width = shape
     across = np.arange(width, dtype=np.float32) - np.float32(rng.uniform(0, width))
     down = np.arange(height, dtype=np.float32)[:, None] - np.float32(rng.uniform(0, height))

@@ -1,4 +1,4 @@
-"""The pictures that the network of the map is trained on, rendered once and kept."""
+"""The training pictures of the map's network, rendered once into files."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ Job = TypeVar("Job")
 def rendered_once(
     path: Path, kind: type[Labelled], render_job: Callable[[Job], Labelled], jobs: Sequence[Job]
 ) -> Labelled:
-    """Return what jobs render, together; it is rendered if there is no such file yet."""
+    """Return the joined results of rendering jobs, from a file if there is one."""
     names = [field.name for field in fields(kind)]
     if not path.is_file():
         with ProcessPoolExecutor(initializer=cv2.setNumThreads, initargs=(1,)) as pool:

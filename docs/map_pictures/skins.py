@@ -206,7 +206,7 @@ def _fins(at: Surface, rng: np.random.Generator) -> Image:
 
 
 def _relief_lit(heights: Image, rng: np.random.Generator) -> Image:
-    """Return what light from one side, and another grey level, make of heights, 0 to 1."""
+    """Return the shading of heights, 0 to 1, lit from one side and of another grey level."""
     slope = np.gradient(cv2.GaussianBlur(heights, (0, 0), 1.0))[int(rng.integers(2))]
     lit = np.float32(rng.normal()) * slope / np.float32(max(float(np.abs(slope).max()), 0.05))
     return np.asarray(lit + np.float32(rng.normal()) * heights, np.float32)

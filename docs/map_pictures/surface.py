@@ -1,4 +1,4 @@
-"""Where pixels lie on a cable, and which cells of a map it covers."""
+"""Coordinates of pixels on a cable, and the share of each map cell that it covers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ANY_WIDTH, ANY_ANGLE = (4.0, 160.0), (-90.0, 90.0)
 
 
 def true_map(pose: FloatArray) -> Image:
-    """Return which share of each cell is cable, float32, shape (H / 4, W / 4)."""
+    """Return the share of each cell that is cable, float32, shape (H / 4, W / 4)."""
     width, height = WORLD_SIZE
     nothing = np.zeros((height // CELL, width // CELL), np.float32)
     if np.isnan(pose).any():
@@ -29,7 +29,7 @@ def true_map(pose: FloatArray) -> Image:
 
 
 def any_pose(rng: np.random.Generator) -> FloatArray:
-    """Return where a cable may lie, as (d [px], alpha [rad], w [px], beta [rad])."""
+    """Draw the pose of a cable: d [px], alpha [rad], w [px], beta [rad]."""
     distance = rng.uniform(-0.35, 0.35) * WORLD_SIZE[0]
     is_thin = rng.random() < 0.5
     width = math.exp(rng.uniform(*np.log(ANY_WIDTH))) if is_thin else rng.uniform(*ANY_WIDTH)
@@ -40,7 +40,7 @@ def any_pose(rng: np.random.Generator) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Where pixels lie on a cable, each float32 (H, W).
+    """Coordinates of pixels on a cable, each float32 (H, W).
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Surface:
 
 
 def surface(pose: FloatArray, shape: tuple[int, ...]) -> Surface:
-    """Return where the pixels of a picture (H, W) lie on the cable of a pose (4,)."""
+    """Return the coordinates of the pixels of a picture (H, W) on the cable of a pose (4,)."""
     distance, angle, width, skew = pose
     height, columns = shape
     x = np.arange(columns, dtype=np.float32) - np.float32(0.5 * (columns - 1))
@@ -80,7 +80,7 @@ def surface(pose: FloatArray, shape: tuple[int, ...]) -> Surface:
 
 
 def roughened(at: Surface, rng: np.random.Generator) -> Image:
-    """Return the distance outwards [px] of the nearer border where borders are rough, or not."""
+    """Return `outside` [px] with borders roughened at random."""
     rough = coarse_noise(at.outside.shape, (40, 53), rng)
     return np.asarray(at.outside + np.float32(0.15 * at.width * rng.random() ** 2) * rough)
 
@@ -88,12 +88,12 @@ def roughened(at: Surface, rng: np.random.Generator) -> Image:
 def coarse_noise(
     shape: tuple[int, ...], coarse: tuple[int, int], rng: np.random.Generator
 ) -> Image:
-    """Return Gaussian noise of as many values as `coarse` says, interpolated to a shape (H, W)."""
+    """Return Gaussian noise of a `coarse` shape, interpolated to a shape (H, W)."""
     return cv2.resize(rng.standard_normal(coarse, np.float32), shape[::-1])
 
 
 def nearest_of_any(count: int, side: int, rng: np.random.Generator) -> tuple[Image, IndexArray]:
-    """Return how far pixels (side, side) lie from the nearest of some points, and its number."""
+    """Return the distance of pixels (side, side) from the nearest random point, and its number."""
     apart = np.ones((side, side), np.uint8)
     points = rng.integers(0, side, (count, 2))
     apart[points[:, 1], points[:, 0]] = 0

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from survey_goals import SeaBed, meetings
+from survey_goals import SeaBed, crossings_of
 
 from cable_tracker.simulation.instruments.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.rendering.clutter import Streak
@@ -28,12 +28,12 @@ def test_a_rope_meets_the_bent_cable_where_that_runs(angle):
     lying = rope(angle)
     away = -7.0 * math.sin(lying.angle), 7.0 * math.cos(lying.angle)
     shifted = replace(lying, p=lying.p + away[0], q=lying.q + away[1])
-    assert meetings(BENT, shifted) == pytest.approx([5.0], abs=0.002)
+    assert crossings_of(BENT, shifted) == pytest.approx([5.0], abs=0.002)
 
 
 def test_a_rope_that_ends_before_the_cable_or_runs_along_it_does_not_lie_across():
-    assert meetings(BENT, rope(90.0, beside=12.0, half_length=6.0)).size == 0
-    assert meetings(BENT, rope(5.0)).size == 0
+    assert crossings_of(BENT, rope(90.0, beside=12.0, half_length=6.0)).size == 0
+    assert crossings_of(BENT, rope(5.0)).size == 0
 
 
 def test_other_cables_are_among_the_lines_across_in_their_order():
