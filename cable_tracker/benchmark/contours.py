@@ -88,7 +88,7 @@ def measure_contour() -> ContourTiming:
             found.append(morphological_chan_vese(given, count, init_level_set=start) > 0)
 
         rival_ms = _milliseconds(evolve_rival)
-        # Which side it calls the inside is not said.
+        # It does not define which side is the inside.
         rival = max(overlap_of(found[0], truth), overlap_of(~found[0], truth))
     return ContourTiming(ms, own, contour.iterations, rival_ms, rival, iterations)
 

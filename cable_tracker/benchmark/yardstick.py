@@ -2,7 +2,7 @@
 
 No trick and no second thread: every particle, both borders, every point, every tap, read
 bilinearly. Other times are given as multiples of its time on the same machine at the same moment,
-which says more than milliseconds. It is no part of the tracker.
+which is more comparable than milliseconds. It is no part of the tracker.
 """
 
 from __future__ import annotations

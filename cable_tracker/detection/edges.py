@@ -64,7 +64,7 @@ def gradient_of(smooth: Image) -> Gradient:
 
 
 def gradient_ridge(gradient: Gradient) -> BoolArray:
-    """Return where the modulus is highest along the gradient's own direction, a mask (h, w)."""
+    """Return the local maxima of the modulus along the gradient's direction, a mask (h, w)."""
     modulus = gradient.modulus
     upright = np.abs(gradient.x) >= np.abs(gradient.y)
     high_across = modulus >= cv2.dilate(modulus, np.ones((1, 3), np.uint8))

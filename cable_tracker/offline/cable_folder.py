@@ -109,9 +109,9 @@ class CableFolder(Results):
         if self._video is not None:
             self._video.add(draw(), frame.stamp)
         if self._sheet is not None:
-            words = with_presence(row.status, row.presence)
+            caption = with_presence(row.status, row.presence)
             self._sheet.add(
-                partial(draw, legend=False), frame.index, words, status_colour(row.status)
+                partial(draw, legend=False), frame.index, caption, status_colour(row.status)
             )
 
     def _write_summaries(self) -> None:

@@ -1,4 +1,4 @@
-"""A target with an outline: its state, how it looks, how it moves, and the tracker.
+"""A target with an outline: its state, appearance, movement, and the tracker.
 
 Knows no cable and no ROS.
 """

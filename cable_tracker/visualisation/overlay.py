@@ -323,8 +323,8 @@ def _write_legend(
     strip = min(height, line if side_by_side else 2 * line)
     darken(canvas[:strip])
     margin = max(2, line // 4)
-    words = with_presence(status, presence)
-    write_line(canvas, words, (margin, line), scale, status_colour(status))
+    text = with_presence(status, presence)
+    write_line(canvas, text, (margin, line), scale, status_colour(status))
     if numbers and side_by_side:
         write_line(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
     elif numbers:

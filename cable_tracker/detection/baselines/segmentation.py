@@ -119,7 +119,7 @@ def make_grid(shape: tuple[int, ...]) -> Grid:
 
 
 def region_contours(smooth: Image, gradient: Gradient) -> BoolArray:
-    """Return where the regions of the segmentation meet, a mask of shape (h, w).
+    """Return the boundaries of the segmentation's regions, a mask of shape (h, w).
 
     The borders of the cells themselves are no contours. A wide border is a region of its own with a
     contour to either side: contours are moved to the ridge of the gradient between them.

@@ -1,1 +1,1 @@
-"""What the instruments of a simulated vehicle say, and bags of it."""
+"""Instruments of a simulated vehicle, their readings as messages, and bags of them."""

@@ -45,8 +45,8 @@ class CameraPoses:
         """Turn world points (N, ..., 3) into the camera frame of each instant."""
         shape = (-1,) + (1,) * (points.ndim - 2) + (3,)
         relative = points - self.positions.reshape(shape)
-        seen: FloatArray = np.einsum("n...i,nij->n...j", relative, self.rotations)
-        return seen
+        in_camera: FloatArray = np.einsum("n...i,nij->n...j", relative, self.rotations)
+        return in_camera
 
 
 Distortion = tuple[float, float, float, float, float]
@@ -78,13 +78,13 @@ class Camera:
 
     @property
     def is_distorted(self) -> bool:
-        """Whether straight lines come out bent."""
+        """Whether the lens has a distortion."""
         return any(self.distortion)
 
     def sees_all_pixels(self) -> bool:
-        """Whether each pixel's line of sight is projected to that pixel again, to 0.01 px.
+        """Return whether each pixel's line of sight is projected to that pixel again, to 0.01 px.
 
-        A lens that is bent too strongly folds its picture, so that a part of it shows nothing.
+        Too strong a distortion folds the picture, so that no ray leads to some pixels.
         """
         if not self.is_distorted:
             return True
@@ -93,7 +93,7 @@ class Camera:
         return bool((np.abs(found - self._pixels()) < 0.01).all())
 
     def poses(self, positions: FloatArray, angles: FloatArray) -> CameraPoses:
-        """Return where the camera is on a vehicle at N instants.
+        """Return the poses of the camera on a vehicle at N instants.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class Camera:
         return np.stack(directions).astype(np.float32)
 
     def _pixels(self) -> FloatArray:
-        """Return where the pixels lie in the image frame, shape (H, W, 2) [px]."""
+        """Return the pixels' coordinates in the image frame, shape (H, W, 2) [px]."""
         width, height = self.image_size
         x, y = to_image(
             np.arange(width, dtype=np.float64),

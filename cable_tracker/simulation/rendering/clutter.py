@@ -147,7 +147,7 @@ def random_companions(
 
 
 def _beside(tube: Tube, streak: Streak) -> Streak:
-    """Move a streak that is placed relative to a cable's axis to where that axis runs."""
+    """Move a streak from coordinates about a cable's axis to those about its course."""
     points, directions = tube.axis(np.array([streak.q * tube.radius]))
     lean = float(np.arctan2(-directions[0, 0], directions[0, 1]))
     return replace(
@@ -197,10 +197,10 @@ def draw_streak(
     scene : Image
         Reflected light, float32, shape (H, W).
     p, q, footprint : Image
-        Where each pixel looks, `q` from `travel` on, and its extent there, of the same shape
+        Bottom point of each pixel, `q` from `travel` on, and its extent there, of the same shape
         [radii].
     travel : float
-        Course of the eye [radii].
+        Position of the eye along the course [radii].
     """
     cover = streak_cover(streak, p, q, travel, footprint)
     if cover is None:
@@ -213,7 +213,7 @@ def draw_streak(
 
 
 def _slopes(streak: Streak, p: Image, q: Image, travel: float) -> Image:
-    """Return how far the slopes of a furrow turn to the light from the left, -1 to 1."""
+    """Return the slope of a furrow's sides towards the light from the left, -1 to 1, (H, W)."""
     across, along = _places(streak, p, q, travel)
     u = across * np.float32(1 / streak.half_width)
     end = np.float32(streak.half_length)
@@ -222,7 +222,7 @@ def _slopes(streak: Streak, p: Image, q: Image, travel: float) -> Image:
 
 
 def _places(streak: Streak, p: Image, q: Image, travel: float) -> tuple[Image, Image]:
-    """Return places on the bottom across a streak and along it [radii]."""
+    """Return the coordinates of bottom points across a streak and along it [radii]."""
     cos, sin = np.float32(np.cos(streak.angle)), np.float32(np.sin(streak.angle))
     u, v = p - np.float32(streak.p), q - np.float32(streak.q - travel)
     return u * cos + v * sin, v * cos - u * sin
@@ -231,7 +231,7 @@ def _places(streak: Streak, p: Image, q: Image, travel: float) -> tuple[Image, I
 def streak_cover(
     streak: Streak, p: Image, q: Image, travel: float, footprint: Image
 ) -> Image | None:
-    """Return how much a streak covers each pixel, float32 (H, W), 0 to 1; None if out of sight."""
+    """Return the cover of each pixel by a streak, float32 (H, W), 0 to 1; None if out of view."""
     reach = streak.half_length + streak.half_width
     middle = streak.q - travel
     if middle + reach < q.min() or middle - reach > q.max():

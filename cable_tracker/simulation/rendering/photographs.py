@@ -81,7 +81,7 @@ def find_photographs(folder: Path) -> list[Path]:
 
 
 def read_photograph(path: Path, flags: int) -> Image | None:
-    """Return a photograph as OpenCV's `IMREAD_*` say; None if it cannot be read or decoded."""
+    """Return a photograph read with OpenCV's `IMREAD_*`; None if it cannot be read or decoded."""
     try:
         data = np.frombuffer(path.read_bytes(), np.uint8)
         picture = cv2.imdecode(data, flags) if data.size else None

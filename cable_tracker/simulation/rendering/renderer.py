@@ -23,10 +23,10 @@ LEAST_SLOPE = 0.03
 """Lines of sight that go down less steeply, or up, end at the horizon."""
 
 FARTHEST = 30.0
-"""Nothing is seen farther than this along the camera's axis [m]."""
+"""Largest visible distance along the camera's axis [m]."""
 
 CELL = 8
-"""Cell of the grid on which the region where a cable may be seen is found [px]."""
+"""Cell of the grid on which the region near a cable is determined [px]."""
 
 ROW = 1024
 """Pixels near a cable are gathered into rows of this length."""

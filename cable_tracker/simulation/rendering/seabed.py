@@ -68,8 +68,8 @@ class CableChannels:
     """Names of the channels of the cable's texture.
 
     All are between 0 and 1 but two: the level of the sand, which covers the cable where it is
-    positive (see `burial_cover`), and the outline, by which the border is seen farther out than
-    the bare cable's [radii]; the latter is told by the side of the cable alone.
+    positive (see `burial_cover`), and the outline, by which the visible border is farther out than
+    the bare cable's [radii]; the latter depends on the side of the cable alone.
     """
 
     surface: int = 0
@@ -172,7 +172,7 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
 
 
 def burial_cover(level: Image) -> Image:
-    """Return how much something of a given level covers, 0 to 1."""
+    """Return the cover of a layer at a level above its surroundings, 0 to 1."""
     return smooth_step(level, -0.12, 0.12)
 
 
@@ -263,7 +263,7 @@ def _lay_stone(height: Image, albedo: Image, stone: Stone, resolution: int) -> N
 
 
 def _algae(shape: tuple[int, int], resolution: float, rng: np.random.Generator) -> Image:
-    """Return where algae cover the bottom, 0 to 1."""
+    """Return the cover of algae, 0 to 1."""
     patches = spectral_noise(cloud_response(shape, resolution, (7.0, 7.0), 0.15, 1.5), shape, rng)
     return smooth_step(patches, 0.75, 1.9)
 
@@ -293,7 +293,7 @@ def _patches(
 
 
 def _turf(shape: tuple[int, int], resolution: int, skin: Skin, rng: np.random.Generator) -> Image:
-    """Return how much growth and sediment that resemble the bottom cover the cable, 0 to 1."""
+    """Return the cover of growth and sediment that resemble the bottom, 0 to 1."""
     turf = np.zeros(shape, dtype=np.float32)
     if skin.silt > 0.0:
         film = spectral_noise(cloud_response(shape, resolution, (2.0, 4.0), 0.15), shape, rng)
@@ -307,7 +307,7 @@ def _turf(shape: tuple[int, int], resolution: int, skin: Skin, rng: np.random.Ge
 def _outline(
     shape: tuple[int, int], resolution: int, bulge: float, rng: np.random.Generator
 ) -> Image:
-    """Return how far crusts push each border outwards, the same all over its side [radii]."""
+    """Return the outward shift of each border by crusts, constant across its side [radii]."""
     if bulge <= 0.0:
         return np.zeros(shape, dtype=np.float32)
     crusts = spectral_noise(cloud_response(shape, resolution, (1.5, 1.5), 0.12), shape, rng)

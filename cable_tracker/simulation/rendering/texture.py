@@ -117,7 +117,7 @@ def in_rows(indices: IndexArray, length: int) -> IndexArray:
 
 
 def nearest_places(places: Image, side: int, margin: int, tones: Image) -> tuple[Image, Image]:
-    """Return how far the nearest of some places is, and its tone, in a tile that repeats.
+    """Return the distance of the nearest of some places, and its tone, in a tile that repeats.
 
     Parameters
     ----------

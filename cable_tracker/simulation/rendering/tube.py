@@ -109,7 +109,7 @@ class Tube:
         return np.stack((centres + lift - reach, centres + lift + reach), axis=1)
 
     def closest_approach(self, eye: FloatArray, rays: Image) -> ClosestApproach:
-        """Return where lines of sight are nearest to the tube's axis.
+        """Return the closest approach of lines of sight to the tube's axis.
 
         Parameters
         ----------

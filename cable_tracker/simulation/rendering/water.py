@@ -41,7 +41,7 @@ def random_lamps(rng: np.random.Generator) -> tuple[Lamp, ...]:
 
 
 class Illumination:
-    """The light that falls on what each pixel sees, and what comes back through the water.
+    """The light that falls on the scene at each pixel, and that returns through the water.
 
     Parameters
     ----------
@@ -174,12 +174,12 @@ class Snow:
             return None
         half = FLAKE_BOX / 2
         places = np.mod(self.places + self.drift * time - position + half, FLAKE_BOX) - half
-        seen = np.einsum("fi,ij->fj", places, rotation)
+        in_camera = np.einsum("fi,ij->fj", places, rotation)
         above = places[:, 2] + position[2] > 0.02
-        near = np.flatnonzero(above & (seen[:, 2] < -NEAREST_FLAKE))
-        depth = -seen[near, 2]
+        near = np.flatnonzero(above & (in_camera[:, 2] < -NEAREST_FLAKE))
+        depth = -in_camera[near, 2]
         width, height = camera.image_size
-        points = camera.project(seen[near])
+        points = camera.project(in_camera[near])
         scale = pixel_scale(width)
         # What is near is out of focus: larger, and as much fainter.
         sharp = np.maximum(camera.focal * self.sizes[near] / depth, 0.35 * scale)

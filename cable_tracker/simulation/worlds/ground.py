@@ -166,7 +166,7 @@ def _normalised(values: Image | FloatArray) -> Image:
 
 
 def _man_made(picture: Image) -> Image:
-    """Return where a colour photograph shows something red or black, uint8 0 or 1."""
+    """Return a mask of red and black objects in a colour photograph, uint8 0 or 1."""
     blue, green, red = (picture[..., channel].astype(np.int16) for channel in range(3))
     objects = ((red - green > 25) & (red > 90)) | (np.maximum(np.maximum(red, green), blue) < 14)
     mask = cv2.morphologyEx(objects.astype(np.uint8), cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))

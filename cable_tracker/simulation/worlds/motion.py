@@ -1,4 +1,4 @@
-"""How a cable moves through the image in a world: as inspections by ROV move it, or lively."""
+"""Motion of a cable through the image in a world: as in inspections by ROV, or lively."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ INSPECTION_TAILS = (0.76, 0.87, 0.81, 1.1)
 """Standard deviation of the logarithm of that scale in the course of time: how heavy the tails."""
 
 STEP_MEMORY = 0.8
-"""Time over which a movement keeps its direction [s]."""
+"""Correlation time of the direction of a movement [s]."""
 
 SCALE_MEMORY = 3.0
-"""Time over which calm and hasty stretches last [s]."""
+"""Correlation time of the scale of the steps [s]."""
 
 RETURN_TIME = 8.0
-"""Time over which the vehicle steers back to where it wants to see the cable [s]."""
+"""Time constant with which the vehicle steers back to the mean pose [s]."""
 
 PIPE_WIDTH = (112.0, 41.0)
 """Mean and standard deviation of the width of an inspected pipe [px at 320 px]."""
@@ -61,7 +61,7 @@ LIVELY_LIMITS = (55.0, float(np.deg2rad(16.0)), 0.3, float(np.deg2rad(2.0)))
 
 
 class MotionKind(str, Enum):
-    """How the cable moves through the image."""
+    """Kind of the cable's motion through the image."""
 
     INSPECTION = "inspection"
     """Calm, with sudden moves: steps have the spread and the tails of real inspections by ROV."""
@@ -101,50 +101,50 @@ def random_motion(
     """
     means = _random_means(widths, angles, rng)
     if kind is MotionKind.INSPECTION:
-        places = _inspect(means, frame_count, rng)
+        poses = _inspection_motion(means, frame_count, rng)
     else:
-        places = _swing(means, frame_count, rng)
+        poses = _lively_motion(means, frame_count, rng)
     states = np.zeros((frame_count, STATE_SIZE))
-    width = np.maximum(places[:, WIDTH], 3.0)
-    steepest = np.arctan(width / (2 * _nearest_apex(places, height)))
-    places[:, WIDTH] = width
-    places[:, SKEW] = np.clip(places[:, SKEW], -steepest, steepest)
-    states[:, :POSE_SIZE] = places
+    width = np.maximum(poses[:, WIDTH], 3.0)
+    steepest = np.arctan(width / (2 * _nearest_apex(poses, height)))
+    poses[:, WIDTH] = width
+    poses[:, SKEW] = np.clip(poses[:, SKEW], -steepest, steepest)
+    states[:, :POSE_SIZE] = poses
     if frame_count > 1:
-        states[:, POSE_SIZE:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
+        states[:, POSE_SIZE:] = np.gradient(poses, 1.0 / WORLD_RATE, axis=0)
     return states
 
 
-def _nearest_apex(places: FloatArray, height: float) -> FloatArray:
-    """Return how near to the foot point borders may meet, shape (N,) [px at 320 px]."""
-    nearest = np.full(len(places), NEAREST_APEX)
+def _nearest_apex(poses: FloatArray, height: float) -> FloatArray:
+    """Return the least distance of the apex from the foot point, shape (N,) [px at 320 px]."""
+    nearest = np.full(len(poses), NEAREST_APEX)
     if height > USUAL_HEIGHT:
-        nearest = np.maximum(nearest, _way_out(places, height) + APEX_MARGIN)
+        nearest = np.maximum(nearest, _distance_to_edge(poses, height) + APEX_MARGIN)
     return nearest
 
 
-def _way_out(places: FloatArray, height: float) -> FloatArray:
-    """Return the way along a centreline out of the picture, shape (N,) [px at 320 px].
+def _distance_to_edge(poses: FloatArray, height: float) -> FloatArray:
+    """Return the distance along a centreline to the picture's edge, shape (N,) [px at 320 px].
 
-    From the foot point, the way that the borders converge; 0 or less where none of the picture lies
-    on it.
+    From the foot point, in the direction in which the borders converge; 0 or less where no part of
+    the picture lies there.
     """
-    distance, angle = places[:, DISTANCE], places[:, ANGLE]
+    distance, angle = poses[:, DISTANCE], poses[:, ANGLE]
     normal = np.stack((np.cos(angle), np.sin(angle)), axis=1)
     onward = np.stack((-normal[:, 1], normal[:, 0]), axis=1)
-    onward *= np.where(places[:, SKEW] < 0.0, -1.0, 1.0)[:, None]
+    onward *= np.where(poses[:, SKEW] < 0.0, -1.0, 1.0)[:, None]
     # Where the line leaves the stripe between two opposite sides of the picture.
     half = np.array((REFERENCE_WIDTH, height)) / 2
     steps = np.where(np.abs(onward) < 1e-9, 1e-9, onward)
-    ways = (np.copysign(half, steps) - distance[:, None] * normal) / steps
-    nearest: FloatArray = ways.min(axis=1)
+    distances = (np.copysign(half, steps) - distance[:, None] * normal) / steps
+    nearest: FloatArray = distances.min(axis=1)
     return nearest
 
 
 def _random_means(
     widths: tuple[float, float] | None, angles: tuple[float, float], rng: np.random.Generator
 ) -> FloatArray:
-    """Return d, alpha, w, beta that the vehicle keeps to, shape (4,) [px, rad]."""
+    """Draw the mean d, alpha, w, beta of a dive, shape (4,) [px, rad]."""
     if widths is None:
         width = float(np.clip(rng.normal(*PIPE_WIDTH), *PIPE_WIDTHS))
         usual = rng.normal(*PIPE_SKEW) + SKEW_OF_WIDTH * (width - PIPE_WIDTH[0])
@@ -161,30 +161,30 @@ def _random_means(
     )
 
 
-def _remembering(count: int, memory: float, rng: np.random.Generator) -> FloatArray:
-    """Return noise of unit variance that forgets itself over a time [s], shape (N, 4)."""
-    keep = float(np.exp(-1.0 / (WORLD_RATE * memory)))
-    fresh = float(np.sqrt(1.0 - keep * keep))
+def _autocorrelated_noise(count: int, memory: float, rng: np.random.Generator) -> FloatArray:
+    """Return autoregressive noise of unit variance, with a correlation time [s], shape (N, 4)."""
+    correlation = float(np.exp(-1.0 / (WORLD_RATE * memory)))
+    innovation = float(np.sqrt(1.0 - correlation * correlation))
     noise = rng.standard_normal((count, POSE_SIZE))
     for index in range(1, count):
-        noise[index] = keep * noise[index - 1] + fresh * noise[index]
+        noise[index] = correlation * noise[index - 1] + innovation * noise[index]
     return noise
 
 
-def _inspect(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
-    direction = _remembering(count, STEP_MEMORY, rng)
-    haste = np.exp(np.array(INSPECTION_TAILS) * _remembering(count, SCALE_MEMORY, rng))
-    steps = np.array(INSPECTION_STEPS) * haste * direction
+def _inspection_motion(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+    direction = _autocorrelated_noise(count, STEP_MEMORY, rng)
+    scale = np.exp(np.array(INSPECTION_TAILS) * _autocorrelated_noise(count, SCALE_MEMORY, rng))
+    steps = np.array(INSPECTION_STEPS) * scale * direction
     back = 1.0 / (WORLD_RATE * RETURN_TIME)
-    places = np.empty((count, POSE_SIZE))
-    place = np.zeros(POSE_SIZE)
+    poses = np.empty((count, POSE_SIZE))
+    deviation = np.zeros(POSE_SIZE)
     for index in range(count):
-        place = place * (1.0 - back) + steps[index]
-        places[index] = means + place
-    return places
+        deviation = deviation * (1.0 - back) + steps[index]
+        poses[index] = means + deviation
+    return poses
 
 
-def _swing(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+def _lively_motion(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
     times = np.arange(count) / WORLD_RATE
     limits = np.array(LIVELY_LIMITS) * (1.0, 1.0, means[WIDTH], 1.0)
     swings = [

@@ -1,1 +1,1 @@
-"""What a frame says about a target: appearance, scores of regions, peaks of the map, outlines."""
+"""Measurements of a target in a frame: appearance, scores of regions, outlines."""

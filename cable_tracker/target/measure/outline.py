@@ -1,4 +1,4 @@
-"""One contour a frame: the outline of the target where the estimate says that it is."""
+"""One contour a frame: the outline of the target at the estimated pose."""
 
 from __future__ import annotations
 

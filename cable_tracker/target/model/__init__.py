@@ -1,1 +1,1 @@
-"""What a target is: pose, template of its shape, movement, what is said about it."""
+"""Model of a target: pose, template of its shape, movement, estimate."""

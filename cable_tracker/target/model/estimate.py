@@ -42,8 +42,8 @@ class TargetEstimate:
         Area of the contour [px²].
     is_whole : bool
         Whether the contour agrees with the expected shape and does not reach the border, so that
-        its size means something. Never of a bar of more than 1 by 14: how much of its length is
-        seen cannot be told.
+        its size means something. Never of a bar of more than 1 by 14: the visible share of its
+        length is unknown.
     presence : float
         Probability that the target is in view, 0 to 1.
     effective_sample_size : float

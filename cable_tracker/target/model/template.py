@@ -130,7 +130,7 @@ def template_of_mask(mask: BoolArray, points: int, zoom: float) -> Template:
 
 
 def _side_for(mask: BoolArray, centre: tuple[float, float], size: float) -> int:
-    """Return how many rows and columns a map needs that holds a mask (H, W) and its ring.
+    """Return the side of a map that holds a mask (H, W) and its ring [rows, columns].
 
     Parameters
     ----------

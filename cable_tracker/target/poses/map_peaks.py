@@ -82,7 +82,7 @@ def find_peaks(
     half_extent : (float, float)
         Half width and height of the target at scale 1 [px].
     log_scales : FloatArray
-        At which to look, shape (K,).
+        Scales to search, shape (K,).
     count : int
         Peaks for every scale.
     angle : float
@@ -128,7 +128,7 @@ def _searched_scales(belief: PoseBelief, parameters: TargetParameters) -> FloatA
     """Return the log scales at which peaks are searched."""
     expected = belief.estimate
     if belief.presence < parameters.presence_to_lose:
-        # The estimate is then on something else, whose size says nothing.
+        # The estimate is then on something else, whose size is no evidence.
         expected = belief.known.births.last
     scales: FloatArray = expected[LOG_SCALE] + np.array(SEARCHED_SCALES)
     return scales

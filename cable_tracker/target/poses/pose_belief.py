@@ -44,7 +44,7 @@ class PoseBelief:
     known : KnownTarget
         Shape, appearance, usual scores and size of the target.
     rivals : RivalWatch
-        Others that look like it.
+        Watch on objects that resemble it.
     """
 
     particles: Particles

@@ -62,7 +62,7 @@ WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
 WHOLE_RATE = 3.0
-"""Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
+"""Factor on the rate of the usual size while the whole contour is in view, in its usual shape."""
 
 
 class PoseFilter:

@@ -1,9 +1,9 @@
-"""Others that look like the target.
+"""Rivals: other objects that resemble the target.
 
 Two of a kind never score the same, and the better one would take the target over within a few
-frames, however far away it is. While the target is seen where it is expected, the other one must be
-something else, so its score is no evidence about the target. Near each other they may be told apart
-by their motion: two that cross keep their rates.
+frames, however far away it is. While the target is observed where it is expected, the other one
+must be something else, so its score is no evidence about the target. Near each other they may be
+told apart by their motion: two that cross keep their rates.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.target.model.state import distances_from
 
 MARGIN = 0.3
-"""Gap by which scores elsewhere stay below the best score here, while the target is seen here."""
+"""Gap of scores elsewhere below the best one here, while the target is observed here."""
 
 RIVAL_SCORE = 0.75
 """Another peak whose region scores at least this share of the target's usual score is like it."""
@@ -27,11 +27,11 @@ RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
 more has merged with the target, in roots of the area."""
 
 RIVAL_FRAMES = 5
-"""Consecutive frames in which both must be seen; a jump of the estimate mimics a rival for one
+"""Consecutive frames in which both must be observed; a jump of the estimate mimics a rival for one
 frame."""
 
 RIVAL_TIME = 1.2
-"""Time after a rival was last seen for which it counts as merged with the target [s]."""
+"""Time after a rival was last observed for which it counts as merged with the target [s]."""
 
 HELD_GAIN = 0.15
 """Factor on the gain of the rates while a rival is near."""
@@ -50,9 +50,9 @@ class RivalWatch:
     Attributes
     ----------
     since : float
-        Time since both were seen [s]; infinite: never, or it went away again.
+        Time since both were observed [s]; infinite: never, or it went away again.
     frames : int
-        In how many frames in a row both have been seen.
+        Consecutive frames in which both have been observed.
     """
 
     since: float = math.inf
@@ -110,7 +110,7 @@ class RivalWatch:
 def are_beside(distances: FloatArray) -> bool:
     """Return whether one peak is at the target's place, and another beside it.
 
-    The target itself must be seen at its place: else what is beside it may be itself.
+    The target itself must be observed at its place: else the peak beside it may be the target.
     """
     return bool(_is_beside(distances).any() and (distances <= RIVAL_NEAR).any())
 
@@ -131,7 +131,7 @@ class ExpectedPlace:
     reach : float
         Distance from the expected place beyond which a pose is elsewhere [px].
     score_penalty : float
-        Reduction of the scores of poses elsewhere; 0 unless the target is seen here.
+        Reduction of the scores of poses elsewhere; 0 unless the target is observed here.
     """
 
     x: float
@@ -154,7 +154,7 @@ class ExpectedPlace:
         scores : FloatArray
             Scores of their regions, shape (N,).
         least : float
-            Score from which on the target is seen here.
+            Score from which on the target counts as observed here.
         """
         elsewhere = self.is_elsewhere(states)
         here = float(scores[~elsewhere].max(initial=-np.inf))
