@@ -16,7 +16,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled, compiled_inside
 
 
-def edge_speed(image: NDArray[np.float32], sigma: float, gain: float = 1.0) -> FloatArray:
+def edge_speed(image: NDArray[np.float32], sigma: float, gain: float) -> FloatArray:
     """Return the speed phi = 1/(1 + |gain grad G*I|^2): 1 on even ground, near 0 on edges.
 
     Parameters

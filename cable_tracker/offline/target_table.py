@@ -31,7 +31,7 @@ class TargetClaim:
     state : tuple of float
         x, y, scale, angle, v_x, v_y, from the image centre, y up [px, rad, per second].
     sigma : tuple of float
-        Standard deviations of the first four.
+        Standard deviations of x and y [px].
     box : Box
         Around the contour [px].
     area : float
@@ -39,13 +39,13 @@ class TargetClaim:
     """
 
     state: tuple[float, ...]
-    sigma: tuple[float, ...]
+    sigma: tuple[float, float]
     box: Box
     area: float
 
     def cells(self) -> list[str]:
         """Return columns `x` to `area` of the table."""
-        return [repr(x) for x in (*self.state, *self.sigma[:2], *self.box, self.area)]
+        return [repr(x) for x in (*self.state, *self.sigma, *self.box, self.area)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +91,13 @@ def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRo
     claim = None
     if estimate.is_claimed:
         assert estimate.box is not None
-        state, sigma = estimate.state.copy(), estimate.standard_deviations()[:4]
+        state = estimate.state.copy()
         state[LOG_SCALE] = estimate.scale
-        sigma[LOG_SCALE] *= estimate.scale
+        sigma_x, sigma_y = (float(value) for value in estimate.standard_deviations()[:2])
         left, top, right, bottom = (float(side) for side in estimate.box)
         box = (left, top, right, bottom)
-        claim = TargetClaim(tuple(state.tolist()), tuple(sigma.tolist()), box, float(estimate.area))
+        sigma = (sigma_x, sigma_y)
+        claim = TargetClaim(tuple(state.tolist()), sigma, box, float(estimate.area))
     return TargetRow(
         frame.index, frame.stamp, estimate.status.value, claim, float(estimate.presence),
         float(estimate.effective_sample_size), ms, estimate.event,

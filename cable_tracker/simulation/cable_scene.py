@@ -11,7 +11,13 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.geometry import states_in_chart
 from cable_tracker.cable.model.state import ANGLE, POSE_SIZE, CableState
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.dive import Seeds, Surroundings, dive_camera, lay_out, random_course
+from cable_tracker.simulation.dive import (
+    SceneSettings,
+    Seeds,
+    dive_camera,
+    make_scene,
+    random_course,
+)
 from cable_tracker.simulation.motion.vehicle import VehicleState
 from cable_tracker.simulation.rendering.appearance import Bottom, SceneAppearance, Skin, Water
 from cable_tracker.simulation.rendering.camera import CameraPoses
@@ -81,8 +87,8 @@ class CableScene:
     ----------
     tube : Tube
         The first cable.
-    surroundings : Surroundings
-        Everything else on the bottom.
+    scene_settings : SceneSettings
+        Appearance, burial and further cables.
     length : float
         Length of the way along the cable's course, from 0 [m].
     image_size : (int, int)
@@ -101,18 +107,18 @@ class CableScene:
     def __init__(
         self,
         tube: Tube,
-        surroundings: Surroundings,
+        scene_settings: SceneSettings,
         length: float,
         image_size: tuple[int, int],
         rngs: tuple[np.random.Generator, np.random.Generator],
     ) -> None:
         self._tube = tube
         self.camera = dive_camera(image_size)
-        scene, cable = lay_out(self.camera, tube, surroundings, length, rngs)
+        scene, cable = make_scene(self.camera, tube, scene_settings, length, rngs)
         assert cable is not None
         self._cable = cable
         self.streaks = scene.streaks
-        self._renderer = SceneRenderer(self.camera, scene, surroundings.appearance, rngs[1])
+        self._renderer = SceneRenderer(self.camera, scene, scene_settings.appearance, rngs[1])
 
     def picture(self, state: VehicleState, seconds: float) -> Image:
         """Render the next picture at a time [s]: grey, uint8, shape (H, W)."""

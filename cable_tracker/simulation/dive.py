@@ -72,8 +72,8 @@ class SimulatedFrame:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Views:
-    """The geometry of N frames.
+class FrameGeometry:
+    """Camera poses, borders and true states of N frames.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Dive:
     tube: Tube
     trajectory: Trajectory
 
-    def views(self, times: FloatArray) -> Views:
+    def geometry(self, times: FloatArray) -> FrameGeometry:
         """Return camera poses, borders and true states at times (N,) [s]."""
         wanted = self.trajectory.states(times, self.camera.image_size[0])
         roll, travel = self.trajectory.roll.values(times), self.trajectory.travel(times)
@@ -126,12 +126,12 @@ class Dive:
         states[turned, DISTANCE_RATE] *= -1
         states[turned, SKEW_RATE] *= -1
         states[~projected.in_view()] = np.nan
-        return Views(times, poses, projected, states)
+        return FrameGeometry(times, poses, projected, states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
-    """Everything on the bottom besides the first cable's course.
+class SceneSettings:
+    """Settings of a scene: all but the course of the first cable.
 
     Attributes
     ----------
@@ -189,38 +189,40 @@ def frame_times(start: int, rate: float) -> FloatArray:
 
 
 def render_dive(
-    dive: Dive, surroundings: Surroundings, frame_count: int, rate: float, seeds: Seeds
+    dive: Dive, scene_settings: SceneSettings, frame_count: int, rate: float, seeds: Seeds
 ) -> Iterator[SimulatedFrame]:
     """Render the frames of a dive, with their truths."""
     length = float(dive.trajectory.travel(np.array([(frame_count - 1) / rate]))[0])
     clutter_rng = np.random.default_rng(seeds.clutter)
     picture_rng = np.random.default_rng(seeds.picture)
-    scene, cable = lay_out(dive.camera, dive.tube, surroundings, length, (clutter_rng, picture_rng))
-    renderer = SceneRenderer(dive.camera, scene, surroundings.appearance, picture_rng)
+    scene, cable = make_scene(
+        dive.camera, dive.tube, scene_settings, length, (clutter_rng, picture_rng)
+    )
+    renderer = SceneRenderer(dive.camera, scene, scene_settings.appearance, picture_rng)
     for start in range(0, frame_count, BATCH):
-        views = dive.views(frame_times(start, rate))
+        geometry = dive.geometry(frame_times(start, rate))
         for place in range(min(BATCH, frame_count - start)):
-            position, rotation = views.poses.positions[place], views.poses.rotations[place]
-            image = renderer.render(position, rotation, float(views.times[place]))
+            position, rotation = geometry.poses.positions[place], geometry.poses.rotations[place]
+            image = renderer.render(position, rotation, float(geometry.times[place]))
             visibility = 0.0
             if cable is not None:
-                projected = views.projected
+                projected = geometry.projected
                 hidden = renderer.hidden(
                     cable, position, projected.world[place], projected.inside[place]
                 )
                 visibility = visible_share(projected, place, hidden)
-            truth = CableState.from_array(views.states[place]) if visibility > 0 else None
+            truth = CableState.from_array(geometry.states[place]) if visibility > 0 else None
             yield SimulatedFrame(make_frame(start + place, rate, image, truth), visibility)
 
 
-def lay_out(
+def make_scene(
     camera: Camera,
     tube: Tube,
-    surroundings: Surroundings,
+    scene_settings: SceneSettings,
     length: float,
     rngs: tuple[np.random.Generator, np.random.Generator],
 ) -> tuple[Scene, LaidCable | None]:
-    """Lay the bottom, the cables and the clutter for a way of some length [m].
+    """Make the bottom, the cables and the clutter along a course.
 
     Parameters
     ----------
@@ -228,20 +230,20 @@ def lay_out(
         Its resolution is that of the surfaces.
     tube : Tube
         The first cable.
-    surroundings : Surroundings
-        Everything else on the bottom.
+    scene_settings : SceneSettings
+        Appearance, burial and further cables.
     length : float
-        Length of the way along the cable's course, from 0 [m].
+        Length of the course, from 0 [m].
     rngs : (Generator, Generator)
         Draw the clutter, and the surfaces.
 
     Returns
     -------
     (Scene, LaidCable or None)
-        What lies there, and the first cable if it is there.
+        The scene, and its first cable if there is one.
     """
     clutter_rng, picture_rng = rngs
-    appearance, radius = surroundings.appearance, tube.radius
+    appearance, radius = scene_settings.appearance, tube.radius
     streaks = random_streaks(
         -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, appearance.clutter, clutter_rng
     )
@@ -255,28 +257,28 @@ def lay_out(
     )
     scale = pixel_scale(camera.image_size[0])
     resolution = int(np.clip(round(5 * scale), 2, 10)) * 4
-    bed = _make_bed(surroundings, resolution, picture_rng)
+    bed = _make_bed(scene_settings, resolution, picture_rng)
     own = LaidCable(
         tube,
         make_cable(resolution, appearance.skin, picture_rng),
-        gaps + surroundings.stretches,
+        gaps + scene_settings.stretches,
         appearance.skin.shade,
     )
     others = tuple(
         LaidCable(tube, make_cable(resolution, skin, picture_rng), shade=skin.shade)
-        for tube, skin in surroundings.others
+        for tube, skin in scene_settings.others
     )
-    cable = own if surroundings.has_cable else None
+    cable = own if scene_settings.has_cable else None
     cables = others if cable is None else (cable, *others)
     return Scene(bed, cables, streaks, radius), cable
 
 
 def _make_bed(
-    surroundings: Surroundings, resolution: int, rng: np.random.Generator
+    scene_settings: SceneSettings, resolution: int, rng: np.random.Generator
 ) -> TiledTexture:
-    bottom = surroundings.appearance.bottom
-    if surroundings.photographs is not None:
-        return make_photographed_bed(surroundings.photographs, resolution, bottom.tone, rng)
+    bottom = scene_settings.appearance.bottom
+    if scene_settings.photographs is not None:
+        return make_photographed_bed(scene_settings.photographs, resolution, bottom.tone, rng)
     return make_bed(resolution, bottom, rng)
 
 

@@ -22,7 +22,7 @@ from cable_tracker.simulation.cable_scene import (
     cable_points,
     nearest_along,
 )
-from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.dive import SceneSettings, Seeds
 from cable_tracker.simulation.instruments.instruments import USUAL_ERRORS, InstrumentSet
 from cable_tracker.simulation.motion.vehicle import (
     Current,
@@ -125,7 +125,7 @@ class LiveWorld:
         self._tube = bent_cable(course_rng)
         self._scene = CableScene(
             self._tube,
-            Surroundings(SCENE_APPEARANCE, stretches=self._stretches()),
+            SceneSettings(SCENE_APPEARANCE, stretches=self._stretches()),
             settings.length,
             settings.image_size,
             (np.random.default_rng(seeds.clutter), np.random.default_rng(seeds.picture)),

@@ -15,7 +15,7 @@ TABLES_ALONE = WantedResults(video=False, bag=False, pictures=False)
 
 def claim_of(numbers):
     x = [float(number) for number in numbers]
-    return TargetClaim(tuple(x[:6]), tuple(x[6:10]), tuple(x[10:14]), x[14])
+    return TargetClaim(tuple(x[:6]), (x[6], x[7]), tuple(x[10:14]), x[14])
 
 
 def filled(path, rows, metres):

@@ -18,5 +18,5 @@ def scenario_states(
     if not scenario.has_cable:
         return np.full((scenario.frame_count, STATE_SIZE), np.nan)
     starts = range(0, scenario.frame_count, BATCH)
-    batches = [dive.views(frame_times(start, SCENARIO_RATE)).states for start in starts]
+    batches = [dive.geometry(frame_times(start, SCENARIO_RATE)).states for start in starts]
     return np.concatenate(batches)[: scenario.frame_count]

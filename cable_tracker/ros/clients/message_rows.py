@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import partial
 
@@ -53,14 +52,13 @@ def target_row(
     scale, area = number("scale"), number("area")
     is_claimed = len(state.position) == len(TARGET_STATE_NAMES)
     if is_claimed and scale is not None and area is not None:
-        x, y, size, angle = (float(value) for value in state.position)
+        x, y, _, angle = (float(value) for value in state.position)
         v_x, v_y = (float(value) for value in state.velocity[:2])
-        sigma_x, sigma_y, sigma_size, sigma_angle = (float(value) for value in state.effort)
-        sigma_scale = sigma_size * scale / size if size > 0.0 else math.nan
+        sigma_x, sigma_y = (float(value) for value in state.effort[:2])
         left, top, right, bottom = (float(side) for side in facts["box"].split())
         claim = TargetClaim(
             state=(x, y, scale, angle, v_x, v_y),
-            sigma=(sigma_x, sigma_y, sigma_scale, sigma_angle),
+            sigma=(sigma_x, sigma_y),
             box=(left, top, right, bottom),
             area=area,
         )

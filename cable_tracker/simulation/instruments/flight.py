@@ -42,7 +42,7 @@ class Flight:
 
 def flight_at(dive: Dive, times: FloatArray) -> Flight:
     """Return the poses of the vehicle of a dive at times (N,) [s]."""
-    poses = dive.views(times).poses
+    poses = dive.geometry(times).poses
     return Flight(times, poses.positions, dive.camera.vehicle_angles(poses))
 
 

@@ -26,7 +26,7 @@ from cable_tracker.simulation.cable_scene import (
     cable_points,
     nearest_along,
 )
-from cable_tracker.simulation.dive import Seeds, Surroundings
+from cable_tracker.simulation.dive import SceneSettings, Seeds
 from cable_tracker.simulation.instruments.instrument_messages import CAMERA
 from cable_tracker.simulation.instruments.instrument_writer import FIX_SIGMA, Tick
 from cable_tracker.simulation.instruments.instruments import (
@@ -174,7 +174,7 @@ class SurveyDive:
         self._tube = cable_of_seed(settings.cable_seed)
         self.scene = CableScene(
             self._tube,
-            Surroundings(SCENE_APPEARANCE, stretches=self._stretches(), others=self._others()),
+            SceneSettings(SCENE_APPEARANCE, stretches=self._stretches(), others=self._others()),
             settings.length,
             settings.image_size,
             (np.random.default_rng(cables.clutter), np.random.default_rng(cables.picture)),

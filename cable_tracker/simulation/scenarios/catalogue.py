@@ -11,18 +11,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
+from cable_tracker.simulation.motion.trajectory import Move
 from cable_tracker.simulation.rendering.appearance import Bottom, Lamp, SceneAppearance, Skin, Water
 from cable_tracker.simulation.scenarios.scenario import (
     BRISK,
     CALM,
     ROUGH,
+    SCENARIO_RATE,
     SHAKY,
     SWELL,
     ComponentMotion,
     Crossing,
     Motion,
     Scenario,
-    frame_move,
 )
 from cable_tracker.tracking.parameter_table import named
 
@@ -35,7 +36,13 @@ USUAL_MOTION = Motion(
 
 _OLD_CABLE = Skin(tone=0.58, stains=1.0, cover=0.4, turf=0.1, silt=0.1, bulge=0.07, shade=0.6)
 
-_STOPPING = (frame_move(70, 25, -0.93), frame_move(170, 25, 0.93))
+
+def _frame_move(frame: int, frames: int, amount: float) -> Move:
+    """Return a move that begins with a frame of a scenario and lasts some frames."""
+    return Move(frame / SCENARIO_RATE, frames / SCENARIO_RATE, amount)
+
+
+_STOPPING = (_frame_move(70, 25, -0.93), _frame_move(170, 25, 0.93))
 
 _LAMP_FROM_THE_LEFT = (
     Lamp((-0.35, 0.1, 0.0), (0.0, 0.06), 0.35, 0.7),
@@ -60,9 +67,9 @@ _ALL = (
         248,
         Motion(
             distance=ComponentMotion(0.0, 95.0, BRISK, 16.92),
-            angle=ComponentMotion(0.0, 28.0, BRISK, 0.627, strength=(frame_move(105, 30, -0.6),)),
+            angle=ComponentMotion(0.0, 28.0, BRISK, 0.627, strength=(_frame_move(105, 30, -0.6),)),
             width=ComponentMotion(40.0, 14.0, BRISK, 0.26),
-            skew=ComponentMotion(2.4, 2.6, BRISK, 0.008, strength=(frame_move(105, 30, -0.75),)),
+            skew=ComponentMotion(2.4, 2.6, BRISK, 0.008, strength=(_frame_move(105, 30, -0.75),)),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.33, stones=1.8, algae=1.4, gravel=0.5),
@@ -80,8 +87,8 @@ _ALL = (
         "continuous pitch oscillation; a rapid move near frame 430",
         499,
         Motion(
-            distance=ComponentMotion(-15.0, 45.0, BRISK, 2.07, moves=(frame_move(424, 14, 42.0),)),
-            angle=ComponentMotion(0.0, 18.0, BRISK, 0.286, moves=(frame_move(424, 14, -14.0),)),
+            distance=ComponentMotion(-15.0, 45.0, BRISK, 2.07, moves=(_frame_move(424, 14, 42.0),)),
+            angle=ComponentMotion(0.0, 18.0, BRISK, 0.286, moves=(_frame_move(424, 14, -14.0),)),
             width=ComponentMotion(58.0, 36.0, ROUGH, 5.19),
             skew=ComponentMotion(3.2, 3.0, SWELL, 0.034),
         ),
@@ -127,14 +134,14 @@ _ALL = (
                 38.0,
                 ROUGH,
                 8.59,
-                moves=(frame_move(62, 18, -16.0), frame_move(117, 18, 16.0)),
+                moves=(_frame_move(62, 18, -16.0), _frame_move(117, 18, 16.0)),
             ),
             skew=ComponentMotion(
                 2.4,
                 1.4,
                 BRISK,
                 0.009,
-                moves=(frame_move(62, 18, 1.9), frame_move(117, 18, -1.9)),
+                moves=(_frame_move(62, 18, 1.9), _frame_move(117, 18, -1.9)),
             ),
         ),
         SceneAppearance(
@@ -176,8 +183,8 @@ _ALL = (
         Motion(
             distance=ComponentMotion(0.0, 75.0, BRISK, 10.31),
             angle=ComponentMotion(0.0, 24.0, BRISK, 0.599),
-            width=ComponentMotion(62.0, 33.0, ROUGH, 7.50, moves=(frame_move(16, 10, -8.0),)),
-            skew=ComponentMotion(0.8, 3.4, SHAKY, 0.177, moves=(frame_move(16, 9, 6.4),)),
+            width=ComponentMotion(62.0, 33.0, ROUGH, 7.50, moves=(_frame_move(16, 10, -8.0),)),
+            skew=ComponentMotion(0.8, 3.4, SHAKY, 0.177, moves=(_frame_move(16, 9, 6.4),)),
         ),
         SceneAppearance(
             bottom=Bottom(tone=0.32, ripples=1.4, stones=1.2, algae=1.3),
@@ -199,7 +206,7 @@ _ALL = (
                 20.0,
                 30.0,
                 CALM,
-                moves=(frame_move(90, 40, 235.0), frame_move(190, 40, -245.0)),
+                moves=(_frame_move(90, 40, 235.0), _frame_move(190, 40, -245.0)),
             ),
             angle=ComponentMotion(0.0, 8.0, CALM),
             width=ComponentMotion(38.0, 6.0, CALM),

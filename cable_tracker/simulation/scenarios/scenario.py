@@ -18,11 +18,6 @@ SWELL: Bands = ((0.45, 0.55), (1.0, 1.3))
 """Frequencies at which a cable wavers in the image [Hz]."""
 
 
-def frame_move(frame: int, frames: int, amount: float) -> Move:
-    """Return a move that begins with a frame of a scenario and lasts some frames."""
-    return Move(frame / SCENARIO_RATE, frames / SCENARIO_RATE, amount)
-
-
 @dataclass(frozen=True, slots=True)
 class ComponentMotion:
     """Motion of one of d, alpha, w, beta; lengths in px at a width of 320, angles in degrees.

@@ -13,9 +13,9 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.dive import (
     Dive,
+    SceneSettings,
     Seeds,
     SimulatedFrame,
-    Surroundings,
     dive_camera,
     random_course,
     render_dive,
@@ -99,8 +99,8 @@ def simulate(settings: SimulationSettings) -> Iterator[Frame]:
     Stamps start at 1 s and follow the rate; the frame_id is "camera".
     """
     seeds, dive = Seeds.of(settings.seed), simulated_dive(settings)
-    surroundings = Surroundings(SceneAppearance.for_clutter(settings.clutter, settings.noise))
-    for simulated in render_dive(dive, surroundings, settings.frame_count, settings.rate, seeds):
+    scene_settings = SceneSettings(SceneAppearance.for_clutter(settings.clutter, settings.noise))
+    for simulated in render_dive(dive, scene_settings, settings.frame_count, settings.rate, seeds):
         yield simulated.frame
 
 
@@ -145,14 +145,14 @@ def simulate_scenario(
     chosen = _checked(scenario, seed, image_size)
     seeds = Seeds.of(seed)
     dive = _scenario_dive(chosen, seeds, image_size)
-    surroundings = Surroundings(
+    scene_settings = SceneSettings(
         chosen.appearance,
         chosen.has_cable,
         () if chosen.buried is None else (_bury(dive, chosen.buried),),
         () if chosen.crossing is None else ((_cross(dive, chosen.crossing), chosen.crossing.skin),),
         photographs,
     )
-    return render_dive(dive, surroundings, chosen.frame_count, SCENARIO_RATE, seeds)
+    return render_dive(dive, scene_settings, chosen.frame_count, SCENARIO_RATE, seeds)
 
 
 def scenario_dive(
@@ -187,7 +187,7 @@ def _scenario_dive(scenario: Scenario, seeds: Seeds, image_size: tuple[int, int]
 
 def _places_in_view(dive: Dive, frames: IndexArray) -> FloatArray:
     """Return the positions along the cable in view in any of some frames, shape (K,) [m]."""
-    projected = dive.views(frames / SCENARIO_RATE).projected
+    projected = dive.geometry(frames / SCENARIO_RATE).projected
     in_view: FloatArray = projected.along[projected.inside.any(axis=1)]
     if not in_view.size:
         raise ParameterError(

@@ -6,7 +6,7 @@ import pytest
 from scenario_states import scenario_states
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.dive import Seeds, Surroundings, render_dive
+from cable_tracker.simulation.dive import SceneSettings, Seeds, render_dive
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS, find_scenario
 from cable_tracker.simulation.scenarios.scenario import SCENARIO_RATE, Crossing
 from cable_tracker.simulation.scenarios.scenario_dive import scenario_dive, simulate_scenario
@@ -170,10 +170,13 @@ def test_another_size_scales_lengths_only():
 
 def test_a_distorted_camera_bends_the_picture_but_not_its_truth():
     size = (160, 120)
-    dive, surroundings = scenario_dive("S3", 1, size), Surroundings(find_scenario("S3").appearance)
+    dive, scene_settings = (
+        scenario_dive("S3", 1, size),
+        SceneSettings(find_scenario("S3").appearance),
+    )
     camera = dataclasses.replace(dive.camera, distortion=(-0.15, 0.02, 0.0, 0.0, 0.0))
     bent, straight = (
-        next(render_dive(each, surroundings, 1, SCENARIO_RATE, Seeds.of(1)))
+        next(render_dive(each, scene_settings, 1, SCENARIO_RATE, Seeds.of(1)))
         for each in (dataclasses.replace(dive, camera=camera), dive)
     )
     assert bytes(bent.frame.image.data) != bytes(straight.frame.image.data)
