@@ -103,7 +103,7 @@ def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> Floa
 
 
 def _fit_lines(points: FloatArray, weights: FloatArray) -> Borders:
-    """Fit lines (N, 2) to weighted points (N, 2, K, 2), normals to the right of the way forward."""
+    """Fit lines (N, 2) to weighted points (N, 2, K, 2), normals to the right going forward."""
     total = np.maximum(weights.sum(axis=-1), 1e-300)
     middle = np.einsum("nbk,nbkc->nbc", weights, points) / total[..., None]
     offset = points - middle[:, :, None, :]

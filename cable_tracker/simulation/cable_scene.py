@@ -75,8 +75,8 @@ def nearest_along(tube: Tube, point: FloatArray, along: float) -> float:
     """Return the position along a cable nearest to a point (2,), from a guess `along` [m]."""
     for _ in range(NEAREST_STEPS):
         points, directions = cable_points(tube, np.array([along]))
-        way = float((point - points[0, :2]) @ directions[0, :2])
-        along += way * float(directions[0, 0])
+        step = float((point - points[0, :2]) @ directions[0, :2])
+        along += step * float(directions[0, 0])
     return along
 
 
@@ -90,7 +90,7 @@ class CableScene:
     scene_settings : SceneSettings
         Appearance, burial and further cables.
     length : float
-        Length of the way along the cable's course, from 0 [m].
+        Length of the course, from 0 [m].
     image_size : (int, int)
         Width and height of the pictures [px].
     rngs : (Generator, Generator)

@@ -124,7 +124,7 @@ class InstrumentSet:
         self._seconds = 0.0
 
     def odometry(self, state: VehicleState, seconds: float) -> OdometryReading:
-        """Read the velocity log and add its way up.
+        """Read the velocity log, and integrate it to a pose.
 
         `seconds` is the time since the reading before; 0 for the first.
         """

@@ -15,7 +15,7 @@ BRISK: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
 ROUGH: Bands = ((0.5, 0.7), (0.9, 1.2), (1.5, 1.9))
 SHAKY: Bands = ((0.8, 1.0), (1.3, 1.6), (1.9, 2.3))
 SWELL: Bands = ((0.45, 0.55), (1.0, 1.3))
-"""Frequencies at which a cable wavers in the image [Hz]."""
+"""Frequency bands of a cable's oscillation in the image [Hz]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ SAND_REACH = 2.4
 """Distance from the axis up to which sand over a border reaches [radii]."""
 
 TURNS = (8.0, 30.0)
-"""Shortest and longest way from bright to dark and back again [radii]."""
+"""Shortest and longest period of the changes between bright and dark [radii]."""
 
 SOFT_TURN, PAINTED_EDGE = 4.0, 60.0
 """Steepness of the changes of cables that are covered, and of those that are painted."""
@@ -64,7 +64,7 @@ class CableAppearance:
     step : float
         Brightness step at the borders, positive if bright [standard deviations of the bottom].
     turn_length, turn_phase : float
-        Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
+        Period of the changes between bright and dark [radii], 0 without any, and their phase at
         the start [rad].
     turn_steepness : float
         Steepness of that change.
@@ -136,7 +136,7 @@ def _patches() -> Image:
 
 
 def random_cable_appearance(
-    world: World, way: tuple[float, float], rng: np.random.Generator
+    world: World, extent: tuple[float, float], rng: np.random.Generator
 ) -> CableAppearance:
     """Draw the appearance of a cable of a world.
 
@@ -144,7 +144,7 @@ def random_cable_appearance(
     ----------
     world : World
         Its `contrast`, `turning`, `bands` and `cover`.
-    way : (float, float)
+    extent : (float, float)
         First and last position along the course that comes into view [radii].
     """
     low, high = np.log(world.contrast)
@@ -160,20 +160,20 @@ def random_cable_appearance(
         turn_steepness=SOFT_TURN if world.bands is None else PAINTED_EDGE,
         growth=float(rng.uniform(*world.cover.growth)),
         silt=float(rng.uniform(*world.cover.silt)),
-        drifts=_random_drifts(world.cover, way, rng),
+        drifts=_random_drifts(world.cover, extent, rng),
         place=(float(rng.uniform(0, PATCHES_SIDE)), float(rng.uniform(0, PATCHES_SIDE))),
     )
 
 
 def _random_drifts(
-    cover: Cover, way: tuple[float, float], rng: np.random.Generator
+    cover: Cover, extent: tuple[float, float], rng: np.random.Generator
 ) -> tuple[Drift, ...]:
     share = float(rng.uniform(*cover.drift))
     if share <= 0.0:
         return ()
     bare = float(np.mean(cover.drift_lengths)) * (1 / share - 1)
-    place, drifts = way[0] + float(rng.uniform(0.0, bare)), []
-    while place < way[1]:
+    place, drifts = extent[0] + float(rng.uniform(0.0, bare)), []
+    while place < extent[1]:
         length = float(rng.uniform(*cover.drift_lengths))
         drifts.append(
             Drift(

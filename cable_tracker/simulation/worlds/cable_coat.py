@@ -11,8 +11,8 @@ from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.worlds.world import Coat, Range, Split
 
 PITCHES = (0.4, 2.5)
-"""Shortest and longest way along the cable from wire to wire, or from collar to collar [radii];
-collars are `COLLARS_APART` times as far apart."""
+"""Smallest and largest distance along the cable from wire to wire [radii]; collars are
+`COLLARS_APART` times as far apart."""
 
 COLLARS_APART = 4.0
 

@@ -50,7 +50,7 @@ class LampMotion:
     Attributes
     ----------
     reach : (float, float)
-        Largest way to the right and up [px].
+        Amplitudes of the motion to the right and up [px].
     rates, phases : (float, float)
         Angular rates and phases of the motions to the right and up [rad/s, rad].
     """
@@ -175,12 +175,12 @@ def _draw_crosshair(pixels: Image, covered: BoolArray, rng: np.random.Generator)
     middle = np.array((width // 2, height // 2))
     mask = np.zeros_like(pixels)
     for direction, side in (((1, 0), width), ((0, 1), height)):
-        way = np.array(direction)
+        along = np.array(direction)
         for mark in range(-5, 6):
-            place = middle + way * round(mark * reach * side / 5)
-            half = (way[::-1] * 4 * unit).round().astype(int)
+            place = middle + along * round(mark * reach * side / 5)
+            half = (along[::-1] * 4 * unit).round().astype(int)
             cv2.line(mask, (place - half).tolist(), (place + half).tolist(), 1, thickness)
-        half = way * round(reach * side)
+        half = along * round(reach * side)
         cv2.line(mask, (middle - half).tolist(), (middle + half).tolist(), 1, thickness)
     pixels[mask > 0] = int(rng.choice((0, 235, 235, 255)))
     covered |= mask > 0

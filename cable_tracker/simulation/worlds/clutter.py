@@ -16,7 +16,7 @@ from cable_tracker.simulation.rendering.texture import smooth_step
 from cable_tracker.simulation.worlds.world import Split
 
 SPACING = 260.0
-"""Length of the way that is one view long [texels of the bottom]."""
+"""Length of one view along the course [texels of the bottom]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,30 +101,30 @@ PAIRS = {Split.TUNE: ("pair",), Split.REPORT: ("trench",)}
 
 def random_clutter(
     split: Split,
-    way: tuple[float, float],
+    extent: tuple[float, float],
     lines: float,
     pairs: float,
     rng: np.random.Generator,
 ) -> tuple[ClutterObject, ...]:
-    """Draw objects along a way.
+    """Draw objects over an extent of the course.
 
     Parameters
     ----------
     split : Split
         Determines the kinds of objects.
-    way : (float, float)
+    extent : (float, float)
         First and last y [texels].
     lines, pairs : float
         Mean number of single and double lines in a view.
     """
-    views = (way[1] - way[0]) / SPACING
+    views = (extent[1] - extent[0]) / SPACING
     counts = rng.poisson(lines * views), rng.poisson(pairs * views)
     kinds = (LINES[split],) * int(counts[0]) + (PAIRS[split],) * int(counts[1])
-    return tuple(_random_object(each, way, rng) for each in kinds)
+    return tuple(_random_object(each, extent, rng) for each in kinds)
 
 
 def _random_object(
-    kinds: tuple[str, ...], way: tuple[float, float], rng: np.random.Generator
+    kinds: tuple[str, ...], extent: tuple[float, float], rng: np.random.Generator
 ) -> ClutterObject:
     kind = kinds[int(rng.integers(len(kinds)))]
     doubled = kind in ("pair", "trench")
@@ -139,7 +139,7 @@ def _random_object(
     return ClutterObject(
         kind,
         float(rng.uniform(-170.0, 170.0)),
-        float(rng.uniform(*way)),
+        float(rng.uniform(*extent)),
         float(rng.uniform(-np.pi / 2, np.pi / 2) if rng.random() < 0.6 else rng.normal(0.0, 0.15)),
         half_width,
         half_length,

@@ -135,13 +135,15 @@ class WorldDive:
         )
         self._skin = random_texture(world.split, False, rng)
         self._places = rng.uniform(0.0, 4096.0, (3, 2)).astype(np.float32)
-        way = (-600.0, 600.0 + float(self._travel[-1]))
+        extent = (-600.0, 600.0 + float(self._travel[-1]))
         self._cable: CableAppearance | None = None
         if world.has_cable:
-            radii = (way[0] / self._unit, way[1] / self._unit)
+            radii = (extent[0] / self._unit, extent[1] / self._unit)
             self._cable = random_cable_appearance(world, radii, rng)
         disturbance = world.disturbance
-        self._clutter = random_clutter(world.split, way, disturbance.lines, disturbance.pairs, rng)
+        self._clutter = random_clutter(
+            world.split, extent, disturbance.lines, disturbance.pairs, rng
+        )
         self._coat = random_coat(world.coat, world.split, rng)
         self._shadow: tuple[int, float, float] | None = None
         if rng.random() < disturbance.shadow:
