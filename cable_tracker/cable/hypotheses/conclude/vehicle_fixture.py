@@ -24,16 +24,8 @@ from cable_tracker.cable.measure.picture.ground_shift import (
     patches_beside,
 )
 from cable_tracker.cable.measure.picture.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import middle_inside, states_in_chart
-from cable_tracker.cable.model.state import (
-    ANGLE,
-    DISTANCE,
-    POSE_SIZE,
-    SKEW,
-    STATE_SIZE,
-    WIDTH,
-    pose_units,
-)
+from cable_tracker.cable.model.geometry import foot_point, middle_inside, states_in_chart
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, STATE_SIZE, pose_units
 
 LOOK_INTERVAL = 0.15
 """Time between two looks at the ground [s]."""
@@ -70,8 +62,8 @@ class FixtureTest:
         How far ground and hypothesis have travelled across the hypothesis, less of what is long ago
         [px].
     ground_path, strip_path : float
-        Lengths of the ways of the ground in whatever direction, and of the strip across itself, to
-        and fro, likewise [px].
+        Lengths of the path of the ground in any direction, and of that of the hypothesis across
+        itself, to and fro, likewise [px].
     fixture : FloatArray or None
         The last state (8,) that was found to be fixed to the vehicle.
     """
@@ -162,10 +154,9 @@ def _across(strip: FloatArray, centres: FloatArray, shifts: FloatArray) -> Float
     centres, shifts : FloatArray
         Where the ground lies in the image frame, and how far it has shifted, shape (K, 2) [px].
     """
-    angle = strip[ANGLE]
-    foot_point = strip[DISTANCE] * np.array([np.cos(angle), np.sin(angle)])
+    distance, angle, width, skew = strip[:POSE_SIZE]
     upwards = np.array([-np.sin(angle), np.cos(angle)])
-    along = np.tan(strip[SKEW]) * (foot_point - centres) + 0.5 * strip[WIDTH] * upwards
+    along = np.tan(skew) * (foot_point(distance, angle) - centres) + 0.5 * width * upwards
     normals = np.column_stack((along[:, 1], -along[:, 0]))
     across: FloatArray = (shifts * normals).sum(1) / np.maximum(np.hypot(*normals.T), 1e-9)
     return across

@@ -44,13 +44,15 @@ WIDENINGS = (1.5, 1.2)
 
 SEARCH_MAP = MapWeights(overlap=11.0, lacking=7.0)
 """Weights of the map in a search. Of strips that share a border the map tells the right one, where
-growth, sand and crisp shadows have stronger borders than the cable. The first was chosen on the
-worlds to tune on (`tune_*`), as are those beside a known cable."""
+growth, sand and crisp shadows have stronger borders than the cable. What a strip lacks is counted
+from `SLACK` below the best strip on. The first weight was chosen on the worlds to tune on
+(`tune_*`), the second on a held-out simulator, AH."""
 
 KNOWN_MAP = MapWeights(overlap=4.0, lacking=7.0)
-"""Weights of the map beside a known cable, whose own borders are the better guide: for what looks
-more like a cable it is not left easily, a crisp shadow for instance. But for what looks less like
-one, such as a dark seam along its flank, no more easily than a search would take that."""
+"""Weights of the map beside a known cable, whose own borders are the better guide. A strip that
+looks more like a cable, a crisp shadow for instance, gains little by the map. One that looks less
+like it, such as a dark seam along a flank, loses as much as the overlap weighs in a search. Chosen
+on the worlds to tune on."""
 
 LOST_DETECTOR_SHARE = 0.3
 """Share of the particles about detections while it is more likely than not that there is none."""

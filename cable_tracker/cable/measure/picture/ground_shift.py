@@ -58,10 +58,8 @@ class GroundPatches(NamedTuple):
 
     def centres(self) -> FloatArray:
         """Return the centres of the patches in the image frame, shape (K, 2) [px]."""
-        height, width = self.shape
         side = len(self.patches[0])
-        columns, rows = np.array(self.corners, np.float64).T
-        return np.column_stack((columns - 0.5 * (width - side), 0.5 * (height - side) - rows))
+        return np.array([_centre(corner, side, self.shape) for corner in self.corners])
 
 
 def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatches | None:
@@ -87,7 +85,7 @@ def patches_beside(pose: FloatArray, picture: Image, scale: float) -> GroundPatc
         centre = middle + (0.5 * (pose[WIDTH] + side) + CLEAR_OF_STRIP * scale) * outwards
         column = min(max(round(centre[0] + 0.5 * (width - side)), 0), width - side)
         row = min(max(round(0.5 * (height - side) - centre[1]), 0), height - side)
-        inside = np.array([column - 0.5 * (width - side), 0.5 * (height - side) - row])
+        inside = _centre((column, row), side, picture.shape)
         if (inside - middle) @ outwards >= 0.5 * pose[WIDTH] + LEAST_BESIDE * side:
             corners.append((column, row))
     if not corners:
@@ -112,6 +110,12 @@ def ground_shifts(before: GroundPatches, picture: Image) -> FloatArray | None:
             return None
         shifts.append((right, -down))
     return np.array(shifts)
+
+
+def _centre(corner: tuple[int, int], side: int, shape: tuple[int, ...]) -> FloatArray:
+    """Return the centre of a patch of a picture (h, w) in the image frame, shape (2,) [px]."""
+    (column, row), (height, width) = corner, shape
+    return np.array([column - 0.5 * (width - side), 0.5 * (height - side) - row])
 
 
 def _patch(picture: Image, corner: tuple[int, int], side: int) -> Image:
