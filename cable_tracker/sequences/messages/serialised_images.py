@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from typing import Any
 
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.frame import CompressedImage, RawImage
@@ -16,8 +17,9 @@ from cable_tracker.stamps import NANOSECONDS
 
 _ENCAPSULATION = 4
 _BYTE_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
-_NUMBER = 4
-"""Octets of a number; numbers begin at multiples of it."""
+
+_HEADER = "iIs"
+"""Fields of a std_msgs/Header, as `_read_fields` takes them: sec, nanosec, frame_id."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,42 +44,40 @@ class MessageHeader:
         return self.sec * NANOSECONDS + self.nanosec
 
 
-class _Reader:
-    """Reads the fields of a message one after the other."""
+def _read_fields(message: bytes, kinds: str, byte_order: str | None = None) -> list[Any]:
+    """Read the first fields of a message.
 
-    def __init__(self, message: bytes, order: str | None = None) -> None:
-        order = order or _BYTE_ORDERS.get(message[:2])
-        if order is None or len(message) < _ENCAPSULATION:
-            raise ValueError
-        self._order = order
-        self._bytes = memoryview(message)[_ENCAPSULATION:]
-        self._position = 0
-
-    def flag(self) -> bool:
-        """Read a truth value of one octet."""
-        self._position += 1
-        return bool(self._bytes[self._position - 1])
-
-    def fields(self, kinds: str = "") -> tuple[list[int], memoryview]:
-        """Read numbers, `i` signed and `I` unsigned, and view the string or sequence after them."""
-        begin = self._position + -self._position % _NUMBER
-        # The number of its octets precedes a sequence.
-        *numbers, length = struct.unpack_from(f"{self._order}{kinds}I", self._bytes, begin)
-        begin += _NUMBER * (len(kinds) + 1)
-        self._position = begin + length
-        if self._position > len(self._bytes):
-            raise ValueError
-        return numbers, self._bytes[begin : self._position]
-
-    def header(self) -> MessageHeader:
-        """Read a std_msgs/Header."""
-        (sec, nanosec), frame_id = self.fields("iI")
-        return MessageHeader(sec, nanosec, _text(frame_id))
-
-
-def _text(octets: memoryview) -> str:
-    """Return the text of a string, which ends with a zero."""
-    return bytes(octets).rstrip(b"\0").decode("utf-8", errors="replace")
+    Parameters
+    ----------
+    message : bytes
+        Serialised message.
+    kinds : str
+        A letter for each field: `i` and `I` for integers of 32 bits, signed and unsigned, `?` for a
+        truth value, `s` for a string, and `o` for a sequence of octets, which is viewed.
+    byte_order : str or None
+        As of `struct`; None: that of the encapsulation.
+    """
+    order = byte_order or _BYTE_ORDERS.get(message[:2])
+    if order is None or len(message) < _ENCAPSULATION:
+        raise ValueError
+    octets = memoryview(message)[_ENCAPSULATION:]
+    fields: list[Any] = []
+    position = 0
+    for kind in kinds:
+        # The number of its octets precedes a string or a sequence.
+        number = struct.Struct(order + ("I" if kind in "so" else kind))
+        # Numbers begin at multiples of their size.
+        position += -position % number.size
+        (value,) = number.unpack_from(octets, position)
+        position += number.size
+        if kind in "so":
+            begin, position = position, position + value
+            if position > len(octets):
+                raise ValueError
+            value = octets[begin:position]
+        # A string ends with a zero.
+        fields.append(bytes(value).rstrip(b"\0").decode(errors="replace") if kind == "s" else value)
+    return fields
 
 
 def read_header(beginning: bytes, *, is_ros1: bool = False) -> MessageHeader | None:
@@ -86,8 +86,8 @@ def read_header(beginning: bytes, *, is_ros1: bool = False) -> MessageHeader | N
     A ROS 1 header begins with a number in the place of the encapsulation, and is little-endian.
     """
     try:
-        return _Reader(beginning, "<" if is_ros1 else None).header()
-    except (struct.error, IndexError, ValueError):
+        return MessageHeader(*_read_fields(beginning, _HEADER, "<" if is_ros1 else None))
+    except (struct.error, ValueError):
         return None
 
 
@@ -100,14 +100,13 @@ def read_serialised_image(message: bytes) -> tuple[MessageHeader, RawImage]:
         The bytes are no such message. Whether the fields fit together is not looked at.
     """
     try:
-        reader = _Reader(message)
-        header = reader.header()
-        (height, width), encoding = reader.fields("II")
-        is_bigendian = reader.flag()
-        (step,), data = reader.fields("I")
-    except (struct.error, IndexError, ValueError) as error:
+        *header, height, width, encoding, is_bigendian, step, data = _read_fields(
+            message, f"{_HEADER}IIs?Io"
+        )
+    except (struct.error, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/Image") from error
-    return header, RawImage(_text(encoding), height, width, step, is_bigendian, data)
+    image = RawImage(encoding, height, width, step, is_bigendian, data)
+    return MessageHeader(*header), image
 
 
 def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, CompressedImage]:
@@ -119,10 +118,7 @@ def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, Com
         The bytes are no such message.
     """
     try:
-        reader = _Reader(message)
-        header = reader.header()
-        _, encoding = reader.fields()
-        _, data = reader.fields()
-    except (struct.error, IndexError, ValueError) as error:
+        *header, encoding, data = _read_fields(message, f"{_HEADER}so")
+    except (struct.error, ValueError) as error:
         raise FrameError("the bytes received are no sensor_msgs/CompressedImage") from error
-    return header, CompressedImage(_text(encoding), data)
+    return MessageHeader(*header), CompressedImage(encoding, data)
