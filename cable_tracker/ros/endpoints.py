@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -11,7 +11,6 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from cable_tracker.ros.messages.rclpy_messages import message_class
-from cable_tracker.sequences.messages.factory import MessageMakers
 from cable_tracker.sequences.node_topics import NodeTopic
 
 
@@ -48,12 +47,3 @@ def subscription(
         event_callbacks=events,
         raw=raw,
     )
-
-
-def publish_wanted(
-    publishers: Mapping[NodeTopic, Publisher], makers: MessageMakers, *topics: NodeTopic
-) -> None:
-    """Publish the messages for some topics, in their order, where a topic has subscribers."""
-    for topic in topics:
-        if topic in makers and publishers[topic].get_subscription_count():
-            publishers[topic].publish(makers[topic]())

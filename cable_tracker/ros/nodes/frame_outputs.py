@@ -1,4 +1,4 @@
-"""What the node of a tracker publishes of a frame. Pictures are built only for subscribers."""
+"""What the node of a tracker publishes of a frame. Messages are made only for subscribers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.ros import qos
-from cable_tracker.ros.endpoints import publish_wanted
 from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
@@ -21,7 +20,7 @@ PICTURES = (node_topics.PARTICLES, node_topics.MARKERS)
 
 
 class FrameOutputs:
-    """The node's publishers, but for diagnostics, and for a cable in metres.
+    """The node's publishers, but for diagnostics.
 
     What is published of a frame is handed over as one `MessageMakers` for each prefix.
 
@@ -76,8 +75,7 @@ class FrameOutputs:
 
     def publish_results(self, makers: Sequence[MessageMakers]) -> None:
         """Publish what is claimed, if anything is."""
-        for publishers, own in zip(self._wanted, makers, strict=True):
-            publish_wanted(publishers, own, *self._claims)
+        self._publish_wanted(makers, self._claims)
 
     def publish_rest(
         self, makers: Sequence[MessageMakers], header: Message, draw: Callable[[], Picture]
@@ -93,10 +91,16 @@ class FrameOutputs:
         draw : callable
             Draws the overlay, blue-green-red, shape (H, W, 3).
         """
-        for publishers, own in zip(self._wanted, makers, strict=True):
-            publish_wanted(publishers, own, *PICTURES)
+        self._publish_wanted(makers, PICTURES)
         self._publish_overlay(header, draw)
         self._publish_states(makers)
+
+    def _publish_wanted(self, makers: Sequence[MessageMakers], topics: Sequence[NodeTopic]) -> None:
+        """Publish what there is of some topics, in their order, where they have subscribers."""
+        for publishers, own in zip(self._wanted, makers, strict=True):
+            for topic in topics:
+                if topic in own and publishers[topic].get_subscription_count():
+                    publishers[topic].publish(own[topic]())
 
     def _publish_overlay(self, header: Message, draw: Callable[[], Picture]) -> None:
         """Draw the overlay once, and publish it raw and as JPEG, as it is subscribed to."""

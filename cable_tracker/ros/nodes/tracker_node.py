@@ -19,6 +19,8 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.detection.line_pairs import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.metric.cable_facts import cable_facts
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.messages import cross_track_messages
 from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
     CableVehicleParameters,
@@ -30,11 +32,10 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import cable_values
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
+from cable_tracker.ros.nodes.cable_inputs import CableInputs
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.frame_outputs import FrameOutputs
-from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
-from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.sequences.messages.cable import (
     cable_messages,
     cloud_of,
@@ -43,7 +44,7 @@ from cable_tracker.sequences.messages.cable import (
 )
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.node_topics import CABLE_TOPICS
-from cable_tracker.trackers import make_tracker, warm_up
+from cable_tracker.trackers import CableTracker, make_tracker, warm_up
 from cable_tracker.visualisation.overlay import draw_estimate
 
 
@@ -68,12 +69,15 @@ class TrackerNode(CameraNode):
         self._declare_parameters()
         self._restart()
         self._outputs = FrameOutputs(
-            self._endpoints, CABLE_TOPICS, messages_without_cable, CABLE_TOPICS.results
+            self._endpoints,
+            CABLE_TOPICS,
+            messages_without_cable,
+            (*CABLE_TOPICS.metres, *CABLE_TOPICS.results),
         )
         self.begin()
 
     @property
-    def tracker(self) -> FrameTracker:
+    def tracker(self) -> CableTracker:
         """The tracker inside."""
         return self._tracker
 
@@ -83,14 +87,14 @@ class TrackerNode(CameraNode):
         runtime = node_parameters.declare_set(self, TrackerRuntimeParameters())
         vehicle = node_parameters.declare_set(self, CableVehicleParameters())
         self._instrument_reliability = start.instrument_reliability
-        self._instruments: MetricInputs = MetricInputs(self, vehicle, self._endpoints)
+        self._instruments: CableInputs = CableInputs(self, vehicle)
         self._tracker = self._make_tracker(parameters)
         self._warn_of_remarks(())
         self._search = InitialSearch(runtime.initial_state, pair_limits(parameters))
         table = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
         self._end_declarations(table, parameters.maximum_gap)
 
-    def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
+    def _make_tracker(self, parameters: TrackerParameters) -> CableTracker:
         """Make what tracks; a node that compares methods puts another one here."""
         return make_tracker(parameters)
 
@@ -131,10 +135,11 @@ class TrackerNode(CameraNode):
 
     def _use(self, header: Message, stamp: int, picture: Image) -> FrameResult:
         begin = time.perf_counter()
-        seen = self._search.detect(picture) if self._search.is_seeking else None
-        if seen is not None:
-            self._tracker.initialise(seen)
-        estimate = self._tracker.process(picture, stamp, self._instruments.motion(stamp, picture))
+        fusion = self._instruments.fusion
+        found = self._search.detect(picture) if self._search.is_seeking else None
+        if found is not None:
+            self._tracker.initialise(found)
+        estimate = self._tracker.process(picture, stamp, fusion.motion(stamp, picture))
         milliseconds = (time.perf_counter() - begin) * 1e3
         particles = self._tracker.particles
         makers = cable_messages(
@@ -142,8 +147,13 @@ class TrackerNode(CameraNode):
             metres=lambda: cable_facts(self._instruments.result),
         )  # fmt: skip
         self._outputs.publish_results([makers])
-        self._instruments.fusion.observe(estimate)
-        self._instruments.publish(header, estimate)
+        # After the centreline: a controller that needs no metres does not wait for them.
+        metres = self._instruments.take(estimate)
+        if isinstance(metres, CrossTrack):
+            base_frame = fusion.parameters.base_frame
+            self._outputs.publish_results(
+                [cross_track_messages(MESSAGES, header, base_frame, metres)]
+            )
         if estimate.is_claimed:
             self._search.stop()
         self._estimate = estimate

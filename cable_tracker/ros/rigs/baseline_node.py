@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import cast
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -19,8 +20,8 @@ from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.methods import BASELINES, METHODS, Method
 from cable_tracker.ros import node_parameters
-from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
+from cable_tracker.trackers import CableTracker
 from cable_tracker.tracking.parameter_table import ParameterSet, word
 
 
@@ -32,7 +33,7 @@ class BaselineParameters(ParameterSet):
 
 
 class MethodTracker:
-    """A method of the evaluation in the place of a `CableTracker`.
+    """A method of the evaluation, with what a node calls of a `CableTracker`.
 
     Parameters
     ----------
@@ -86,6 +87,6 @@ class BaselineNode(TrackerNode):
     The parameters of the filter are there and have no effect.
     """
 
-    def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
+    def _make_tracker(self, parameters: TrackerParameters) -> CableTracker:
         own = node_parameters.declare_set(self, BaselineParameters(), read_only=True)
-        return MethodTracker(METHODS[own.method].make, parameters)
+        return cast("CableTracker", MethodTracker(METHODS[own.method].make, parameters))

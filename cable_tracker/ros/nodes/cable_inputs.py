@@ -1,4 +1,4 @@
-"""The part of the tracker node that knows the vehicle: instruments in, `cross_track` out.
+"""The part of the cable tracker's node that knows the vehicle: instruments in, metres out.
 
 And odometry in, the vehicle's motion for the filter out.
 """
@@ -7,22 +7,15 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
-from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS, CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import cross_track_messages
+from cable_tracker.metric.odometry.motion import Unaided
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import MOUNTING_PARAMETERS, CableVehicleParameters
-from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.endpoints import publish_wanted
-from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
+from cable_tracker.ros import node_parameters
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
-from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.messages.factory import Message
 
 AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 """Instruments for which a frame waits also before they have spoken."""
@@ -37,12 +30,11 @@ MOUNTING_NOT_GIVEN = (
     f" base_link; set {', '.join(MOUNTING_PARAMETERS)} (camera_pitch: 90.0 says that it is so)"
 )
 
-
 NO_FRAME = Withheld(Reason.NOT_TRACKING, "no frame has come")
 
 
-class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameters]):
-    """Listens to the instruments, and publishes `cross_track`.
+class CableInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameters]):
+    """Listens to the instruments, and turns estimates into metres.
 
     Parameters
     ----------
@@ -50,62 +42,46 @@ class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameter
         The tracker node.
     parameters : CableVehicleParameters
         How camera and instruments are mounted and read, as the node has it at its start.
-    endpoints : WatchedEndpoints
-        Creates its publishers.
+
+    Attributes
+    ----------
+    result : CrossTrack or Withheld
+        Metres of the last frame.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        parameters: CableVehicleParameters,
-        endpoints: WatchedEndpoints,
-    ) -> None:
+    def __init__(self, node: Node, parameters: CableVehicleParameters) -> None:
         super().__init__(node, parameters, CableInstrumentFusion, CABLE_INSTRUMENTS, AWAITED)
         self._is_mounting_checked = False
-        self._result: CrossTrack | Withheld = NO_FRAME
+        self.result: CrossTrack | Withheld = NO_FRAME
+        self._unaided: Unaided | None = None
         self._stand_in = ""
-        self._publishers = {
-            topic: endpoints.publisher(topic, qos.RESULTS)
-            for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
-        }
-
-    @property
-    def result(self) -> CrossTrack | Withheld:
-        """Metres of the last frame."""
-        return self._result
 
     def forget(self) -> None:
         """Forget the metres of the last frame; what the instruments have told stays."""
-        self._result = NO_FRAME
+        self.result = NO_FRAME
 
-    def motion(self, stamp: int, image: Image) -> MotionAid | None:
-        """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
+    def take(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Convert the estimate of a frame to metres; call it once for each frame."""
+        self.fusion.observe(estimate)
+        before, self.result = self.result, self.fusion.measure(estimate)
+        self._warn_of_odometry()
+        self._warn_of_stand_in(estimate.stamp)
+        news = newly_withheld(before, self.result)
+        if news is not None:
+            self._node.get_logger().info(f"no cross_track: {news}")
+        if isinstance(self.result, CrossTrack):
+            self._warn_of_mounting()
+        return self.result
 
-        None without odometry, or while it disagrees with what the camera sees.
-        """
-        before = self.fusion.aiding.unaided
-        motion = self.fusion.motion(stamp, image)
-        unaided = self.fusion.aiding.unaided
+    def _warn_of_odometry(self) -> None:
+        """Warn where odometry begins to contradict what the camera sees."""
+        before, self._unaided = self._unaided, self.fusion.aiding.unaided
+        unaided = self._unaided
         if unaided is not None and unaided.disagrees and unaided != before:
             self._node.get_logger().warning(
                 f"the filter goes on without odometry: {unaided.why}; {ODOMETRY_ADVICE}",
                 throttle_duration_sec=WARNING_PAUSE,
             )
-        return motion
-
-    def publish(self, header: Message, estimate: CableEstimate) -> None:
-        """Publish the cable of an estimate in metres, if it is known."""
-        before, result = self._result, self.fusion.measure(estimate)
-        self._result = result
-        self._warn_of_stand_in(estimate.stamp)
-        if isinstance(result, Withheld):
-            news = newly_withheld(before, result)
-            if news is not None:
-                self._node.get_logger().info(f"no cross_track: {news}")
-            return
-        self._warn_of_mounting()
-        makers = cross_track_messages(MESSAGES, header, self.fusion.parameters.base_frame, result)
-        publish_wanted(self._publishers, makers, *makers)
 
     def _warn_of_stand_in(self, stamp: int) -> None:
         """Warn where `fixed_altitude` begins to stand in: metres may jump then."""
@@ -128,7 +104,7 @@ class MetricInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameter
 
     def diagnostics(self) -> dict[str, str]:
         """Return the key-value pairs of diagnostics about metres, with units in the keys."""
-        result, unaided = self._result, self.fusion.aiding.unaided
+        result, unaided = self.result, self.fusion.aiding.unaided
         known = result if isinstance(result, CrossTrack) else None
         return {
             "cross track [m]": f"{known.offset:.3f}" if known else "",

@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.inputs import frame_hold
-from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
+from cable_tracker.ros.nodes.cable_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
 from cable_tracker.ros.qos import LATCHED, RESULTS
 from cable_tracker.sequences.bags.instruments import Instrument
 
