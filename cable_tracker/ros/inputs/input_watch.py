@@ -31,29 +31,33 @@ class InputWatch:
     now : float
         Time on a monotonic clock [s]. A camera that never sends is no better than one that has
         stopped.
+
+    Attributes
+    ----------
+    timeout : float
+        Time without a usable frame that makes the input stale [s].
+    picture : Image or None
+        The last picture, shape (H, W) or (H, W, 3).
+    same_for : float
+        How long the picture has been the same, by the stamps of the frames [s].
     """
 
     def __init__(self, now: float) -> None:
-        self._timeout = 0.0
+        self.timeout = 0.0
+        self.picture: Image | None = None
+        self.same_for = 0.0
         self._frozen_timeout = 0.0
         self._maximum_gap = math.inf
         self._last_usable = now
         self._is_stale = False
         self._is_frozen = False
-        self._picture: Image | None = None
         self._since = self._last = 0
-        self._same_for = 0.0
 
     def configure(self, parameters: CameraRuntimeParameters, maximum_gap: float) -> None:
         """Take other time-outs, and the longest pause between frames that the filter bears [s]."""
-        self._timeout = parameters.input_timeout
+        self.timeout = parameters.input_timeout
         self._frozen_timeout = parameters.frozen_timeout
         self._maximum_gap = maximum_gap
-
-    @property
-    def timeout(self) -> float:
-        """Time without a usable frame that makes the input stale [s]."""
-        return self._timeout
 
     @property
     def status(self) -> str:
@@ -61,16 +65,6 @@ class InputWatch:
         if self._is_stale:
             return STALE_INPUT
         return FROZEN_INPUT if self._is_frozen else ""
-
-    @property
-    def picture(self) -> Image | None:
-        """The last picture, shape (H, W) or (H, W, 3)."""
-        return self._picture
-
-    @property
-    def same_for(self) -> float:
-        """How long the picture has been the same, by the stamps of the frames [s]."""
-        return self._same_for
 
     def restart(self, now: float) -> None:
         """Let the time of silence begin now, on the monotonic clock [s]."""
@@ -83,7 +77,7 @@ class InputWatch:
 
     def falls_silent(self, now: float) -> bool:
         """Return whether the input has just become stale; once for each silence."""
-        if self._is_stale or now - self._last_usable <= self._timeout:
+        if self._is_stale or now - self._last_usable <= self.timeout:
             return False
         self._is_stale = True
         return True
@@ -100,13 +94,13 @@ class InputWatch:
         stamp : int
             Time of the frame [ns].
         """
-        if self._picture is None or stamp < self._since or not same(self._picture, picture):
+        if self.picture is None or stamp < self._since or not same(self.picture, picture):
             self._since = stamp
         elif stamp - self._last > self._maximum_gap * NANOSECONDS:
             self._since += stamp - self._last
-        self._picture, self._last = picture, stamp
-        self._same_for = (stamp - self._since) / NANOSECONDS
-        return 0.0 < self._frozen_timeout <= self._same_for
+        self.picture, self._last = picture, stamp
+        self.same_for = (stamp - self._since) / NANOSECONDS
+        return 0.0 < self._frozen_timeout <= self.same_for
 
     def note_frozen(self, *, is_frozen: bool) -> bool:
         """Note whether the last frame was frozen; return whether the picture has just frozen."""

@@ -1,4 +1,7 @@
-"""Subscriptions to the vehicle's instruments, shared by the tracker nodes."""
+"""Subscriptions to the vehicle's instruments, shared by the tracker nodes.
+
+And whether the instruments have told of the time of a frame.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,62 @@ from typing import Any, Generic
 from rclpy.node import Node
 
 from cable_tracker.metric.instrument_fusion import AnyFusion, VehicleParameters
+from cable_tracker.node_parameter_tables import RELIABLE
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import subscription
-from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
 from cable_tracker.ros.node_parameters import with_those_in
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
+
+
+class InstrumentsSent:
+    """Whether all messages of the instruments have come that a replay has sent before a frame.
+
+    Keeps the newest message of the topic `instruments_sent`, and what was heard. Messages are
+    counted as their sender counts them: then it does not matter when the node began to listen.
+
+    Parameters
+    ----------
+    topics : collection of NodeTopic
+        Instruments that the node listens to; what a replay says of others does not count.
+    """
+
+    def __init__(self, topics: Collection[NodeTopic]) -> None:
+        self._names = frozenset(topic.name for topic in topics)
+        self._stamp: int | None = None
+        self._counts: dict[str, float] = {}
+        self._heard: dict[str, int] = {}
+
+    def hear(self, name: str, number: int | None) -> None:
+        """Take note of a message of a topic, the sender's `number`th, or one more if None."""
+        self._heard[name] = self._heard.get(name, 0) + 1 if number is None else number
+
+    def has_heard(self, name: str) -> bool:
+        """Tell whether a message of a topic has come."""
+        return name in self._heard
+
+    def take(self, message: Message) -> None:
+        """Take how much a replay has sent before a frame."""
+        self._stamp = stamp_of(message.header)
+        told = zip(message.name, message.position, strict=False)
+        counts = {name: count for name, count in told if name in self._names}
+        if any(count < self._counts.get(name, 0) for name, count in counts.items()):
+            # Another replay, which counts from its own start: what was heard is of the one before.
+            for name, count in counts.items():
+                if self._heard.get(name, 0) > count:
+                    self._heard[name] = 0
+        self._counts = counts
+
+    def tells_of(self, stamp: int) -> bool:
+        """Tell whether the newest message is about the frame of a time [ns]."""
+        return self._stamp == stamp
+
+    def has_come(self) -> bool:
+        """Tell whether all of it has come."""
+        return all(self._heard.get(name, 0) >= count for name, count in self._counts.items())
 
 
 class InstrumentInputs(Generic[AnyFusion, VehicleParameters]):
@@ -62,7 +114,14 @@ class InstrumentInputs(Generic[AnyFusion, VehicleParameters]):
         profile = qos.instrument_input(reliability)
         for instrument in self._instruments:
             subscription(self._node, TOPICS[instrument], self._taking(instrument), profile)
-        self._sent.subscribe(self._node, reliability, on_news)
+        if reliability == RELIABLE:
+            subscription(self._node, node_topics.INSTRUMENTS_SENT, self._take_counts, profile)
+
+    def _take_counts(self, message: Message) -> None:
+        """Take how much a replay has sent before a frame."""
+        self._sent.take(message)
+        assert self._on_news is not None
+        self._on_news()
 
     def ask_for_calibration(self) -> None:
         """Ask for a calibration that was sent once and is kept for those that come later.

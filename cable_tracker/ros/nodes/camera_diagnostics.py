@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import time
 
+import numpy as np
 from rclpy.node import Node
 
+from cable_tracker.arrays import Image
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
@@ -14,10 +16,16 @@ from cable_tracker.ros.health.tracker_health import READERS_OF
 from cable_tracker.ros.health.watched_endpoints import WatchedEndpoints
 from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
-from cable_tracker.ros.inputs.picture_remarks import remark_on
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.tracking.level_gain import amplified, level_gain
+
+BLACK, WHITE = 2.0, 253.0
+"""Grey levels up to and from which nothing can be told apart."""
+
+MOST = 0.9
+"""Share of pixels that makes a picture black or saturated."""
 
 
 class CameraDiagnostics:
@@ -90,3 +98,29 @@ class CameraDiagnostics:
         header = make_header(MESSAGES, self._node.get_clock().now().nanoseconds, "")
         name = self._node.get_fully_qualified_name()
         self._publisher.publish(make_diagnostics(MESSAGES, header, name, status, values))
+
+
+def remark_on(picture: Image | None) -> str:
+    """Say what is odd about a picture; empty where nothing is.
+
+    Such pictures are not refused: the filters find nothing in them, and say so.
+
+    Parameters
+    ----------
+    picture : Image or None
+        Grey levels 0..255, shape (H, W), or colours (H, W, 3), whose channels are looked at
+        together; None before the first.
+    """
+    if picture is None:
+        return ""
+    low, high = float(picture.min()), float(picture.max())
+    if low == high:
+        return f"all pixels are the same ({low:g} of 255)"
+    # Of more than eight bits, a scene can be told apart within a single grey level.
+    dark = float(np.mean(amplified(picture, level_gain(1.0, picture)) <= BLACK))
+    bright = float(np.mean(picture >= WHITE))
+    if dark >= MOST:
+        return f"black: {100 * dark:.0f} % of the pixels"
+    if bright >= MOST:
+        return f"saturated: {100 * bright:.0f} % of the pixels are white"
+    return ""

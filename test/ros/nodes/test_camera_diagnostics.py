@@ -12,6 +12,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image
 
 from cable_tracker.ros.nodes import camera_diagnostics
+from cable_tracker.ros.nodes.camera_diagnostics import remark_on
 
 
 def test_diagnostics_come_with_their_period_and_hold_the_figures(
@@ -127,3 +128,25 @@ def test_that_the_watchdog_comes_late_does_not_lengthen_the_period(
             diagnostics.publish("LOST", {})
     assert len(sent) == 27
     assert np.diff(sent).max() < 1.26
+
+
+def with_a_corner(ground: int, corner: int) -> np.ndarray:
+    picture = np.full((40, 60), ground, np.uint8)
+    picture[:4, :4] = corner
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("picture", "words"),
+    [
+        (np.zeros((40, 60), np.uint8), "all pixels are the same (0 of 255)"),
+        (np.full((40, 60), 255, np.uint8), "all pixels are the same (255 of 255)"),
+        (with_a_corner(0, 200), "black: 99 % of the pixels"),
+        (with_a_corner(255, 10), "saturated: 99 % of the pixels are white"),
+        (with_a_corner(90, 120), ""),
+        (np.linspace(0.1, 0.9, 40 * 60, dtype=np.float32).reshape(40, 60), ""),
+        (None, ""),
+    ],
+)
+def test_what_is_odd_about_a_picture_is_named(picture: np.ndarray | None, words: str) -> None:
+    assert remark_on(picture) == words
