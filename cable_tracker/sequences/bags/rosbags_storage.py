@@ -13,9 +13,9 @@ from rosbags.rosbag1 import Reader as Reader1
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags.bag_limits import check_folder, check_overlap, limit_rosbags
 from cable_tracker.sequences.bags.bag_storage import StoredMessage, Topic
-from cable_tracker.sequences.bags.database_limits import check_database
 from cable_tracker.sequences.bags.rosbags_paths import BagReader
 from cable_tracker.sequences.bags.salvaged_storage import SalvagedStorage
+from cable_tracker.sequences.bags.sqlite_files import check_database
 from cable_tracker.sequences.bags.storage_files import METADATA, is_ros1, storage_files
 
 

@@ -11,12 +11,12 @@ from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_recovery
+from cable_tracker.sequences.bags import mcap_recovery, ros1_recovery, sqlite_files
 from cable_tracker.sequences.bags.bag_storage import StoredMessage, Topic
 
 _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
     ".mcap": mcap_recovery.read_messages,
-    ".db3": sqlite_recovery.read_messages,
+    ".db3": sqlite_files.read_messages,
     ".bag": ros1_recovery.read_messages,
 }
 

@@ -1,4 +1,4 @@
-"""Checks that a bag's database holds plain tables, no larger than its file.
+"""Databases of sqlite3 bags: checked, and read without their indices where they are damaged.
 
 SQLite runs queries that a database holds, and they need not end. One that holds any is refused
 before it takes time or memory.
@@ -7,11 +7,13 @@ before it takes time or memory.
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_limits import BLOCK, LARGEST_UNPACKED
+from cable_tracker.sequences.bags.bag_storage import StoredMessage
 
 SMALLEST_ROW = 8
 """Smallest size of a row of a database in its file [bytes]."""
@@ -25,7 +27,7 @@ CHECK_EVERY = 10_000
 _GENERATED = (2, 3)
 
 
-def opened_database(path: Path) -> sqlite3.Connection:
+def _opened_database(path: Path) -> sqlite3.Connection:
     """Open a database to be read as it lies there, without its log, in values of limited size."""
     database = sqlite3.connect(path.resolve().as_uri() + "?mode=ro&immutable=1", uri=True)
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_UNPACKED)
@@ -50,7 +52,7 @@ def check_database(path: Path) -> None:
         left[0] -= 1
         return left[0] < 0
 
-    with closing(opened_database(path)) as database:
+    with closing(_opened_database(path)) as database:
         database.set_progress_handler(out_of_steps, CHECK_EVERY)
         database.text_factory = bytes
         try:
@@ -89,3 +91,34 @@ def _check_table(database: sqlite3.Connection, table: bytes, size: int) -> None:
 
 def _quoted(name: bytes) -> str:
     return '"' + name.decode(errors="replace").replace('"', '""') + '"'
+
+
+def _decoded(data: bytes) -> str:
+    return data.decode(errors="replace")
+
+
+def read_messages(path: Path) -> Iterator[StoredMessage]:
+    """Yield the messages of a db3 file in the order they were written, up to the damage.
+
+    Raises
+    ------
+    RecordingError
+        Where the damage is. The message is the reason alone, without the path.
+    """
+    check_database(path)
+    try:
+        with closing(_opened_database(path)) as database:
+            database.text_factory = _decoded
+            # Without this SQLite refuses a file that is shorter than its header says.
+            database.execute("PRAGMA writable_schema=ON")
+            topics = {
+                key: (str(name), str(msgtype))
+                for key, name, msgtype in database.execute("SELECT id, name, type FROM topics")
+            }
+            # In the order of the table: sorting by time would need the index on it.
+            rows = database.execute("SELECT topic_id, timestamp, data FROM messages")
+            for topic_id, time, data in rows:
+                if topic_id in topics and isinstance(time, int) and isinstance(data, bytes):
+                    yield StoredMessage(*topics[topic_id], time, data)
+    except (sqlite3.Error, OverflowError, MemoryError) as error:
+        raise RecordingError(f"the database is damaged: {error}") from error

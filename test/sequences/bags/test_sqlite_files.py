@@ -1,7 +1,8 @@
-"""An untrusted database is data alone, and has an end."""
+"""An untrusted database is data alone, and has an end; of a damaged one the beginning is read."""
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import struct
 from contextlib import closing
@@ -12,7 +13,7 @@ import pytest
 import zstandard
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.database_limits import check_database
+from cable_tracker.sequences.bags.sqlite_files import check_database, read_messages
 from cable_tracker.sequences.source import open_source
 
 RECORDER = (
@@ -111,3 +112,34 @@ def test_a_database_whose_rows_have_no_end_is_refused(tmp_path):
     path = looped(tmp_path / "dive.db3")
     with pytest.raises(RecordingError, match="more rows than its file can hold"):
         check_database(path)
+
+
+def test_all_messages_of_an_intact_file_are_read(make_bag):
+    messages = list(read_messages(make_bag(storage="sqlite3") / "bag.db3"))
+    assert len(messages) == 5 + 3 + 5
+    assert [m.msgtype for m in messages if m.topic == "/camera/image"] == [
+        "sensor_msgs/msg/Image"
+    ] * 5
+
+
+def test_messages_before_the_cut_are_read(make_bag):
+    path = make_bag(storage="sqlite3", frames=20, size=(64, 48)) / "bag.db3"
+    os.truncate(path, path.stat().st_size // 2)
+    count = 0
+    with pytest.raises(RecordingError, match="damaged"):
+        for message in read_messages(path):
+            count += message.topic == "/camera/image"
+    assert 5 < count < 12
+
+
+@pytest.mark.parametrize("content", [b"", b"SQLite format 3\0", b"x" * 5000])
+def test_what_is_no_bag_is_refused(tmp_path, content):
+    (tmp_path / "x.db3").write_bytes(content)
+    with pytest.raises(RecordingError):
+        list(read_messages(tmp_path / "x.db3"))
+
+
+def test_a_name_with_special_characters(make_bag, tmp_path):
+    path = tmp_path / "a b?c#d%20.db3"
+    (make_bag(storage="sqlite3") / "bag.db3").rename(path)
+    assert len(list(read_messages(path))) == 13
