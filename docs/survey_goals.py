@@ -19,7 +19,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.sequences.bags.open_bag import open_storage
-from cable_tracker.sequences.bags.unpacking import deserialise
+from cable_tracker.sequences.bags.rosbags_messages import deserialise
 from cable_tracker.simulation.cable_scene import cable_of_seed, cable_points
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
 from cable_tracker.simulation.instruments.survey_dive import SurveyDive, usual_survey

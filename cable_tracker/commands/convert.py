@@ -32,10 +32,9 @@ from cable_tracker.errors import OutputError, RecordingError, read_failure
 from cable_tracker.metric.recorded.recorded_cable import own_vehicle_file
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_writer import StorageFormat, kept_notes
-from cable_tracker.sequences.bags.convert import ImageFormat, write_bag
+from cable_tracker.sequences.bags.convert import ImageFormat, carried_messages, write_bag
 from cable_tracker.sequences.bags.instrument_source import InstrumentSource
 from cable_tracker.sequences.bags.instruments import InstrumentChoice, refuse_named_topics
-from cable_tracker.sequences.bags.ros2_messages import carried_messages
 from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import own_boxes

@@ -8,7 +8,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.offline.target_table import HEADER
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 

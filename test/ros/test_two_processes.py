@@ -31,8 +31,7 @@ from cable_tracker.ros.clients.lockstep import tracker_parameters
 from cable_tracker.ros.clients.track_cable import track_cable_over_ros
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages, typestore
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image

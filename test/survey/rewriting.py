@@ -8,7 +8,7 @@ from typing import Any
 
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.open_bag import open_storage
-from cable_tracker.sequences.bags.unpacking import deserialise
+from cable_tracker.sequences.bags.rosbags_messages import deserialise
 
 Change = Callable[[str, Any, int], Iterator[tuple[str, Any, int]]]
 """Takes topic, message and time of receipt [ns]; gives what is written instead."""

@@ -23,8 +23,7 @@ from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.instrument_source import InstrumentMessage
 from cable_tracker.sequences.bags.instruments import TOPICS, Instrument, InstrumentChoice
-from cable_tracker.sequences.bags.ros2_messages import as_ros2
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
@@ -152,7 +151,7 @@ class InstrumentReplay:
     def _send(self, given: InstrumentMessage) -> None:
         publisher = self._publishers[given.instrument]
         type_name = TOPICS[given.instrument].type_name
-        publisher.publish(bytes(typestore().serialize_cdr(as_ros2(given), type_name)))
+        publisher.publish(bytes(typestore().serialize_cdr(given.as_ros2(), type_name)))
         if given.instrument in self._sent:
             self._sent[given.instrument] += 1
 

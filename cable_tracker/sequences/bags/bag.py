@@ -22,8 +22,8 @@ from cable_tracker.sequences.bags.bag_storage import (
     unreadable_note,
 )
 from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.rosbags_messages import beginning, deserialise
 from cable_tracker.sequences.bags.storage_files import is_ros1
-from cable_tracker.sequences.bags.unpacking import beginning, deserialise
 from cable_tracker.sequences.bags.video_stream import (
     DecodedPicture,
     Packet,

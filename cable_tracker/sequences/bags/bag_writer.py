@@ -17,6 +17,7 @@ from rosbags.rosbag2 import StoragePlugin, WriterError
 
 from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.sequences.bags.rosbags_paths import BagFileWriter
 from cable_tracker.sequences.bags.storage_files import (
     METADATA,
@@ -24,7 +25,6 @@ from cable_tracker.sequences.bags.storage_files import (
     TRUTH_FILE,
     VEHICLE_FILE,
 )
-from cable_tracker.sequences.bags.typestores import typestore
 
 _LATEST_STAMP = 2**63 - 1
 _SIMULATED_VEHICLE = re.compile(

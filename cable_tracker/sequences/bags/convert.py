@@ -14,9 +14,12 @@ from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
 from cable_tracker.sequences.bags.frame_messages import write_box, write_frame
+from cable_tracker.sequences.bags.instrument_source import InstrumentSource
+from cable_tracker.sequences.bags.instruments import TOPICS
 from cable_tracker.sequences.encodings import decode_bgr_levels, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.labels.target_labels import BoxTruth
+from cable_tracker.sequences.messages.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.pictures.encoded_pictures import encode_jpeg
 from cable_tracker.tracking.level_gain import amplified, gain_below_white, level_range
 
@@ -114,6 +117,24 @@ class CarriedMessage:
     type_name: str
     message: object
     bag_time: int
+
+
+def carried_messages(source: InstrumentSource) -> Iterator[CarriedMessage]:
+    """Yield what a converted bag holds besides pictures, on the topics of the recorded one."""
+    static = (
+        CarriedMessage(TF_STATIC, TF_TYPE, message, received)
+        for received, message in source.static_messages()
+    )
+    readings = (
+        CarriedMessage(
+            source.found.topics[each.instrument],
+            TOPICS[each.instrument].type_name,
+            each.as_ros2(),
+            each.received,
+        )
+        for each in source.messages()
+    )
+    return merge(static, readings, key=lambda each: each.bag_time)
 
 
 @dataclass(frozen=True, slots=True)

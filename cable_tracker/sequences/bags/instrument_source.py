@@ -9,11 +9,22 @@ from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bags.bag_storage import BagStorage, StoredMessage, unreadable_note
-from cable_tracker.sequences.bags.instruments import Instrument, InstrumentChoice, find_instruments
+from cable_tracker.sequences.bags.instruments import (
+    MOST_ALTITUDE,
+    TOPICS,
+    Instrument,
+    InstrumentChoice,
+    find_instruments,
+)
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages, deserialise
 from cable_tracker.sequences.bags.storage_files import is_ros1
-from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.headers import stamp_or_received
+from cable_tracker.sequences.messages.headers import (
+    is_given,
+    make_header,
+    stamp_of,
+    stamp_or_received,
+)
 from cable_tracker.sequences.messages.static_transforms import (
     TF_STATIC,
     StaticTransform,
@@ -41,6 +52,24 @@ class InstrumentMessage:
     message: Message
     stamp: int
     received: int
+
+    def as_ros2(self) -> Message:
+        """Return the message in the type of ROS 2, with the stamp that it counts with."""
+        message, factory = self.message, RosbagsMessages()
+        type_name = TOPICS[self.instrument].type_name
+        if not hasattr(message, "header"):
+            # A number, which is an altitude.
+            header = make_header(factory, self.stamp, "")
+            number = float(message.data)
+            return factory.make(type_name, header=header, max_range=MOST_ALTITUDE, range=number)
+        if not is_given(stamp_of(message.header)):
+            message.header = make_header(factory, self.stamp, str(message.header.frame_id))
+        is_range = self.instrument is Instrument.ALTITUDE
+        if hasattr(message, "K") or (is_range and not hasattr(message, "variance")):
+            # ROS 1 names the matrices of a calibration by capitals; its ranges have no variance.
+            fields = {name.lower(): value for name, value in vars(message).items()}
+            return factory.make(type_name, **fields)
+        return message
 
 
 @dataclass(slots=True)

@@ -15,8 +15,8 @@ from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.bags.bag_storage import FFMPEG, FOXGLOVE
+from cable_tracker.sequences.bags.rosbags_messages import add_definition
 from cable_tracker.sequences.bags.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
-from cable_tracker.sequences.bags.typestores import add_definition
 from cable_tracker.sequences.frame import DEFAULT_FRAME_ID
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import is_given, nanoseconds_of

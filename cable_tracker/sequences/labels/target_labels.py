@@ -21,8 +21,8 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag import BagSource
 from cable_tracker.sequences.bags.bag_storage import BagStorage
 from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.rosbags_messages import deserialise
 from cable_tracker.sequences.bags.storage_files import is_ros1
-from cable_tracker.sequences.bags.unpacking import deserialise
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.messages.target import read_polygon

@@ -3,7 +3,7 @@ import pytest
 from chase_bag import write_chase_bag
 from rosbags.highlevel import AnyReader
 
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 

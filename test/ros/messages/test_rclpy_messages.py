@@ -20,8 +20,7 @@ from cable_tracker.ros.health.diagnostics import (
 )
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages, message_class
 from cable_tracker.sequences import messages
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages, typestore
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage
 from cable_tracker.sequences.messages import (

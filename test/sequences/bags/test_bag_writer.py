@@ -8,7 +8,7 @@ from rosbags.rosbag2 import Reader, Writer
 
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.sequences.source import open_source
 
 IMAGE = "sensor_msgs/msg/Image"

@@ -1,21 +1,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.bags import convert
+from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import (
     ImageFormat,
     WrittenBag,
+    carried_messages,
     gain_of,
     in_format,
     write_bag,
 )
+from cable_tracker.sequences.bags.instrument_source import InstrumentSource
+from cable_tracker.sequences.bags.open_bag import open_bag
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.source import open_source
 
 
@@ -170,3 +177,21 @@ def test_a_frame_that_cannot_be_decoded_is_left_out_and_counted_on_request(tmp_p
     )
     assert written == WrittenBag(count=2, skipped=1, damage=None)
     assert len(read(tmp_path / "bag")) == 2
+
+
+def test_instruments_and_mounting_are_carried_along_in_the_order_of_their_reception(
+    tmp_path: Path,
+) -> None:
+    factory = RosbagsMessages()
+    with BagWriter(tmp_path / "dive") as bag:
+        for received, topic in ((5, "/dvl/odom"), (9, "/dvl/odom")):
+            odometry = factory.make("nav_msgs/msg/Odometry", header=make_header(factory, 3, "odom"))
+            bag.write(topic, "nav_msgs/msg/Odometry", odometry, received)
+        bag.write("/tf_static", "tf2_msgs/msg/TFMessage", factory.make("tf2_msgs/msg/TFMessage"), 7)
+        bag.write("/chatter", "std_msgs/msg/String", factory.make("std_msgs/msg/String"), 8)
+    source = InstrumentSource(tmp_path / "dive", open_bag(tmp_path / "dive"), "/image")
+    carried = list(carried_messages(source))
+    assert [(each.topic, each.bag_time) for each in carried] == [
+        ("/dvl/odom", 5), ("/tf_static", 7), ("/dvl/odom", 9),
+    ]  # fmt: skip
+    assert stamp_of(carried[0].message.header) == 3

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages, typestore
 from cable_tracker.sequences.node_topics import NodeTopic
 
 FACTORY = RosbagsMessages()

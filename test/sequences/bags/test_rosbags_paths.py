@@ -127,7 +127,7 @@ WRITE = """
 import sys
 from pathlib import Path
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 for path in map(Path, sys.argv[1:]):
     with BagWriter(path, StorageFormat(path.parent.name)) as bag:
         text = typestore().types["std_msgs/msg/String"]("x")

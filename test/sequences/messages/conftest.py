@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 
 
 @pytest.fixture

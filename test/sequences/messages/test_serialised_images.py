@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from message_parts import FACTORY
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.bags.typestores import typestore
+from cable_tracker.sequences.bags.rosbags_messages import typestore
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image, make_image
