@@ -1,9 +1,14 @@
-"""Publishers and subscriptions of our topics; a topic says of which type its messages are."""
+"""Publishers and subscriptions of our topics; a topic says of which type its messages are.
+
+And whether the last messages of publishers have reached their readers, so that a node may end.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 
+from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -12,6 +17,12 @@ from rclpy.subscription import Subscription
 
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences.node_topics import NodeTopic
+
+POLL_PERIOD = 0.02
+"""Time between two polls [s]."""
+
+LAST_MESSAGE_PATIENCE = 30.0
+"""Longest time for the last messages [s]; a reader that has died is forgotten sooner."""
 
 
 def publisher(
@@ -47,3 +58,23 @@ def subscription(
         event_callbacks=events,
         raw=raw,
     )
+
+
+class LastMessages:
+    """Polls whether the last messages have arrived; a blocking wait would hold back signals.
+
+    Parameters
+    ----------
+    publishers : iterable of Publisher
+        Publishers that have sent their last messages.
+    """
+
+    def __init__(self, publishers: Iterable[Publisher]) -> None:
+        self._publishers = tuple(publishers)
+        self._end = time.monotonic() + LAST_MESSAGE_PATIENCE
+
+    def have_arrived(self) -> bool:
+        """Tell whether all readers have received them, or the time for that is over."""
+        at_once = Duration(seconds=0)
+        arrived = all(each.wait_for_all_acked(at_once) for each in self._publishers)
+        return arrived or time.monotonic() > self._end

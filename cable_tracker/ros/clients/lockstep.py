@@ -12,9 +12,9 @@ from cable_tracker.node_parameter_tables import RELIABLE
 from cable_tracker.offline.results import follow_all
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
-from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.process.ros_context import client_node
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bags.bag_writer import MessageSink
 from cable_tracker.sequences.bags.instruments import InstrumentChoice

@@ -14,9 +14,8 @@ from rosgraph_msgs.msg import Clock
 from cable_tracker.errors import RosError
 from cable_tracker.node_parameter_tables import VehicleNodeParameters
 from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.endpoints import publisher, subscription
+from cable_tracker.ros.endpoints import POLL_PERIOD, LastMessages, publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
-from cable_tracker.ros.process.last_messages import POLL_PERIOD, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import RawImage

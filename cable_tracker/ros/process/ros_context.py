@@ -1,12 +1,14 @@
-"""Starting ROS in a process: a context of rclpy, and a node in it."""
+"""Starting ROS in a process: a context of rclpy, a node in it, and a client for a block of code."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeVar
 
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -77,3 +79,35 @@ def made_node(make: Callable[[Context], NodeType], context: Context) -> NodeType
             f"ROS cannot make the node ({one_line(error)}); check what stands behind --ros-args,"
             " and the environment"
         ) from error
+
+
+@contextmanager
+def client_node(
+    make: Callable[[Context], NodeType],
+) -> Iterator[tuple[NodeType, SingleThreadedExecutor]]:
+    """Make a node with a context and an executor of its own; all end with the block.
+
+    Signals are left to the process, and its command line is not read.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the node in the context that it is given.
+
+    Raises
+    ------
+    RosError
+        ROS does not start, or the middleware refuses the node.
+    """
+    context = started_context()
+    try:
+        executor = SingleThreadedExecutor(context=context)
+        node = made_node(make, context)
+        executor.add_node(node)
+        try:
+            yield node, executor
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown(context=context)

@@ -31,9 +31,9 @@ from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.messages.rclpy_messages import MESSAGES
 from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
-from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.process.ros_context import client_node
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message

@@ -28,9 +28,8 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.node_parameter_tables import ReplayStartParameters
-from cable_tracker.ros import qos
+from cable_tracker.ros import endpoints, qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node, replay_subscribers
-from cable_tracker.ros.process import last_messages
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.instruments import Instrument
@@ -712,7 +711,7 @@ class TestEnd:
     def test_it_does_not_wait_for_the_last_frame_for_ever(
         self, world: Any, make_dive: Dive, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(last_messages, "PATIENCE", 0.1)
+        monkeypatch.setattr(endpoints, "LAST_MESSAGE_PATIENCE", 0.1)
         node = world.replay(source=str(make_dive(2)), rate=100)
         node._truth = SlowLink(node._truth, float("inf"))
         world.spin(lambda: node.finished)

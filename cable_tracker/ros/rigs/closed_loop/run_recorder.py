@@ -20,9 +20,9 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher, subscription
 from cable_tracker.ros.health.tracker_health import TrackerHealth, is_guidance
 from cable_tracker.ros.process.child_process import NodeProcess
-from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.process.ros_context import client_node
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of

@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from cable_tracker.errors import RosError
 from cable_tracker.ros.process import ros_context
-from cable_tracker.ros.process.client_node import client_node
+from cable_tracker.ros.process.ros_context import client_node
 
 
 def named(context: Any) -> Node:
