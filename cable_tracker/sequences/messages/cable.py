@@ -28,7 +28,6 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.joint_state import make_joint_state
 from cable_tracker.sequences.messages.line_markers import (
     AMBER,
     GREEN,
@@ -73,13 +72,13 @@ def make_state(
     cable the last three are empty: there is no number that a controller could mistake for one.
     """
     values = state.to_array() if state is not None else np.empty(0)
-    return make_joint_state(
-        factory,
-        header,
-        names=POSE_SYMBOLS,
-        values=values[:4],
-        rates=values[4:],
-        sigma=sigma if state is not None else (),
+    return factory.make(
+        node_topics.STATE.type_name,
+        header=header,
+        name=list(POSE_SYMBOLS),
+        position=factory.doubles(values[:4]),
+        velocity=factory.doubles(values[4:]),
+        effort=factory.doubles(sigma if state is not None else ()),
     )
 
 

@@ -18,7 +18,6 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory, MessageMakers
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.joint_state import make_joint_state
 from cable_tracker.sequences.messages.line_markers import (
     AMBER,
     GREEN,
@@ -94,8 +93,13 @@ def make_target_state(
         rates = np.array([x_rate, y_rate, 0.0, 0.0])
         sigma = estimate.standard_deviations()[:4]
         sigma[2] *= size
-    return make_joint_state(
-        factory, header, names=TARGET_STATE_NAMES, values=values, rates=rates, sigma=sigma
+    return factory.make(
+        node_topics.STATE.type_name,
+        header=header,
+        name=list(TARGET_STATE_NAMES),
+        position=factory.doubles(values),
+        velocity=factory.doubles(rates),
+        effort=factory.doubles(sigma),
     )
 
 
