@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import deserialise
 from cable_tracker.simulation.cable_scene import cable_of_seed, cable_points
 from cable_tracker.simulation.instruments.survey_bag import write_survey_bag
@@ -99,7 +99,7 @@ class Truth:
     """The true course of the cable, and the true poses of the vehicle."""
 
     def __init__(self, path: Path, settings: Simulated) -> None:
-        storage = open_storage(path)
+        storage = open_bag(path)
         poses = [
             (each.time, *read_pose(deserialise(each, is_ros1=False))[:3])
             for each in storage.messages([TRUTH_TOPIC])

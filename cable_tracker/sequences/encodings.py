@@ -111,7 +111,15 @@ ENCODINGS: tuple[str, ...] = tuple(_FORMATS)
 
 
 def _checked_format(image: RawImage) -> _PixelFormat:
-    """Return the format of an image whose fields fit together, else raise FrameError."""
+    """Return the format of an image whose encoding, size, step and amount of data fit together.
+
+    Of the pixels themselves nothing is read. The last row may lack its padding.
+
+    Raises
+    ------
+    FrameError
+        They do not; the message names the field that is wrong.
+    """
     size = f"{image.width} x {image.height}"
     if image.width <= 0 or image.height <= 0:
         raise FrameError(f"the image has no pixels ({size})")
@@ -146,19 +154,6 @@ def _checked_format(image: RawImage) -> _PixelFormat:
     return pixel_format
 
 
-def check_layout(image: RawImage) -> None:
-    """Check that encoding, size, step and amount of data of an image fit together.
-
-    Of the pixels themselves nothing is read. The last row may lack its padding.
-
-    Raises
-    ------
-    FrameError
-        The image cannot be decoded; the message names the field that is wrong.
-    """
-    _checked_format(image)
-
-
 def check_image(image: RawImage | CompressedImage) -> None:
     """Check that an image can be decoded: a raw one by its layout, a compressed one by doing it.
 
@@ -169,7 +164,7 @@ def check_image(image: RawImage | CompressedImage) -> None:
     """
     # What decodes a missing image is told why there is none.
     if isinstance(image, RawImage) and not image.missing:
-        check_layout(image)
+        _checked_format(image)
     else:
         decode_grey(image)
 
@@ -398,5 +393,5 @@ def raw_from_array(picture: Image, encoding: str) -> RawImage:
         is_bigendian=False,
         data=little.reshape(-1).view(np.uint8).data,
     )
-    check_layout(image)
+    _checked_format(image)
     return image

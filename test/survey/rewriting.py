@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cable_tracker.sequences.bags.bag_writer import BagWriter
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import deserialise
 
 Change = Callable[[str, Any, int], Iterator[tuple[str, Any, int]]]
@@ -16,7 +16,7 @@ Change = Callable[[str, Any, int], Iterator[tuple[str, Any, int]]]
 
 def rewritten(bag: Path, path: Path, change: Change) -> Path:
     """Write a bag again, with changed messages; `vehicle.yaml` comes along."""
-    storage = open_storage(bag)
+    storage = open_bag(bag)
     with BagWriter(path) as writer:
         for stored in storage.messages(list(storage.topics)):
             message = deserialise(stored, is_ros1=False)

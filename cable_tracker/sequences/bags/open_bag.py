@@ -31,8 +31,31 @@ MORE_THAN_ROS2 = (
 )
 
 
-def open_storage(path: Path) -> BagStorage:
+def open_bag(path: Path) -> BagStorage:
     """Open a bag folder or a single .db3, .mcap or .bag file, and look what topics it holds.
+
+    Raises
+    ------
+    RecordingError
+        Not one message can be read.
+    """
+    try:
+        is_ros1_mcap = any(mcap_recovery.profile_of(file) == "ros1" for file in mcap_files(path))
+        if not is_ros1_mcap:
+            return _open_storage(path)
+    except (RecordingError, OSError) as error:
+        raise RecordingError(
+            f"{path}: not one message can be read ({one_line(error)}); check that the"
+            " recording is a bag and was copied completely"
+        ) from error
+    raise RecordingError(
+        f"{path}: holds ROS 1 messages, which are not read from mcap; give the .bag that it was"
+        " made of, or convert it to a ROS 2 bag"
+    )
+
+
+def _open_storage(path: Path) -> BagStorage:
+    """Open a bag in the way that its files allow.
 
     Raises
     ------
@@ -68,29 +91,6 @@ def open_storage(path: Path) -> BagStorage:
     return storage
 
 
-def open_bag(path: Path) -> BagStorage:
-    """Open a bag as `open_storage` does; an error names it, and says what to do.
-
-    Raises
-    ------
-    RecordingError
-        Not one message can be read.
-    """
-    try:
-        is_ros1_mcap = any(mcap_recovery.profile_of(file) == "ros1" for file in mcap_files(path))
-        if not is_ros1_mcap:
-            return open_storage(path)
-    except (RecordingError, OSError) as error:
-        raise RecordingError(
-            f"{path}: not one message can be read ({one_line(error)}); check that the"
-            " recording is a bag and was copied completely"
-        ) from error
-    raise RecordingError(
-        f"{path}: holds ROS 1 messages, which are not read from mcap; give the .bag that it was"
-        " made of, or convert it to a ROS 2 bag"
-    )
-
-
 def _crashed_files(path: Path) -> list[Path]:
     """Return the mcap files of a bag that were never closed."""
     return [
@@ -124,7 +124,7 @@ def _is_more_than_ros2(path: Path) -> bool:
 def _open_without_metadata(path: Path) -> BagStorage:
     files = storage_files(path)
     if len(files) == 1:
-        return open_storage(files[0])
+        return _open_storage(files[0])
     storage = SalvagedStorage(files, None)
     storage.note = _one_after_the_other(files)
     return storage

@@ -33,7 +33,7 @@ from cable_tracker.ros.nodes import replay_instruments, replay_node, replay_subs
 from cable_tracker.sequences.bags.bag_writer import BagWriter
 from cable_tracker.sequences.bags.convert import write_bag
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -731,7 +731,7 @@ class TestInstruments:
         images = world.listen(Image, "image")
         node = world.replay(source=str(bag), rate=20.0)
         play_to_the_end(world, node, images)
-        recorded = dict(open_storage(bag).topics)
+        recorded = dict(open_bag(bag).topics)
         for topic in ("altitude", "camera_info"):
             world.spin(lambda topic=topic: len(heard[topic]) == recorded[f"/{topic}"].count)
         for messages in heard.values():

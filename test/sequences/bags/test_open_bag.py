@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
 
@@ -123,7 +123,7 @@ def test_nothing_stays_open(make_bag, storage, share):
 
 
 def test_topics_are_counted(make_bag):
-    storage = open_storage(make_bag(frames=6))
+    storage = open_bag(make_bag(frames=6))
     assert {name: topic.count for name, topic in storage.topics.items()} == {
         "/camera/image": 6,
         "/sim/ground_truth": 3,
@@ -132,7 +132,7 @@ def test_topics_are_counted(make_bag):
 
 
 def test_only_the_wanted_topics_are_read(make_bag):
-    messages = list(open_storage(make_bag()).messages(["/chatter"]))
+    messages = list(open_bag(make_bag()).messages(["/chatter"]))
     assert len(messages) == 5
     assert {message.topic for message in messages} == {"/chatter"}
 
@@ -144,7 +144,7 @@ def test_a_bag_is_opened_once_for_all_readings(make_bag, storage, monkeypatch):
     monkeypatch.setattr(
         Reader2, "open", lambda reader: (opened.append(reader), open_reader(reader))
     )
-    bag = open_storage(make_bag(frames=6, storage=storage))
+    bag = open_bag(make_bag(frames=6, storage=storage))
     together = list(zip(bag.messages(["/camera/image"]), bag.messages(["/chatter"]), strict=False))
     assert len(together) == len(list(bag.messages(["/chatter"]))) == 6
     assert len(opened) == 1
@@ -152,7 +152,7 @@ def test_a_bag_is_opened_once_for_all_readings(make_bag, storage, monkeypatch):
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_closing_ends_a_reading_and_the_next_opens_the_bag_again(make_bag, storage):
-    bag = open_storage(make_bag(storage=storage))
+    bag = open_bag(make_bag(storage=storage))
     begun = bag.messages(["/chatter"])
     first = next(begun)
     bag.close()
@@ -173,7 +173,7 @@ def crashed(make_bag, tmp_path):
 
 
 def images(path):
-    with closing(open_storage(path)) as storage:
+    with closing(open_bag(path)) as storage:
         return storage.note, len(list(storage.messages(["/camera/image"])))
 
 
@@ -190,7 +190,7 @@ def test_the_compressed_files_of_a_crashed_recorder_are_read(crashed):
 def test_copies_of_compressed_files_go_with_their_reader(crashed, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
     (tmp_path / "temporary").mkdir()
-    storage = open_storage(crashed)
+    storage = open_bag(crashed)
     assert list((tmp_path / "temporary").rglob("*.mcap"))
     del storage
     gc.collect()
@@ -218,4 +218,4 @@ def test_damage_of_a_compressed_file_is_told_after_what_can_be_read(crashed):
 def test_what_compressed_files_unpack_to_is_limited(crashed, monkeypatch):
     monkeypatch.setattr("cable_tracker.sequences.bags.bag_limits.FREE_SHARE", 0.0)
     with pytest.raises(RecordingError, match="half of the free space"):
-        open_storage(crashed)
+        open_bag(crashed)

@@ -11,7 +11,7 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bags.bag_writer import BagWriter, StorageFormat
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.bags.storage_files import storage_files
 from cable_tracker.sequences.source import open_source
 
@@ -30,7 +30,7 @@ def test_a_bag_is_read_whatever_characters_its_path_has(make_bag, folder, storag
     bag = shutil.copytree(make_bag(f"{folder.name}/b #2?", storage=storage), folder / "copy")
     assert len(list(open_source(bag).frames())) == 5
     (file,) = storage_files(bag)
-    assert not open_storage(bag).note
+    assert not open_bag(bag).note
     assert len(list(open_source(file).frames())) == 5
 
 
@@ -52,8 +52,8 @@ def test_a_bag_is_written_whatever_characters_its_path_has(folder, maker, storag
         bag.write("/note", "std_msgs/msg/String", maker.text("x"), 1)
     assert [each.name for each in folder.iterdir()] == [path.name]
     assert [each.name for each in folder.parent.iterdir()] == [folder.name]
-    assert open_storage(path).topics["/note"].count == 1
-    assert len(list(open_storage(path).messages(["/note"]))) == 1
+    assert open_bag(path).topics["/note"].count == 1
+    assert len(list(open_bag(path).messages(["/note"]))) == 1
 
 
 @pytest.mark.parametrize(
@@ -147,4 +147,4 @@ def test_a_bag_that_was_written_where_the_locale_is_not_utf_8_is_read_elsewhere(
         paths += [tmp_path / storage / name for name in ("über", os.fsdecode(b"\xfcber"))]
     run_without_utf8(WRITE, *paths)
     for path in paths:
-        assert len(list(open_storage(path).messages(["/note"]))) == 1
+        assert len(list(open_bag(path).messages(["/note"]))) == 1

@@ -6,7 +6,7 @@ from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
 from cable_tracker.sequences.bags.instruments import Instrument
-from cable_tracker.sequences.bags.open_bag import open_storage
+from cable_tracker.sequences.bags.open_bag import open_bag
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.instruments.dive_ticks import dive_ticks
 from cable_tracker.simulation.instruments.flight import flight_at
@@ -43,7 +43,7 @@ def test_the_bag_holds_all_instruments(bag):
 
 
 def test_odometry_speaks_some_fifty_times_a_second(bag):
-    topics = open_storage(bag).topics
+    topics = open_bag(bag).topics
     assert topics["/odometry"].count == topics["/imu"].count == 5 * SETTINGS.frame_count
     assert topics["/altitude"].count == SETTINGS.frame_count
 
@@ -70,6 +70,6 @@ def test_the_same_seed_gives_the_same_instruments(bag, tmp_path):
     write_dive(again)
     topics = ("/odometry", "/imu", "/altitude", "/fix")
     first, second = (
-        [each.data for each in open_storage(path).messages(topics)] for path in (bag, again)
+        [each.data for each in open_bag(path).messages(topics)] for path in (bag, again)
     )
     assert first == second
