@@ -15,8 +15,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.movement import MotionAid
 from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS, CableInstrumentFusion
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
-from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.recorded.recorded_instruments import InstrumentFeed, RecordedInstruments
 from cable_tracker.metric.recorded.vehicle import (
     VehicleDescription,
     VehicleFile,

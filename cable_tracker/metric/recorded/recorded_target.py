@@ -5,9 +5,8 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
-from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import RecordedVehicle
-from cable_tracker.metric.recorded.recorded_instruments import RecordedInstruments
+from cable_tracker.metric.recorded.recorded_instruments import InstrumentFeed, RecordedInstruments
 from cable_tracker.metric.recorded.vehicle import VehicleDescription
 from cable_tracker.metric.targets.target_instrument_fusion import TargetInstrumentFusion
 from cable_tracker.node_parameter_tables import TargetVehicleParameters

@@ -1,7 +1,7 @@
 """The part of the replay node that sends the messages of the vehicle's instruments.
 
 Everything is sent as it was recorded, in step with the frames: before a frame, what was received up
-to it and shortly after it, as `metric.instrument_feed` hands it out. So the tracker node gives the
+to it and shortly after it, as `InstrumentFeed` hands it out. So the tracker node gives the
 same metres as `cable-tracker track`.
 """
 
@@ -15,8 +15,8 @@ from sensor_msgs.msg import CameraInfo, JointState
 
 from cable_tracker.metric.cable_instrument_fusion import CABLE_INSTRUMENTS
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.metric.recorded.instrument_feed import InstrumentFeed
 from cable_tracker.metric.recorded.recorded_cable import recorded_vehicle
+from cable_tracker.metric.recorded.recorded_instruments import InstrumentFeed
 from cable_tracker.ros import qos
 from cable_tracker.ros.endpoints import publisher
 from cable_tracker.ros.messages.rclpy_messages import message_class

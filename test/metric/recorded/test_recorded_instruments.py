@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cable_tracker.metric.recorded.instrument_feed import (
+from cable_tracker.metric.recorded.recorded_instruments import (
     LOOK_AHEAD,
     LOOK_BACK,
     InstrumentFeed,
