@@ -22,8 +22,6 @@ VehicleParameters = TypeVar(
 class InstrumentFusion(ABC, Generic[VehicleParameters]):
     """Keeps the measurements of instruments so far, and the calibration in force.
 
-    A subclass calls this constructor when it can take a calibration.
-
     Parameters
     ----------
     parameters : CableVehicleParameters or TargetVehicleParameters
@@ -36,21 +34,19 @@ class InstrumentFusion(ABC, Generic[VehicleParameters]):
     ----------
     parameters : CableVehicleParameters or TargetVehicleParameters
         The parameters in force.
+    calibration : Calibration or None
+        The calibration in force; None before any is known.
     """
 
     def __init__(self, parameters: VehicleParameters, calibration: Calibration | None) -> None:
         self.parameters = parameters
-        self._given = calibration
+        self.calibration = calibration
+        self._is_calibration_given = calibration is not None
         self._camera_info: Message | None = None
-        self._use_calibration()
 
     @abstractmethod
     def forget_all(self) -> None:
         """Forget all measurements; the calibration stays."""
-
-    @abstractmethod
-    def _take_calibration(self, calibration: Calibration) -> None:
-        """Use a calibration from now on."""
 
     @abstractmethod
     def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
@@ -59,23 +55,21 @@ class InstrumentFusion(ABC, Generic[VehicleParameters]):
     def configure(self, parameters: VehicleParameters) -> None:
         """Take other parameters, and keep the measurements."""
         self.parameters = parameters
-        self._use_calibration()
+        self._read_camera_info()
 
     def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
         """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
         if instrument is Instrument.CAMERA_INFO:
             self._camera_info = message
-            self._use_calibration()
+            self._read_camera_info()
         else:
             self._take_measurement(instrument, stamp, message)
 
-    def _use_calibration(self) -> None:
-        calibration = self._given
-        if calibration is None and self._camera_info is not None:
+    def _read_camera_info(self) -> None:
+        """Put the calibration of the last `camera_info` into force, unless the user gave one."""
+        if self._camera_info is not None and not self._is_calibration_given:
             is_rectified = self.parameters.image_is_rectified
-            calibration = read_camera_info(self._camera_info, is_rectified=is_rectified)
-        if calibration is not None:
-            self._take_calibration(calibration)
+            self.calibration = read_camera_info(self._camera_info, is_rectified=is_rectified)
 
 
 AnyFusion = TypeVar("AnyFusion", bound=InstrumentFusion[Any])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.errors import MetricError, one_line
 from cable_tracker.libraries import REFUSALS
-from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.ground_view import GroundView
 from cable_tracker.metric.odometry.agreement_gate import AgreementGate
 from cable_tracker.metric.odometry.homography import (
     PlaneMotion,
@@ -53,8 +54,9 @@ class MotionAiding:
 
     Parameters
     ----------
-    instruments : Instruments
-        Altitude, attitude, mounting.
+    ground_view : callable
+        Returns the pose of the camera over the cable's plane in the frame of an estimate, or why it
+        is not known.
     odometry : Odometry
         Twists of base_link.
     texture_pause : float
@@ -71,12 +73,15 @@ class MotionAiding:
     """
 
     def __init__(
-        self, instruments: Instruments, odometry: Odometry, texture_pause: float = 0.0
+        self,
+        ground_view: Callable[[CableEstimate], GroundView | Withheld],
+        odometry: Odometry,
+        texture_pause: float = 0.0,
     ) -> None:
         self._texture_pause = round(texture_pause * NANOSECONDS)
         self._texture_due = 0
         self._sigmas: tuple[float, FloatArray] | None = None
-        self._instruments = instruments
+        self._ground_view = ground_view
         self._odometry = odometry
         self._gate = AgreementGate()
         self._texture = SeaBedTexture()
@@ -163,7 +168,7 @@ class MotionAiding:
         change = self._odometry.motion(before.stamp, stamp)
         if isinstance(change, Unaided):
             return change
-        view = self._instruments.ground_view(before)
+        view = self._ground_view(before)
         if isinstance(view, Withheld):
             return Unaided(str(view))
         mapping = homography(view, change)

@@ -102,7 +102,7 @@ class RecordedCableInstruments(RecordedInstruments[CableInstrumentFusion]):
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
         self._measured += 1
-        stand_in = self.fusion.instruments.stand_in_at(estimate.stamp)
+        stand_in = self.fusion.stand_in_at(estimate.stamp)
         if stand_in:
             self._stood_in += 1
             self._stand_in = self._stand_in or stand_in

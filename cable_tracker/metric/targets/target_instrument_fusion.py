@@ -57,10 +57,9 @@ class TargetInstrumentFusion(InstrumentFusion[TargetVehicleParameters]):
         calibration: Calibration | None = None,
         count: int = 1,
     ) -> None:
-        self._calibration: Calibration | None = None
+        super().__init__(parameters, calibration)
         self._ranges = [TargetRange(parameters) for _ in range(count)]
         self._forget_motion()
-        super().__init__(parameters, calibration)
 
     def _forget_motion(self) -> None:
         self._odometry, self._gyroscope = Odometry(), Odometry("imu")
@@ -83,9 +82,6 @@ class TargetInstrumentFusion(InstrumentFusion[TargetVehicleParameters]):
         """Forget ranges, measurements and the last frame; the calibration stays."""
         self.forget()
         self._forget_motion()
-
-    def _take_calibration(self, calibration: Calibration) -> None:
-        self._calibration = calibration
 
     def _take_measurement(self, instrument: Instrument, stamp: int, message: Message) -> None:
         if instrument is Instrument.IMU:
@@ -112,7 +108,7 @@ class TargetInstrumentFusion(InstrumentFusion[TargetVehicleParameters]):
             if self._before is None
             else moved_between(self._odometry, self._gyroscope, self._before, stamp)
         )
-        camera = camera_for(self._calibration, image_size)
+        camera = camera_for(self.calibration, image_size)
         if not self.parameters.motion_aid:
             self.unaided = SWITCHED_OFF
         elif isinstance(self._moved, Unaided):
@@ -129,6 +125,6 @@ class TargetInstrumentFusion(InstrumentFusion[TargetVehicleParameters]):
         """Convert the estimates of a frame to metres; call it once for each frame."""
         self._before = estimates[0].stamp
         return [
-            each.take(estimate, camera_for(self._calibration, estimate.image_size), self._moved)
+            each.take(estimate, camera_for(self.calibration, estimate.image_size), self._moved)
             for each, estimate in zip(self._ranges, estimates, strict=True)
         ]

@@ -85,7 +85,7 @@ class CableInputs(InstrumentInputs[CableInstrumentFusion, CableVehicleParameters
 
     def _warn_of_stand_in(self, stamp: int) -> None:
         """Warn where `fixed_altitude` begins to stand in: metres may jump then."""
-        before, self._stand_in = self._stand_in, self.fusion.instruments.stand_in_at(stamp)
+        before, self._stand_in = self._stand_in, self.fusion.stand_in_at(stamp)
         if self._stand_in and not before:
             self._node.get_logger().warning(self._stand_in, throttle_duration_sec=WARNING_PAUSE)
 

@@ -281,7 +281,7 @@ class _ForwardTracker:
         result = self._instruments.measure(estimate)
         if isinstance(result, Withheld):
             row["reason"] = self._dive.table.reason_number(result.reason.value)
-        view = self._instruments.fusion.instruments.ground_view(estimate)
+        view = self._instruments.fusion.ground_view(estimate)
         if isinstance(view, GroundView):
             self._dive.view = view
             write_view(row, view, estimate)

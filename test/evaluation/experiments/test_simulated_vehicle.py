@@ -66,7 +66,7 @@ def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario)
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
     vehicle = simulated_vehicle(scenario, 0, EXACT)
-    instruments = fusion_of(vehicle).instruments
+    fusion = fusion_of(vehicle)
     states = scenario_states(scenario, 0)
     odometry = Odometry()
     residuals, steps = [], []
@@ -76,7 +76,7 @@ def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
         before = estimate_of(states, index)
         change = odometry.motion(before.stamp, before.stamp + FRAME)
         assert isinstance(change, PoseChange)
-        view = instruments.ground_view(before)
+        view = fusion.ground_view(before)
         moved = move_states(states[index : index + 1], homography(view, change))[0]
         residuals.append(states[index + 1, :2] - moved[:2])
         steps.append(states[index + 1, :2] - states[index, :2])

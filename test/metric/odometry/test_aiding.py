@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.cable_instrument_fusion import CableInstrumentFusion
 from cable_tracker.metric.odometry.agreement_gate import CALM_FRAMES, FEWEST
 from cable_tracker.metric.odometry.aiding import MotionAiding
 from cable_tracker.metric.odometry.homography import PlaneMotion
@@ -35,10 +35,9 @@ class Drive:
     PIXELS_A_FRAME = SWAY * 280.0 / 1.4 / 25
 
     def __init__(self, calibration, make_estimate):
-        instruments = Instruments(CableVehicleParameters(fixed_altitude=1.4))
-        instruments.take_calibration(calibration)
+        fusion = CableInstrumentFusion(CableVehicleParameters(fixed_altitude=1.4), calibration)
         self.odometry = Odometry()
-        self.aiding = MotionAiding(instruments, self.odometry)
+        self.aiding = MotionAiding(fusion.ground_view, self.odometry)
         self._make_estimate = make_estimate
         self._frame = 0
         self._twists = 0
@@ -122,10 +121,9 @@ def test_without_a_claim_nothing_is_judged(drive):
 
 
 def test_without_altitude_there_is_no_aid(make_estimate, calibrations):
-    instruments = Instruments(CableVehicleParameters())
-    instruments.take_calibration(calibrations["pinhole"])
+    fusion = CableInstrumentFusion(CableVehicleParameters(), calibrations["pinhole"])
     drive = Drive(calibrations["pinhole"], make_estimate)
-    drive.aiding = MotionAiding(instruments, drive.odometry)
+    drive.aiding = MotionAiding(fusion.ground_view, drive.odometry)
     for _ in range(3):
         drive.hears(0.1)
         drive.sees()
