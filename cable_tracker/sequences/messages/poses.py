@@ -40,29 +40,34 @@ def make_quaternion(factory: MessageFactory, roll: float, pitch: float, yaw: flo
     )
 
 
-def make_pose(
-    factory: MessageFactory, position: tuple[float, float, float], orientation: Message
-) -> Message:
-    """Pack a position x, y, z and a Quaternion as a Pose."""
-    x, y, z = position
-    return factory.make(
-        "geometry_msgs/msg/Pose",
-        position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
-        orientation=orientation,
-    )
-
-
 def make_pose_at_origin(factory: MessageFactory) -> Message:
     """Pack no translation and no rotation as a Pose."""
     # Said in full: rosbags knows no default values, and its zero quaternion is no rotation.
-    return make_pose(factory, (0.0, 0.0, 0.0), make_quaternion(factory, 0.0, 0.0, 0.0))
+    return factory.make(
+        "geometry_msgs/msg/Pose",
+        position=factory.make("geometry_msgs/msg/Point", x=0.0, y=0.0, z=0.0),
+        orientation=make_quaternion(factory, 0.0, 0.0, 0.0),
+    )
 
 
-def make_uncertain_pose(factory: MessageFactory, pose: Message, covariance: FloatArray) -> Message:
-    """Pack a Pose and its covariance, shape (6, 6), as a PoseWithCovariance."""
-    # A copy: rclpy keeps an array as it is.
-    entries = np.array(covariance, dtype=np.float64).reshape(-1)
-    return factory.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=entries)
+def make_uncertain_pose(
+    factory: MessageFactory,
+    position: tuple[float, float, float],
+    orientation: Message,
+    covariance: FloatArray,
+) -> Message:
+    """Pack a position x, y, z, a Quaternion and their covariance (6, 6) as PoseWithCovariance."""
+    x, y, z = position
+    return factory.make(
+        "geometry_msgs/msg/PoseWithCovariance",
+        pose=factory.make(
+            "geometry_msgs/msg/Pose",
+            position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
+            orientation=orientation,
+        ),
+        # A copy: rclpy keeps an array as it is.
+        covariance=np.array(covariance, dtype=np.float64).reshape(-1),
+    )
 
 
 def make_stamped_pose(
@@ -88,11 +93,11 @@ def make_stamped_pose(
     Message
         A PoseWithCovarianceStamped.
     """
-    pose = make_pose(factory, position, make_quaternion(factory, 0.0, 0.0, yaw))
+    orientation = make_quaternion(factory, 0.0, 0.0, yaw)
     return factory.make(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header,
-        pose=make_uncertain_pose(factory, pose, covariance),
+        pose=make_uncertain_pose(factory, position, orientation, covariance),
     )
 
 

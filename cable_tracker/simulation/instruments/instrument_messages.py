@@ -10,7 +10,6 @@ import numpy as np
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.poses import (
-    make_pose,
     make_quaternion,
     make_uncertain_pose,
     make_vector,
@@ -89,7 +88,7 @@ def make_imu(
 def make_odometry(factory: MessageFactory, header: Message, reading: OdometryReading) -> Message:
     """Pack a reading of odometry as Odometry."""
     x, y, z = (float(value) for value in reading.position)
-    pose = make_pose(factory, (x, y, z), make_quaternion(factory, *reading.angles))
+    orientation = make_quaternion(factory, *reading.angles)
     twist = factory.make(
         "geometry_msgs/msg/Twist",
         linear=make_vector(factory, reading.twist[:3]),
@@ -99,7 +98,7 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
         "nav_msgs/msg/Odometry",
         header=header,
         child_frame_id=BASE,
-        pose=make_uncertain_pose(factory, pose, reading.pose_covariance),
+        pose=make_uncertain_pose(factory, (x, y, z), orientation, reading.pose_covariance),
         twist=factory.make(
             "geometry_msgs/msg/TwistWithCovariance",
             twist=twist,
