@@ -19,6 +19,40 @@ from cable_tracker.sequences.bags.sqlite_files import check_database
 from cable_tracker.sequences.bags.storage_files import METADATA, is_ros1, storage_files
 
 
+def _opened_bag(path: Path) -> BagReader:
+    """Return the open reader of a ROS 2 bag, once what rosbags trusts has been checked.
+
+    Raises
+    ------
+    RecordingError
+        The bag is refused.
+    Exception
+        rosbags cannot open it; it raises what its parsers happen to raise.
+    """
+    reader = BagReader(path)
+    reader.open()
+    storage = reader.storage
+    try:
+        if not isinstance(getattr(storage, "files", []), list):
+            # rosbags reads such metadata, but cannot close its files.
+            vars(storage)["files"] = []
+            raise RecordingError(f"{METADATA} has files that are no list")
+        if not all(isinstance(name, str) for name in reader.topics):
+            raise RecordingError(f"{METADATA} has a topic whose name is no text")
+        for part in getattr(storage, "storages", [storage]):
+            check_overlap(getattr(part, "chunks", ()))
+            if reader.compression_mode == "file" and part.path.suffix.lower() == ".db3":
+                # rosbags has unpacked it; those that lie in the folder were checked before.
+                check_database(part.path)
+    except BaseException:
+        reader.close()
+        raise
+    if reader.compression_mode == "message":
+        # Messages are handed out as they are, and unpacked where they are deserialised.
+        storage.metadata = storage.metadata._replace(compression_mode=None)
+    return reader
+
+
 class RosbagsStorage:
     """A bag that rosbags can open.
 
@@ -34,16 +68,12 @@ class RosbagsStorage:
         self._readings: WeakSet[Generator[StoredMessage]] = WeakSet()
         self._shared: BagReader | None = None
         with self._opened() as reader:
-            self._check_chunks(reader)
             self.topics = {
                 name: Topic(
                     next(c.msgtype for c in reader.connections if c.topic == name), info.msgcount
                 )
                 for name, info in reader.topics.items()
             }
-        if not all(isinstance(name, str) for name in self.topics):
-            self.close()
-            raise RecordingError(f"{METADATA} has a topic whose name is no text")
 
     @contextmanager
     def _opened(self) -> Iterator[Reader1 | BagReader]:
@@ -57,12 +87,8 @@ class RosbagsStorage:
                 yield reader
             return
         if self._shared is None:
-            shared = BagReader(self._path)
-            shared.open()
-            self._check_files(shared)
-            self._check_unpacked(shared)
-            self._leave_messages_packed(shared)
-            self._shared, self._close_shared = shared, finalize(self, shared.close)
+            self._shared = _opened_bag(self._path)
+            self._close_shared = finalize(self, self._shared.close)
         yield self._shared
 
     def close(self) -> None:
@@ -79,42 +105,6 @@ class RosbagsStorage:
         for file in storage_files(self._path):
             if file.suffix.lower() == ".db3":
                 check_database(file)
-
-    @staticmethod
-    def _check_chunks(reader: Reader1 | BagReader) -> None:
-        if isinstance(reader, Reader1):
-            return
-        for storage in getattr(reader.storage, "storages", [reader.storage]):
-            check_overlap(getattr(storage, "chunks", ()))
-
-    @staticmethod
-    def _check_files(reader: BagReader) -> None:
-        """Refuse metadata whose list of files is none: rosbags reads it, but cannot close it."""
-        storage = reader.storage
-        if not isinstance(getattr(storage, "files", []), list):
-            vars(storage)["files"] = []
-            reader.close()
-            raise RecordingError(f"{METADATA} has files that are no list")
-
-    @staticmethod
-    def _check_unpacked(reader: BagReader) -> None:
-        """Check databases that rosbags has unpacked as those that lie in the folder."""
-        if reader.compression_mode != "file":
-            return
-        try:
-            for storage in getattr(reader.storage, "storages", ()):
-                if storage.path.suffix.lower() == ".db3":
-                    check_database(storage.path)
-        except BaseException:
-            reader.close()
-            raise
-
-    @staticmethod
-    def _leave_messages_packed(reader: BagReader) -> None:
-        """Let a bag of compressed messages hand them out as they are; the reader unpacks them."""
-        if reader.compression_mode == "message":
-            storage = reader.storage
-            storage.metadata = storage.metadata._replace(compression_mode=None)
 
     def _from_rosbags(self, topics: Collection[str], start: int) -> Generator[StoredMessage]:
         with self._opened() as reader:
