@@ -23,12 +23,12 @@ class CameraStartParameters(ParameterSet):
     """Of every node that tracks something in a camera's images; read at start only."""
 
     image_transport: str = word(
-        "raw", ("raw", "compressed"), "Topic to read: `image` or `image/compressed`."
+        "raw", ("raw", "compressed"), "Topic of the images: `image` or `image/compressed`."
     )
     image_reliability: str = word(
         "best_effort",
         RELIABILITIES,
-        "QoS of the image subscription; `reliable` loses no frame and needs a reliable camera.",
+        "QoS of the image subscription; `reliable` loses no frame and needs a reliable publisher.",
     )
 
 
@@ -37,17 +37,18 @@ class CameraRuntimeParameters(ParameterSet):
     """Of every node that tracks something in a camera's images; may be changed at any time."""
 
     input_timeout: float = number(
-        1.0, "s", 0.05, 3600.0, "Without a usable frame for this long: STALE INPUT."
+        1.0, "s", 0.05, 3600.0, "Time without a usable frame after which the status is STALE INPUT."
     )
     frozen_timeout: float = number(
         2.0,
         "s",
         0.0,
         3600.0,
-        "The same picture for this long, by its stamps: FROZEN INPUT; 0: never.",
+        "Time, by the stamps, with the same picture after which the status is FROZEN INPUT; 0:"
+        " never.",
     )
     diagnostics_period: float = number(
-        1.0, "s", 0.05, 3600.0, "Time between two messages on /diagnostics."
+        1.0, "s", 0.05, 3600.0, "Interval of the messages on /diagnostics."
     )
 
 
@@ -55,13 +56,21 @@ class CameraRuntimeParameters(ParameterSet):
 class CameraParameters(ParameterSet):
     """How the camera is mounted and read, alike for cables and targets but for its pitch."""
 
-    camera_x: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: forward.")
-    camera_y: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: to the left.")
-    camera_z: float = number(0.0, "m", -100.0, 100.0, "Camera in base_link: upwards.")
-    camera_roll: float = number(0.0, "deg", -180.0, 180.0, "Camera turned about its line of sight.")
-    camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Camera turned to the left.")
+    camera_x: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the camera in base_link, forward."
+    )
+    camera_y: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the camera in base_link, to the left."
+    )
+    camera_z: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the camera in base_link, upward."
+    )
+    camera_roll: float = number(
+        0.0, "deg", -180.0, 180.0, "Rotation of the camera about its line of sight."
+    )
+    camera_yaw: float = number(0.0, "deg", -180.0, 180.0, "Rotation of the camera to the left.")
     image_is_rectified: bool = flag(
-        False, "The images are rectified: use P of camera_info, not K, D."
+        False, "The images are rectified: P of camera_info applies, not K and D."
     )
 
 
@@ -74,10 +83,13 @@ class CableVehicleParameters(CameraParameters):
         "deg",
         -180.0,
         180.0,
-        "Camera tilted; 90: straight down, the top of the image to the front; 0: straight ahead.",
+        "Tilt of the camera downward; 90: straight down, the top of the image to the front; 0:"
+        " straight ahead.",
     )
     base_frame: str = word("base_link", (), "frame_id of `cross_track`.")
-    look_ahead: float = number(1.0, "m", 0.0, 100.0, "Distance ahead for `cross_track_ahead`.")
+    look_ahead: float = number(
+        1.0, "m", 0.0, 100.0, "Distance ahead of base_link for which `cross_track_ahead` holds."
+    )
     cable_height: float = number(
         0.0, "m", 0.0, 10.0, "Height of the cable's axis above the sea bed."
     )
@@ -86,39 +98,51 @@ class CableVehicleParameters(CameraParameters):
         "m",
         0.0,
         200.0,
-        "Altitude where no `altitude` comes, or the last is older than `instrument_timeout`;"
-        " 0: none.",
+        "Altitude while no `altitude` comes, or the last one is older than"
+        " `instrument_timeout`; 0: none.",
     )
-    altimeter_x: float = number(0.0, "m", -100.0, 100.0, "Altimeter in base_link: forwards.")
-    altimeter_y: float = number(0.0, "m", -100.0, 100.0, "Altimeter in base_link: to the left.")
-    altimeter_z: float = number(0.0, "m", -100.0, 100.0, "Altimeter in base_link: upwards.")
+    altimeter_x: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the altimeter in base_link, forward."
+    )
+    altimeter_y: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the altimeter in base_link, to the left."
+    )
+    altimeter_z: float = number(
+        0.0, "m", -100.0, 100.0, "Position of the altimeter in base_link, upward."
+    )
     altitude_is_vertical: bool = flag(
-        False, "`altitude` is the vertical distance, not that along the vehicle's own axis."
+        False, "`altitude` is the vertical distance, not that along the vehicle's vertical axis."
     )
-    altitude_sigma: float = number(0.01, "share", 0.0, 1.0, "Doubt about the altitude.")
-    level_sigma: float = number(2.0, "deg", 0.0, 45.0, "Doubt about roll and pitch without `imu`.")
-    imu_sigma: float = number(0.3, "deg", 0.0, 45.0, "Least doubt about roll and pitch of `imu`.")
-    motion_aid: bool = flag(True, "Let `odometry` predict how the cable moves in the image.")
+    altitude_sigma: float = number(
+        0.01, "share", 0.0, 1.0, "Standard deviation of the altitude, relative to it."
+    )
+    level_sigma: float = number(
+        2.0, "deg", 0.0, 45.0, "Standard deviation of roll and pitch without `imu`."
+    )
+    imu_sigma: float = number(
+        0.3, "deg", 0.0, 45.0, "Least standard deviation of roll and pitch from `imu`."
+    )
+    motion_aid: bool = flag(True, "Predict with `odometry` how the cable moves in the image.")
     velocity_sigma: float = number(
-        0.02, "m/s", 0.0, 10.0, "Least doubt about the velocities of `odometry`."
+        0.02, "m/s", 0.0, 10.0, "Least standard deviation of the velocities from `odometry`."
     )
     turn_sigma: float = number(
-        0.3, "deg/s", 0.0, 90.0, "Least doubt about the rates of turn of `odometry`."
+        0.3, "deg/s", 0.0, 90.0, "Least standard deviation of the turn rates from `odometry`."
     )
     instrument_timeout: float = number(
         1.0,
         "s",
         0.01,
         3600.0,
-        "Measurements that are older than this at the time of a frame do not count.",
+        "Largest age of a measurement at the time of a frame; older ones are not used.",
     )
     instrument_wait: float = number(
         0.0,
         "s",
         0.0,
         60.0,
-        "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
-        " `altitude`, `imu` and `odometry` have come; at most 10 frames wait; 0: do not wait.",
+        "Longest time that a frame is held back until `camera_info` and, of its time or later,"
+        " `altitude`, `imu` and `odometry` have come; at most 10 frames wait; 0: none waits.",
     )
 
 
@@ -130,7 +154,11 @@ class TargetVehicleParameters(CameraParameters):
     """
 
     camera_pitch: float = number(
-        0.0, "deg", -180.0, 180.0, "Camera tilted; 0: straight ahead; 90: straight down."
+        0.0,
+        "deg",
+        -180.0,
+        180.0,
+        "Tilt of the camera downward; 0: straight ahead; 90: straight down.",
     )
     base_frame: str = word("base_link", (), "frame_id of `relative_pose`.")
     target_size: float = number(
@@ -138,17 +166,18 @@ class TargetVehicleParameters(CameraParameters):
         "m",
         0.0,
         1000.0,
-        "Root of the area that the target shows; 0: not known, range by parallax only.",
+        "Square root of the area that the target shows; 0: unknown, the range then comes from"
+        " parallax alone.",
     )
-    motion_aid: bool = flag(True, "Let `odometry` or `imu` take turns of the camera out.")
+    motion_aid: bool = flag(True, "Compensate rotations of the camera with `odometry` or `imu`.")
     instrument_wait: float = number(
         0.0,
         "s",
         0.0,
         60.0,
-        "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
-        " those of `odometry` and `imu` that speak at all have come, or for all of it while neither"
-        " has spoken; at most 10 frames wait; 0: do not wait.",
+        "Longest time that a frame is held back until `camera_info` and, of its time or later,"
+        " those of `odometry` and `imu` that are published have come; as long as neither has"
+        " come, all of this time; at most 10 frames wait; 0: none waits.",
     )
 
 
@@ -156,7 +185,9 @@ class TargetVehicleParameters(CameraParameters):
 class TrackerStartParameters(ParameterSet):
     """Of the node `tracker` alone; read at start only."""
 
-    preset: str = word("default", tuple(PRESETS), "Values that the other parameters start from.")
+    preset: str = word(
+        "default", tuple(PRESETS), "Preset that gives the other parameters their values."
+    )
     instrument_reliability: str = word(
         "best_effort",
         RELIABILITIES,
@@ -171,8 +202,8 @@ class TrackerRuntimeParameters(ParameterSet):
     initial_state: str = word(
         "random",
         (),
-        "Where start and reset begin: `random`, `d,alpha,w,beta` in px and rad, or a detector:"
-        " `hough`, `segmentation`, `lsd`, `texture`.",
+        "State at the start and after a reset: `random`, `d,alpha,w,beta` in px and rad, or"
+        " that of a detector: `hough`, `segmentation`, `lsd`, `texture`.",
     )
 
 
@@ -181,14 +212,14 @@ class TargetStartParameters(ParameterSet):
     """Of the node `target_tracker` alone; read at start only."""
 
     preset: str = word(
-        "default", tuple(TARGET_PRESETS), "Values that the other parameters start from."
+        "default", tuple(TARGET_PRESETS), "Preset that gives the other parameters their values."
     )
     target_count: int = number(
         1,
         "",
         1,
         16,
-        "Targets to follow; of several, each has its topics in a namespace `target_0`, ...",
+        "Number of targets; with several, each has its topics in a namespace `target_0`, ...",
     )
     instrument_reliability: str = word(
         "best_effort",
@@ -204,8 +235,8 @@ class TargetRuntimeParameters(ParameterSet):
     initial_target: str = word(
         "wait",
         (),
-        "Where start and reset begin: `wait` for a mark on the topic, `detect`, or boxes"
-        " `x0,y0,x1,y1` in px from the top left, divided by `;`.",
+        "Target at the start and after a reset: `wait` for a mark on the topic, `detect`, or"
+        " boxes `x0,y0,x1,y1` in px from the top left, separated by `;`.",
     )
 
 
@@ -223,28 +254,39 @@ class ReplayStartParameters(ParameterSet):
     """Of the node `replay`; read at start only."""
 
     source: str = word("", (), "Recording: a bag, a video, a folder of images, or a sequence file.")
-    topic: str = word("", (), "Image topic to take from a bag; needed only where it has several.")
+    topic: str = word("", (), "Image topic of a bag; needed only if it has several.")
     truth: str = word("", (), "Sequence file with labels for a recording that has none.")
     frame_rate: float = number(
-        25.0, "1/s", 0.01, 1e4, "Rate of image folders, which have no times."
+        25.0, "1/s", 0.01, 1e4, "Frame rate of image folders, which have no times."
     )
     publish_clock: bool = flag(False, "Publish the frames' times on /clock.")
-    lockstep: bool = flag(False, "Send a frame when the tracker's `state` for the last has come.")
+    lockstep: bool = flag(
+        False, "Send each frame only after the tracker's `state` for the previous one has come."
+    )
     answer_timeout: float = number(
-        30.0, "s", 0.1, 3600.0, "Lockstep: give up after waiting this long."
+        30.0,
+        "s",
+        0.1,
+        3600.0,
+        "Lockstep: longest wait for an answer, after which the node gives up.",
     )
     wait_for_tracker: bool = flag(
-        True, "Begin when a node subscribes and no tracker is warming up; always so in lockstep."
+        True,
+        "Begin only when a node subscribes and no tracker is warming up; always so in lockstep.",
     )
-    instruments: bool = flag(True, "Send what else a bag holds: calibration, altitude, imu, ...")
-    vehicle: str = word("", (), "The user's `vehicle.yaml`; else that in the bag's folder.")
+    instruments: bool = flag(
+        True, "Send the bag's instruments too: calibration, altitude, imu, ..."
+    )
+    vehicle: str = word(
+        "", (), "Path of the user's `vehicle.yaml`; empty: the one in the bag's folder."
+    )
     camera_info_topic: str = _topic_of("camera_info")
     altitude_topic: str = _topic_of("altitude")
     imu_topic: str = _topic_of("imu")
     odometry_topic: str = _topic_of("odometry")
     fix_topic: str = _topic_of("fix")
     paused: bool = flag(False, "Begin paused.")
-    allow_outside: bool = flag(False, "Let a sequence file name files outside its folder.")
+    allow_outside: bool = flag(False, "Allow a sequence file to name files outside its folder.")
     skip_bad_frames: bool = flag(False, "Send frames that cannot be decoded, instead of stopping.")
 
 
@@ -256,15 +298,19 @@ class ReplayRuntimeParameters(ParameterSet):
     """
 
     rate: float = number(
-        1.0, "", 0.01, 100.0, "Speed, as a multiple of the recording's own timing."
+        1.0, "", 0.01, 100.0, "Speed of the replay, as a multiple of the recording's."
     )
     start: float = number(
-        0.0, "s", 0.0, 1e6, "Begin this long after the first frame; see `~/restart`."
+        0.0,
+        "s",
+        0.0,
+        1e6,
+        "Time after the first frame at which the replay begins; see `~/restart`.",
     )
     duration: float = number(
-        0.0, "s", 0.0, 1e6, "Stop after this much recorded time; 0 for all of it."
+        0.0, "s", 0.0, 1e6, "Recorded time after which the replay stops; 0: at the end."
     )
-    loop: bool = flag(False, "Begin again at the end.")
+    loop: bool = flag(False, "Begin again at the end of the recording.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,23 +318,43 @@ class VehicleNodeParameters(ParameterSet):
     """Of every node that simulates a vehicle, beside its world's settings; read at start only."""
 
     publish_clock: bool = flag(False, "Publish the simulated time on /clock.")
-    lockstep: bool = flag(False, "Send a frame when a `cmd_vel` has come for the last.")
-    answer_timeout: float = number(
-        60.0, "s", 0.1, 3600.0, "Lockstep: give up after waiting so long."
+    lockstep: bool = flag(
+        False, "Send each frame only after a `cmd_vel` for the previous one has come."
     )
-    image_readers: int = number(1, "", 0, 100, "Begin when so many nodes subscribe to `image`.")
+    answer_timeout: float = number(
+        60.0,
+        "s",
+        0.1,
+        3600.0,
+        "Lockstep: longest wait for an answer, after which the node gives up.",
+    )
+    image_readers: int = number(
+        1,
+        "",
+        0,
+        100,
+        "Number of subscriptions to `image` that the node waits for before it begins.",
+    )
     odometry_readers: int = number(
-        0, "", 0, 100, "Begin when so many nodes subscribe to `odometry`."
+        0,
+        "",
+        0,
+        100,
+        "Number of subscriptions to `odometry` that the node waits for before it begins.",
     )
     truth_readers: int = number(
-        0, "", 0, 100, "Begin when so many nodes subscribe to the ground truth."
+        0,
+        "",
+        0,
+        100,
+        "Number of subscriptions to the ground truth that the node waits for before it begins.",
     )
     command_timeout: float = number(
         0.5,
         "s",
         0.05,
         60.0,
-        "Without a `cmd_vel` for so long the vehicle stops; not in lockstep.",
+        "Time without a `cmd_vel` after which the vehicle stops; not in lockstep.",
     )
 
 
@@ -301,15 +367,16 @@ class SimulatorNodeParameters(VehicleNodeParameters):
         "s",
         1.0,
         1e6,
-        "Without a new metre of cable for so long of simulated time the node ends; drift does not"
-        " count.",
+        "Simulated time without a new metre of cable after which the node ends; drift does not"
+        " count as progress.",
     )
     standstill: float = number(
         0.0,
         "s",
         0.0,
         1e6,
-        "When `cmd_vel` has asked to stand still for so long the node ends; 0: never for that.",
+        "Time of `cmd_vel` messages that ask to stand still after which the node ends; 0: it"
+        " does not.",
     )
 
 
@@ -317,21 +384,21 @@ class SimulatorNodeParameters(VehicleNodeParameters):
 class GuidanceNodeParameters(ParameterSet):
     """Of `controller` and `follower`, beside their settings; read at start only."""
 
-    lockstep: bool = flag(False, "Answer every `state` with one `cmd_vel`, however long it takes.")
+    lockstep: bool = flag(False, "Answer each `state` with one `cmd_vel`, however long it takes.")
     settle_time: float = number(
         0.05,
         "s",
         0.0,
         60.0,
-        "How long to wait for what belongs to a `state`: the place in metres, and `odometry` if the"
-        " node listens to it.",
+        "Longest wait for the messages that belong to a `state`: the position in metres, and"
+        " `odometry` if the node subscribes to it.",
     )
     state_timeout: float = number(
         1.0,
         "s",
         0.05,
         60.0,
-        "Without a `state`, or with refused frames alone, for so long: stop the vehicle.",
+        "Time without a `state`, or with refused frames only, after which the vehicle is stopped.",
     )
 
 

@@ -72,9 +72,16 @@ class Mode(Enum):
 class ControllerSettings(GuidanceSettings):
     """Settings of the steering, and of the search for a lost cable."""
 
-    search_speed: float = number(0.35, "m/s", 0.0, 5.0, "Speed while the cable is looked for.")
+    search_speed: float = number(
+        0.35, "m/s", 0.0, 5.0, "Speed forward while the cable is searched for."
+    )
     search_length: float = number(
-        25.0, "m", 0.0, 1e4, "Search so far along the line where the cable was, then give up."
+        25.0,
+        "m",
+        0.0,
+        1e4,
+        "Length of the search along the line where the cable was, after which the controller"
+        " gives up.",
     )
 
 

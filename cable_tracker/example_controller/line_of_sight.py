@@ -23,11 +23,18 @@ class GuidanceSettings(ParameterSet):
 
     speed: float = number(0.5, "m/s", 0.0, 5.0, "Speed forward, through the water.")
     look_ahead: float = number(
-        1.2, "m", 0.1, 50.0, "Steer for the point of the cable so far ahead."
+        1.2,
+        "m",
+        0.1,
+        50.0,
+        "Distance ahead of the point of the cable that the vehicle steers for; larger: smoother"
+        " and slower to return.",
     )
-    integral_gain: float = number(0.1, "1/s", 0.0, 1.0, "Integral gain against current.")
-    turn_gain: float = number(1.2, "1/s", 0.0, 10.0, "Rate of turn per radian off the course.")
-    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Fastest turn.")
+    integral_gain: float = number(
+        0.1, "1/s", 0.0, 1.0, "Integral gain of the lateral offset, against a current."
+    )
+    turn_gain: float = number(1.2, "1/s", 0.0, 10.0, "Turn rate per radian of course error.")
+    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Largest turn rate.")
 
 
 @dataclass(frozen=True, slots=True)

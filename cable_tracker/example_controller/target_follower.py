@@ -21,31 +21,42 @@ from cable_tracker.tracking.parameter_table import ParameterSet, number
 class FollowSettings(ParameterSet):
     """Settings of the follower."""
 
-    distance: float = number(2.5, "m", 0.3, 100.0, "Distance from the target that is kept.")
-    gain: float = number(0.5, "1/s", 0.0, 10.0, "Surge for each metre too far.")
-    integral_gain: float = number(
-        0.06, "1/s²", 0.0, 10.0, "Integral gain against a lasting error of the distance."
+    distance: float = number(2.5, "m", 0.3, 100.0, "Distance to the target that the vehicle keeps.")
+    gain: float = number(0.5, "1/s", 0.0, 10.0, "Surge speed per metre of distance error.")
+    integral_gain: float = number(0.06, "1/s²", 0.0, 10.0, "Integral gain of the distance error.")
+    most_surge: float = number(
+        0.8, "m/s", 0.0, 5.0, "Largest surge speed forward; backward half of it."
     )
-    most_surge: float = number(0.8, "m/s", 0.0, 5.0, "Fastest surge forward; backward half of it.")
-    turn_gain: float = number(1.0, "1/s", 0.0, 10.0, "Rate of turn per radian of bearing.")
-    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Fastest turn.")
+    turn_gain: float = number(1.0, "1/s", 0.0, 10.0, "Turn rate per radian of bearing.")
+    most_turn: float = number(0.5, "rad/s", 0.01, 3.0, "Largest turn rate.")
     climb_gain: float = number(
-        0.5, "1/s", 0.0, 10.0, "Heave for each metre that the target is higher."
+        0.5, "1/s", 0.0, 10.0, "Heave speed per metre of height difference to the target."
     )
-    most_heave: float = number(0.2, "m/s", 0.0, 2.0, "Fastest heave, up and down.")
-    memory_time: float = number(8.0, "s", 0.0, 600.0, "A lost target is followed on for so long.")
+    most_heave: float = number(0.2, "m/s", 0.0, 2.0, "Largest heave speed, up or down.")
+    memory_time: float = number(
+        8.0,
+        "s",
+        0.0,
+        600.0,
+        "Time after the loss of the target for which the vehicle goes on as before; then it"
+        " searches.",
+    )
     give_up: float = number(
-        60.0, "s", 0.0, 1e5, "After so long without the target the vehicle stands still."
+        60.0, "s", 0.0, 1e5, "Time without the target after which the vehicle stands still."
     )
     search_turn: float = number(
         0.3,
         "rad/s",
         0.0,
         3.0,
-        "Rate of turn while the target is looked for, at most `most_turn`.",
+        "Turn rate of the search, at most `most_turn`.",
     )
     search_angle: float = number(
-        0.4, "rad", 0.05, 3.0, "Search: angle to either side at first; then ever farther."
+        0.4,
+        "rad",
+        0.05,
+        3.0,
+        "Angle of the first turn of the search to either side; the next ones are larger.",
     )
 
 

@@ -45,16 +45,20 @@ LEAST_COSINE = 0.1
 class LiveSettings(WorldSettings):
     """Settings of the closed-loop simulation, as the node `simulator` has them too."""
 
-    length: float = number(100.0, "m", 1.0, 1e5, "Length of the cable; at its end the node ends.")
+    length: float = number(100.0, "m", 1.0, 1e5, "Length of the cable; the node ends at its end.")
     buried: float = number(
         5.0,
         "m",
         0.0,
         1e5,
-        "Length of the stretch in the middle of the cable that lies under sand.",
+        "Length of the stretch under sand in the middle of the cable.",
     )
-    altitude: float = number(2.0, "m", 0.3, 20.0, "Altitude that the vehicle keeps.")
-    current: float = number(0.1, "m/s", 0.0, 2.0, "Speed of the water; its direction is drawn.")
+    altitude: float = number(
+        2.0, "m", 0.3, 20.0, "Altitude above the sea bed that the vehicle keeps."
+    )
+    current: float = number(
+        0.1, "m/s", 0.0, 2.0, "Speed of the water current, in a random direction."
+    )
 
     def check_together(self) -> None:
         """Refuse a buried stretch that is longer than the cable.

@@ -13,7 +13,11 @@ class WorldSettings(ParameterSet):
     """Seed and camera of a world; each kind of world adds its own."""
 
     seed: int = number(
-        0, "", 0, 2**31 - 1, "The same one gives the same world and the same errors."
+        0,
+        "",
+        0,
+        2**31 - 1,
+        "Seed of the random numbers; the same seed gives the same world and the same errors.",
     )
     image_width: int = number(
         320, "", SMALLEST_SIDE, LARGEST_SIDE, "Width of the camera's images [px]."
@@ -21,7 +25,7 @@ class WorldSettings(ParameterSet):
     image_height: int = number(
         240, "", SMALLEST_SIDE, LARGEST_SIDE, "Height of the camera's images [px]."
     )
-    rate: float = number(12.5, "1/s", 1.0, 100.0, "Frames per second.")
+    rate: float = number(12.5, "1/s", 1.0, 100.0, "Frame rate.")
 
     @property
     def image_size(self) -> tuple[int, int]:

@@ -68,34 +68,45 @@ class TrackerParameters(ParameterSet):
     filter: str = word(
         "multi_hypothesis",
         ("bootstrap", "multi_hypothesis"),
-        "The filter: that of the thesis, or the one of this project (see docs/algorithm.md).",
+        "Particle filter: `bootstrap` is that of the thesis, `multi_hypothesis` that of this"
+        " project (see docs/algorithm.md).",
     )
     observation: str = word(
         "likelihood_ratio",
         ("responses", "likelihood_ratio"),
-        "What a frame says about a cable: sums of responses as in the thesis, or learnt ratios.",
+        "Likelihood of a frame: `responses` sums filter responses along both borders, as in the"
+        " thesis; `likelihood_ratio` sums learnt log-likelihood ratios.",
     )
-    resampling: str = word(
-        "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
-    )
+    resampling: str = word("systematic", tuple(RESAMPLING_SCHEMES), "Resampling scheme.")
     resampling_threshold: float = number(
         0.5,
         "share of N",
         0.0,
         1.0,
-        "Bootstrap filter: resample when N_eff falls below this share of N.",
+        "Bootstrap filter: resample when N_eff falls below this share of N; larger: more often.",
     )
     limit_handling: str = word(
         "reflect",
         ("clip", "reflect"),
-        "Bootstrap filter: what happens to particles that move beyond a limit.",
+        "Bootstrap filter: particles beyond a limit are set to it (`clip`) or mirrored at it"
+        " (`reflect`).",
     )
     ancestor_count: int = number(
-        128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
+        128,
+        "",
+        8,
+        4096,
+        "Number of particles of the previous frame about which new ones are drawn; time per"
+        " frame grows with it.",
     )
 
     distance_variance: float = number(
-        2.0, "px²/frame", 0.0, 1e4, "Squared scale of the diffusion of d (thesis, Table 5.1)."
+        2.0,
+        "px²/frame",
+        0.0,
+        1e4,
+        "Squared scale of the diffusion of d (thesis, Table 5.1); larger: faster movements are"
+        " followed, with a larger covariance.",
     )
     angle_variance: float = number(
         0.3, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of alpha (Table 5.1)."
@@ -123,15 +134,20 @@ class TrackerParameters(ParameterSet):
         0.02, "deg²/frame", 0.0, 1e3, "Squared scale of the diffusion of v_beta (section 6.1)."
     )
     rate_damping: float = number(
-        0.9, "per frame", 0.0, 1.0, "Factor on all rates per frame; 1 keeps them for ever."
+        0.9,
+        "per frame",
+        0.0,
+        1.0,
+        "Factor by which all rates are multiplied per frame; 1: they do not decay.",
     )
     diffusion_degrees_of_freedom: float = number(
         4.0,
         "",
         0.0,
         1000.0,
-        "Heavy tails: of the diffusion's Student-t, nu: its variances are nu / (nu - 2) times the"
-        " squared scales, twice for 4; 0 makes it Gaussian, and they are the variances.",
+        "Degrees of freedom nu of the diffusion's Student t-distribution, whose variances are"
+        " nu / (nu - 2) times the squared scales; smaller: heavier tails; 0: Gaussian, with the"
+        " squared scales as variances.",
     )
 
     distance_limit: float = number(
@@ -139,174 +155,202 @@ class TrackerParameters(ParameterSet):
         "px",
         10.0,
         1e4,
-        "Largest |d| of a particle: half the diagonal of a 4:3 image is 200 px, of an upright"
-        " 9:16 one 330.",
+        "Largest |d| of a particle; half the diagonal of a 4:3 image is 200 px, of an upright"
+        " 9:16 image 330 px.",
     )
     width_minimum: float = number(3.0, "px", 0.5, 1e4, "Smallest w of a particle.")
     width_maximum: float = number(240.0, "px", 1.0, 1e4, "Largest w of a particle.")
     skew_limit: float = number(30.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
 
     initial_distance_range: float = number(
-        190.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
+        190.0, "px", 0.0, 1e4, "Random start: d is uniform in ± this value (thesis, Table 5.2)."
     )
     initial_angle_range: float = number(
-        90.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
+        90.0, "deg", 0.0, 90.0, "Random start: alpha is uniform in ± this value (Table 5.2)."
     )
     initial_width_minimum: float = number(
-        4.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
+        4.0, "px", 0.5, 1e4, "Random start: lower limit of w (Table 5.2)."
     )
     initial_width_maximum: float = number(
-        220.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
+        220.0, "px", 1.0, 1e4, "Random start: upper limit of w (Table 5.2)."
     )
     initial_skew_minimum: float = number(
-        -27.0, "deg", -80.0, 80.0, "A random start draws beta from this upwards (Table 5.2: 0)."
+        -27.0, "deg", -80.0, 80.0, "Random start: lower limit of beta (Table 5.2: 0)."
     )
     initial_skew_maximum: float = number(
-        27.0, "deg", -80.0, 80.0, "A random start draws beta up to this (Table 5.2)."
+        27.0, "deg", -80.0, 80.0, "Random start: upper limit of beta (Table 5.2)."
     )
     initial_distance_rate_range: float = number(
-        1.0, "px/frame", 0.0, 1e3, "A random start draws v_d from ± this (Table 5.2)."
+        1.0, "px/frame", 0.0, 1e3, "Random start: v_d is uniform in ± this value (Table 5.2)."
     )
     initial_angle_rate_range: float = number(
-        0.1, "deg/frame", 0.0, 1e3, "A random start draws v_alpha from ± this (Table 5.2)."
+        0.1, "deg/frame", 0.0, 1e3, "Random start: v_alpha is uniform in ± this value (Table 5.2)."
     )
 
     working_width: int = number(
-        320, "px", 64, 8192, "Wider frames are reduced to this width before they are measured."
+        320,
+        "px",
+        64,
+        8192,
+        "Frames wider than this are reduced to this width before they are measured; larger:"
+        " finer and slower.",
     )
     sample_spacing: float = number(
         8.0,
         "px",
         1.0,
         60.0,
-        "Distance between the scan lines; a border must cross three of them for a claim.",
+        "Distance between scan lines; larger: coarser and faster. A border must cross three of"
+        " them for a claim.",
     )
     filter_sigma: float = number(
         1.6,
         "px",
         0.5,
         20.0,
-        "Sigma of the derivative-of-Gaussian filter across a border; it ends at 3 sigma.",
+        "Sigma of the derivative-of-Gaussian filter across a border, truncated at 3 sigma;"
+        " larger: less noise, but thin strips blur.",
     )
     light_correction: float = number(
         0.5,
         "",
         0.0,
         1.0,
-        "Share of uneven light (lamps, dark corners) that is taken out of a frame; 0 for none.",
+        "Share of uneven illumination (lamps, dark corners) that is removed from a frame; 0: none.",
     )
     burned_in_time: float = number(
         0.04,
         "s",
         0.0,
         2.0,
-        "Thin straight lines that stand still for so long, such as a crosshair, are taken out of"
-        " pictures at least 240 px wide; 0: nothing is.",
+        "Time for which a thin straight line, such as a crosshair, must stand still until it is"
+        " removed from frames at least 240 px wide; 0: no line is removed.",
     )
     epsilon: float = number(
         1e-3,
         "grey levels",
         1e-12,
         10.0,
-        "Responses: weight of a particle whose borders do not oppose each other.",
+        "Observation `responses`: weight of a particle whose borders have responses of the same"
+        " sign.",
     )
     response_table: str = word(
-        "", (), "Likelihood ratio: file written by `cable-tracker learn`; empty for our own."
+        "",
+        (),
+        "Observation `likelihood_ratio`: path of a response table from `cable-tracker learn`;"
+        " empty: the table of this package.",
     )
     tempering: float = number(
         0.1875,
         "",
         0.001,
         1.0,
-        "Likelihood ratio: power of one point's ratio, for points every 5 px; 1 if they were"
-        " independent.",
+        "Observation `likelihood_ratio`: exponent of the likelihood ratio of one border point,"
+        " for points every 5 px; 1: points are independent; smaller: each counts less.",
     )
     missing_cost: float = number(
         0.5,
         "",
         0.0,
         1.0,
-        "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
-        " where no border shows.",
+        "Observation `likelihood_ratio`: cost of a border point outside the image, relative to"
+        " that of a point inside it where no border shows.",
     )
     reversal_cost: float = number(
         3.0,
         "nats",
         0.0,
         1e3,
-        "Likelihood ratio: what it costs that a stretch of a bright cable, a sixteenth of the"
-        " picture's diagonal, is dark, or one of a dark cable bright, and that a cable has shorter"
-        " bands. Large: a cable has no bands.",
+        "Observation `likelihood_ratio`: cost of each stretch of a cable, a sixteenth of the"
+        " image's diagonal long, that is dark on a bright cable or bright on a dark one, and of"
+        " shorter bands all along; large: cables have no bands.",
     )
     covered_cost: float = number(
         3.0,
         "nats",
         0.0,
         1e3,
-        "Likelihood ratio: what it costs that one end of a cable is covered: from some place on,"
-        " borders that do not show say nothing against it. Large: no end is covered.",
+        "Observation `likelihood_ratio`: cost of the hypothesis that one end of a cable is"
+        " covered, where missing borders then do not count; large: no end is covered.",
     )
     polarity_memory: float = number(
-        0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
+        0.98,
+        "per frame",
+        0.0,
+        1.0,
+        "Factor per frame on the deviation of the probability that the cable is bright from"
+        " 0.5; 1: its polarity is never forgotten.",
     )
     border_displacement: float = number(
         1.0,
         "px",
         0.0,
         100.0,
-        "How far growth shifts a whole border; added to the particles' covariance.",
+        "Standard deviation by which growth displaces a whole border; added to the covariance"
+        " of the particles.",
     )
 
     detector: str = word(
-        "line_pairs", ("none", "line_pairs"), "Whole-image detector that proposes cables."
+        "line_pairs",
+        ("none", "line_pairs"),
+        "Whole-image detector that proposes cables to the filter.",
     )
     looks: str = word(
         "network",
         ("borders", "network"),
-        "What tells how much a strip looks like a cable: its borders alone, or also a network that"
-        " has seen many cables.",
+        "What measures how much a strip looks like a cable: `borders` only its borders,"
+        " `network` also a neural network's map of the frame.",
     )
     map_interval: float = number(
         1.0,
         "s",
         0.0,
         3600.0,
-        "How often at least the network looks at a cable that is known and clear; what it said"
-        " moves along with the cable for up to a second. Larger: less time per frame, but a lit"
-        " stripe along a pipe may be taken for all of it. While no cable is known, a border of it"
-        " is faint, or it is not where it was expected, it looks at each frame.",
+        "Longest time between two runs of the network on a cable that is known and clear; in"
+        " between, its last map moves along with the cable for up to 1 s. Larger: less time per"
+        " frame, but a lit stripe along a pipe may be taken for the whole pipe. While no cable"
+        " is known, one of its borders is faint, or it is not where it was expected, the network"
+        " runs on each frame.",
     )
     map_width_share: float = number(
         0.67,
         "share",
         0.0,
         1.0,
-        "How much of what the network's maps show beyond the borders of the cable is added to its"
-        " width: round and overgrown cables are wider than their clearest borders. Unless it is 0,"
-        " a dark shadow along a border, which maps leave out, is taken off. 0: the width is that of"
-        " the borders.",
+        "Share of the width that the network's maps show beyond the cable's borders that is"
+        " added to its width: round and overgrown cables are wider than their clearest borders."
+        " Above 0, a dark shadow along a border, which maps leave out, is subtracted. 0: the"
+        " width between the borders.",
     )
     detector_share: float = number(
         0.2,
         "share of N",
         0.0,
         0.9,
-        "Particles drawn about what the detector proposes; at least 0.3 while no cable is tracked,"
-        " but none for 0.",
+        "Share of the particles drawn about the detector's proposals; at least 0.3 while no"
+        " cable is tracked, unless it is 0.",
     )
     search_share: float = number(
         0.06,
         "share of what is left of N",
         0.0,
         0.9,
-        "Particles that search for a cable while one is tracked, of those that neither rounds nor"
-        " the detector draw.",
+        "Share of the particles that search for a cable while one is tracked, of those that"
+        " neither refinement rounds nor the detector draw.",
     )
     refinement_rounds: int = number(
-        2, "", 0, 4, "Times that particles are drawn anew about the best ones of the same frame."
+        2,
+        "",
+        0,
+        4,
+        "Number of rounds that draw particles anew about the best ones of the same frame.",
     )
     refinement_share: float = number(
-        0.5, "share of N", 0.0, 0.9, "Particles drawn in the refinement rounds, all together."
+        0.5,
+        "share of N",
+        0.0,
+        0.9,
+        "Share of the particles drawn in all refinement rounds together.",
     )
 
     thin_width: float = number(
@@ -314,39 +358,40 @@ class TrackerParameters(ParameterSet):
         "px",
         0.5,
         1e4,
-        "Evidence for a narrower strip counts less: any bottom has thin lines.",
+        "Width below which a strip's evidence counts less, because any sea bed has thin lines;"
+        " larger: fewer claims of thin strips.",
     )
     evidence_limit: float = number(
         18.0,
         "nats",
         0.0,
         1e6,
-        "Most that one frame's evidence for a hypothesis counts; for a new one, how much better it"
-        " explains the frame than the heaviest known one.",
+        "Largest log-likelihood ratio that one frame adds for a hypothesis; for a new one, that"
+        " above the ratio of the heaviest known hypothesis.",
     )
     evidence_limit_known: float = number(
         4.0,
         "nats",
         0.0,
         1e6,
-        "The same beside a cable that is known: given, or followed for `known_after`. The higher,"
-        " the sooner a clearer strip elsewhere is taken for the cable.",
+        "`evidence_limit` while a cable is known: given, or followed for `known_after`; larger:"
+        " a clearer strip elsewhere is taken for the cable sooner.",
     )
     known_after: float = number(
         1.0,
         "s",
         0.0,
         1e6,
-        "Time for which a hypothesis is held for a cable, clear enough for a first claim (see"
-        " `evidence_to_find`), until it is known.",
+        "Time for which a hypothesis must be clear enough for a first claim (see"
+        " `evidence_to_find`) until the cable is known.",
     )
     evidence_repeated: float = number(
         0.2,
         "",
         0.0,
         1.0,
-        "Share of a frame's evidence that counts for a hypothesis that goes on; 1 if frames were"
-        " independent.",
+        "Share of a frame's evidence that counts for a hypothesis that continues from the"
+        " previous frame; 1: frames are independent.",
     )
 
     presence_gain: float = number(
@@ -354,102 +399,128 @@ class TrackerParameters(ParameterSet):
         "",
         0.0,
         1.0,
-        "Share of a frame's evidence for a cable that counts again for presence.",
+        "Share of a frame's evidence for a cable that counts for presence; 1: frames are"
+        " independent.",
     )
     appearance_rate: float = number(
-        0.5, "1/s", 0.0, 100.0, "How often a cable comes into view that was not."
+        0.5, "1/s", 0.0, 100.0, "Rate at which a cable comes into view; larger: claimed sooner."
     )
     disappearance_rate: float = number(
-        0.05, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
+        0.05,
+        "1/s",
+        0.0,
+        100.0,
+        "Rate at which a cable in the middle of the image disappears; larger: given up sooner.",
     )
     leaving_rate: float = number(
         10.0,
         "1/s",
         0.0,
         100.0,
-        "How often a cable at the edge of the image leaves it; added to `disappearance_rate`.",
+        "Rate at which a cable at the edge of the image leaves it; added to `disappearance_rate`.",
     )
     leaving_margin: float = number(
-        8.0, "px", 0.1, 1e4, "How near to the edge of the image a cable begins to leave."
+        8.0,
+        "px",
+        0.1,
+        1e4,
+        "Distance to the edge of the image below which a cable begins to leave.",
     )
     memory_time: float = number(
         4.0,
         "s",
         0.04,
         600.0,
-        "Time constant with which the search for a lost cable passes from where it was lost to the"
-        " whole image.",
+        "Time constant with which the search for a lost cable widens from where it was lost to"
+        " the whole image.",
     )
     width_spread: float = number(
         0.3,
         "",
         0.05,
         100.0,
-        "Spread of log w about its running mean; large: any width will do.",
+        "Scale of log w about its running mean in the width prior; large: any width is accepted.",
     )
     width_time: float = number(
-        2.0, "s", 0.04, 600.0, "Time over which the width prior is averaged."
+        2.0, "s", 0.04, 600.0, "Time constant of the running mean of log w in the width prior."
     )
     width_memory: float = number(
         30.0,
         "s",
         0.04,
         1e4,
-        "Time without a cable in which the spread of the width prior grows by `width_spread`.",
+        "Time without a cable in which the scale of the width prior grows by `width_spread`.",
     )
     presence_to_track: float = number(
-        0.8, "", 0.0, HIGHEST_THRESHOLD, "Presence above which a cable is claimed."
+        0.8,
+        "",
+        0.0,
+        HIGHEST_THRESHOLD,
+        "Probability of presence above which a cable is claimed; larger: fewer and later claims.",
     )
     presence_to_lose: float = number(
-        0.42, "", 0.0, HIGHEST_THRESHOLD, "Presence below which a cable is given up at once."
+        0.42,
+        "",
+        0.0,
+        HIGHEST_THRESHOLD,
+        "Probability of presence below which a cable is given up at once.",
     )
 
     evidence_to_track: float = number(
-        0.0, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+        0.0,
+        "",
+        -10.0,
+        100.0,
+        "Evidence above which a cable is claimed (see docs/algorithm.md); larger: fewer claims.",
     )
     evidence_to_find: float = number(
         0.45,
         "",
         -10.0,
         100.0,
-        "Evidence, in view, above which a cable is claimed that nothing was known of, if it looks"
-        " as cables do: at the start of a search, after `memory_time` without a claim, and"
-        " elsewhere than the one that was tracked; more if that one had another width. By"
-        " `borders` alone this is for a cable twice `thin_width` wide: narrower ones need up to"
-        " three times as much, wider ones two thirds (multi_hypothesis filter).",
+        "Evidence inside the image above which a new cable is claimed that looks like one: at"
+        " the start of a search, after `memory_time` without a claim, and away from the tracked"
+        " cable; more is needed if its width differs from that of the tracked one. With `looks:"
+        " borders` it holds for a strip twice `thin_width` wide; narrower strips need up to"
+        " three times as much, wider ones two thirds. Larger: fewer first claims"
+        " (multi_hypothesis filter).",
     )
     overlap_to_find: float = number(
         0.65,
         "",
         0.0,
         1.0,
-        "How far a cable that nothing was known of and what the network takes for cable have to"
-        " overlap for a claim, unless its borders are crisp: twice what both have in common over"
-        " the sum of both. Less claims more, also of what is none; with two cables in view neither"
-        " can have more than about two thirds (multi_hypothesis filter, `looks: network`).",
+        "Least overlap between a new cable and the network's map for a claim, unless its"
+        " borders are crisp: twice the common area over the sum of both areas. Smaller: more"
+        " claims, also false ones; with two cables in view neither reaches more than about two"
+        " thirds (multi_hypothesis filter, `looks: network`).",
     )
     evidence_to_lose: float = number(
-        -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
+        -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up after `loss_time`."
     )
     confirmation_time: float = number(
-        0.08, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
+        0.08, "s", 0.0, 10.0, "Time for which the evidence must suffice until a cable is claimed."
     )
     loss_time: float = number(
-        0.3, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
+        0.3,
+        "s",
+        0.0,
+        60.0,
+        "Time for which the evidence must fall short until a cable is given up.",
     )
     converged_distance: float = number(
-        15.0, "px", 0.1, 1e4, "Largest sigma of d at which a cable is claimed."
+        15.0, "px", 0.1, 1e4, "Largest standard deviation of d with which a cable is claimed."
     )
     converged_angle: float = number(
-        10.0, "deg", 0.1, 90.0, "Largest sigma of alpha at which a cable is claimed."
+        10.0, "deg", 0.1, 90.0, "Largest standard deviation of alpha with which a cable is claimed."
     )
     fixture_travel: float = number(
         6.0,
         "px",
         0.0,
         1e4,
-        "How far the ground moves across a strip that stands still in the picture until the strip"
-        " is taken for a part of the vehicle, its shadow or its light; 0: nothing is"
+        "Distance that the ground moves across a strip that stands still in the image until the"
+        " strip is taken for a part of the vehicle, its shadow or its light; 0: never"
         " (multi_hypothesis filter).",
     )
     search_time: float = number(
@@ -457,11 +528,15 @@ class TrackerParameters(ParameterSet):
         "s",
         0.04,
         600.0,
-        "Start anew when none has been claimed (bootstrap filter), or one that is present has not"
-        " shown its borders clearly enough for a claim, for this long.",
+        "Time after which the search begins anew: without a claim (bootstrap filter), or while"
+        " a cable is present whose borders are too faint for a claim.",
     )
     maximum_gap: float = number(
-        5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
+        5.0,
+        "s",
+        0.1,
+        3600.0,
+        "Longest pause between two frames; after a longer one the search begins anew.",
     )
 
     @property

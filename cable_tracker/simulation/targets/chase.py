@@ -49,12 +49,20 @@ FIELD = 0.75
 class ChaseSettings(WorldSettings):
     """Settings of a chase, as the node `target_simulator` has them too."""
 
-    duration: float = number(300.0, "s", 1.0, 1e5, "After so long the node ends.")
+    duration: float = number(300.0, "s", 1.0, 1e5, "Simulated time after which the node ends.")
     speed: float = number(0.35, "m/s", 0.0, 2.0, "Speed of the target.")
-    hidden_every: float = number(50.0, "s", 5.0, 1e5, "Time from one cloud of silt to the next.")
-    hidden_for: float = number(6.0, "s", 0.0, 1e4, "How long a cloud of silt hides the target.")
-    altitude: float = number(5.0, "m", 0.3, 20.0, "Altitude at which the vehicle begins.")
-    current: float = number(0.05, "m/s", 0.0, 2.0, "Speed of the water; its direction is drawn.")
+    hidden_every: float = number(
+        50.0, "s", 5.0, 1e5, "Interval between the beginnings of two clouds of silt."
+    )
+    hidden_for: float = number(
+        6.0, "s", 0.0, 1e4, "Time for which a cloud of silt hides the target."
+    )
+    altitude: float = number(
+        5.0, "m", 0.3, 20.0, "Altitude above the sea bed at which the vehicle begins."
+    )
+    current: float = number(
+        0.05, "m/s", 0.0, 2.0, "Speed of the water current, in a random direction."
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

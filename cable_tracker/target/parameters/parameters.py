@@ -35,22 +35,39 @@ class TargetParameters(ParameterSet):
         0, "", 0, 2**31 - 1, "Seed of the random numbers; takes effect at the next start or reset."
     )
     filter: str = word(
-        "poses", ("poses", "blobs"), "Particles that are poses, or blobs as in Ha's thesis."
+        "poses",
+        ("poses", "blobs"),
+        "Particle filter: `poses` has particles that are poses, `blobs` contours as in Ha's"
+        " thesis.",
     )
     detector: str = word(
         "none",
         ("none", "contours", "marching"),
-        "What proposes a target where none was marked (see docs/targets.md).",
+        "Detector that proposes a target where none was marked (see docs/targets.md).",
     )
     working_width: int = number(
-        320, "px", 64, 4096, "Wider frames are reduced to this width before they are measured."
+        320,
+        "px",
+        64,
+        4096,
+        "Frames wider than this are reduced to this width before they are measured; larger:"
+        " finer and slower.",
     )
     ancestor_count: int = number(
-        64, "", 4, 4096, "Particles that the next frame's are drawn about; time grows with it."
+        64,
+        "",
+        4,
+        4096,
+        "Number of particles of the previous frame about which new ones are drawn; time per"
+        " frame grows with it.",
     )
 
     position_variance: float = number(
-        6.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of x and y (Ha: 5 to 7)."
+        6.0,
+        "px²/frame",
+        0.0,
+        1e4,
+        "Variance of the diffusion of x and y (Ha: 5 to 7); larger: faster movements are followed.",
     )
     scale_sigma: float = number(
         0.03, "per frame", 0.0, 1.0, "Standard deviation of the diffusion of log scale."
@@ -59,197 +76,327 @@ class TargetParameters(ParameterSet):
         3.0, "deg/frame", 0.0, 90.0, "Standard deviation of the diffusion of the angle."
     )
     jump_share: float = number(
-        0.25, "", 0.0, 0.9, "Share of the movements that no diffusion explains: jerks, lost frames."
+        0.25,
+        "",
+        0.0,
+        0.9,
+        "Prior probability of a movement that the diffusion does not explain: a jerk, or lost"
+        " frames.",
     )
     rate_gain: float = number(
         0.35,
         "per frame",
         0.0,
         1.0,
-        "Share of an unforeseen movement that goes into the rates.",
+        "Share of an unpredicted displacement that corrects the rates; larger: faster and"
+        " noisier rates.",
     )
     rate_damping: float = number(
-        0.92, "per frame", 0.0, 1.0, "Factor on the rates per frame; 1 keeps them for ever."
+        0.92,
+        "per frame",
+        0.0,
+        1.0,
+        "Factor by which the rates are multiplied per frame; 1: they do not decay.",
     )
     diffusion_degrees_of_freedom: float = number(
-        4.0, "", 1.0, 1000.0, "Heavy tails: of the diffusion's Student-t."
+        4.0,
+        "",
+        1.0,
+        1000.0,
+        "Degrees of freedom of the diffusion's Student t-distribution; smaller: heavier tails.",
     )
     size_spread: float = number(
         0.45,
         "",
         0.01,
         100.0,
-        "Spread of log scale about its running mean; large: any size will do.",
+        "Scale of the logarithm of the size about its running mean; large: any size is accepted.",
     )
-    size_time: float = number(1.0, "s", 0.04, 600.0, "Time over which the usual size is averaged.")
+    size_time: float = number(
+        1.0, "s", 0.04, 600.0, "Time constant of the running mean of the size."
+    )
 
     place_share: float = number(
-        0.3, "share of N", 0.0, 0.9, "Particles drawn about peaks of the map of log-ratios."
+        0.3,
+        "share of N",
+        0.0,
+        0.9,
+        "Share of the particles drawn about peaks of the map of log-likelihood ratios.",
     )
     search_share: float = number(
-        0.05, "share of N", 0.0, 0.9, "Particles drawn where a target may come into view."
+        0.05,
+        "share of N",
+        0.0,
+        0.9,
+        "Share of the particles drawn where a target may come into view.",
     )
     refinement_share: float = number(
-        0.3, "share of N", 0.0, 0.9, "Particles drawn anew about the best ones of the same frame."
+        0.3,
+        "share of N",
+        0.0,
+        0.9,
+        "Share of the particles drawn anew about the best ones of the same frame.",
     )
-    place_count: int = number(3, "", 0, 50, "Peaks at every scale that is looked for.")
+    place_count: int = number(
+        3,
+        "",
+        0,
+        50,
+        "Number of peaks of the map of log-likelihood ratios at each scale that is searched.",
+    )
 
     template_points: int = number(
-        60, "", 8, 2000, "Points inside the shape that a pose is measured at, and as many around."
+        60,
+        "",
+        8,
+        2000,
+        "Number of points inside the shape at which a pose is scored, and of points around it.",
     )
     ratio_limit: float = number(
         2.5,
         "",
         0.1,
         20.0,
-        "Largest log-likelihood ratio of one pixel, target against surroundings.",
+        "Largest absolute log-likelihood ratio of one pixel, target against surroundings.",
     )
     hue_weight: float = number(
-        1.5, "", 0.0, 100.0, "Score of a region whose hues are all shared as the target's are."
+        1.5,
+        "",
+        0.0,
+        100.0,
+        "Score that is added for a region whose histogram of hues equals the target's; larger:"
+        " colours count more.",
     )
     grey_hue_weight: float = number(
         4.0,
         "",
         0.0,
         100.0,
-        "In grey pictures: score of a region whose grey levels and texture are shared as the"
-        " target's are.",
+        "`hue_weight` in grey pictures, for the histogram of grey levels and texture.",
     )
     sharpness: float = number(
-        10.0, "", 0.1, 1000.0, "Log-weight of a particle per unit of its region's score."
+        10.0,
+        "",
+        0.1,
+        1000.0,
+        "Log-weight of a particle per unit of its region's score; larger: fewer particles carry"
+        " the weight.",
     )
     appearance_rate_of_target: float = number(
-        0.04, "per frame", 0.0, 1.0, "How fast the learnt histogram of the target follows."
+        0.04,
+        "per frame",
+        0.0,
+        1.0,
+        "Share of the target's learnt histogram that each frame replaces; larger: adapts and"
+        " drifts faster.",
     )
     appearance_rate_around: float = number(
-        0.08, "per frame", 0.0, 1.0, "How fast the learnt histogram of the surroundings follows."
+        0.08,
+        "per frame",
+        0.0,
+        1.0,
+        "Share of the learnt histogram of the surroundings that each frame replaces.",
     )
     first_look_share: float = number(
-        0.5, "", 0.0, 1.0, "Share of the target's histogram that stays that of the start."
+        0.5,
+        "",
+        0.0,
+        1.0,
+        "Share of the histogram at the start in the target's histogram; larger: less drift.",
     )
     least_separation: float = number(
-        0.9, "", 0.0, 20.0, "Score of a region below which a target does not stand out at all."
+        0.9,
+        "",
+        0.0,
+        20.0,
+        "Score of the marked region below which a start is refused, because the target does not"
+        " stand out from its surroundings.",
     )
 
     contour_regulariser: float = number(
-        0.35, "", 0.0, 100.0, "Cost of a neighbour on the other side, in units of the log-ratio."
+        0.35,
+        "",
+        0.0,
+        100.0,
+        "Cost of a neighbouring pixel on the other side of the contour, in units of the"
+        " log-ratio; larger: smoother contours.",
     )
-    contour_iterations: int = number(12, "", 1, 10_000, "Iterations of a contour at most.")
+    contour_iterations: int = number(
+        12, "", 1, 10_000, "Largest number of iterations of a contour."
+    )
     prior_softness: float = number(
         0.1,
         "root of area",
         0.001,
         10.0,
-        "Distance from the expected outline at which the odds of the shape prior are e : 1.",
+        "Distance from the expected outline at which the odds of the shape prior are e : 1;"
+        " larger: contours may depart farther from it.",
     )
     grey_prior_softness: float = number(
         0.07,
         "root of area",
         0.001,
         10.0,
-        "`prior_softness` in grey pictures, where less tells the target from what is beside it.",
+        "`prior_softness` in grey pictures, which separate the target less from its surroundings.",
     )
     shape_rate: float = number(
-        0.08, "per frame", 0.0, 1.0, "How fast the remembered shape follows the contour."
+        0.08,
+        "per frame",
+        0.0,
+        1.0,
+        "Share of the remembered shape that the contour of each frame replaces; larger: adapts"
+        " and drifts faster.",
     )
 
     clutter_places: int = number(
-        64, "", 8, 10_000, "Random places of a frame that say how its clutter scores."
+        64,
+        "",
+        8,
+        10_000,
+        "Number of random places in a frame that measure the scores of its clutter.",
     )
     clutter_share: float = number(
         0.006,
         "",
         1e-6,
         1.0,
-        "Share of clutter that has any score at all, like the target's or not.",
+        "Share of the uniform part in the density of clutter's scores; larger: a frame gives"
+        " less evidence for a target.",
     )
     grey_clutter_share: float = number(
         0.1,
         "",
         1e-6,
         1.0,
-        "`clutter_share` in grey pictures, where more looks like the target.",
+        "`clutter_share` in grey pictures, in which more clutter resembles the target.",
     )
     score_spread: float = number(
-        0.15, "", 0.01, 10.0, "Least spread of the target's usual score, as a share of it."
+        0.15,
+        "",
+        0.01,
+        10.0,
+        "Least standard deviation of the target's usual score, relative to that score.",
     )
     evidence_limit: float = number(
-        7.0, "", 0.0, 1e6, "A frame's evidence for one place counts up to this."
+        7.0,
+        "",
+        0.0,
+        1e6,
+        "Largest absolute log-likelihood ratio that a frame adds for one place [nats].",
     )
     likeness_limit: float = number(
-        3.0, "", 0.0, 1e6, "Evidence of the colours within the contour counts up to this a frame."
+        3.0,
+        "",
+        0.0,
+        1e6,
+        "Largest absolute log-likelihood ratio that the colours inside the contour add per"
+        " frame [nats].",
     )
     likeness_spread: float = number(
-        0.15, "", 0.001, 1.0, "Least spread of the target's likeness to itself."
+        0.15,
+        "",
+        0.001,
+        1.0,
+        "Least standard deviation of the likeness of the target to its histogram, which is 0 to 1.",
     )
     grey_likeness_spread: float = number(
         0.04,
         "",
         0.001,
         1.0,
-        "`likeness_spread` in grey pictures, where much else is nearly as like.",
+        "`likeness_spread` in grey pictures, in which other regions are nearly as alike.",
     )
     appearance_rate: float = number(
-        2.5, "1/s", 0.0, 100.0, "How often a target comes into view that was not."
+        2.5, "1/s", 0.0, 100.0, "Rate at which a target comes into view; larger: claimed sooner."
     )
     disappearance_rate: float = number(
-        0.25, "1/s", 0.0, 100.0, "How often a target in the middle of the image is gone."
+        0.25,
+        "1/s",
+        0.0,
+        100.0,
+        "Rate at which a target in the middle of the image disappears; larger: given up sooner.",
     )
     leaving_rate: float = number(
         10.0,
         "1/s",
         0.0,
         100.0,
-        "How often a target at the edge of the image leaves it; added to `disappearance_rate`.",
+        "Rate at which a target at the edge of the image leaves it; added to `disappearance_rate`.",
     )
     leaving_margin: float = number(
-        6.0, "px", 0.1, 1e4, "How near to the edge of the image a target begins to leave."
+        6.0,
+        "px",
+        0.1,
+        1e4,
+        "Distance to the edge of the image below which a target begins to leave.",
     )
     memory_time: float = number(
         4.0,
         "s",
         0.04,
         600.0,
-        "Time constant with which the search for a lost target passes from where it was lost to"
+        "Time constant with which the search for a lost target widens from where it was lost to"
         " the whole image.",
     )
     presence_to_track: float = number(
-        0.95, "", 0.0, 0.998, "Presence above which a target is claimed."
+        0.95,
+        "",
+        0.0,
+        0.998,
+        "Probability of presence above which a target is claimed; larger: fewer and later claims.",
     )
     presence_to_lose: float = number(
-        0.5, "", 0.0, 0.998, "Presence below which a target is given up."
+        0.5, "", 0.0, 0.998, "Probability of presence below which a target is given up."
     )
     confirmation_time: float = number(
-        0.08, "s", 0.0, 10.0, "How long the presence must hold before a target is claimed."
+        0.08, "s", 0.0, 10.0, "Time for which presence must suffice until a target is claimed."
     )
     loss_time: float = number(
-        0.08, "s", 0.0, 60.0, "How long the presence must fail before a target is given up."
+        0.08, "s", 0.0, 60.0, "Time for which presence must fall short until a target is given up."
     )
     converged_position: float = number(
-        0.5, "root of area", 0.01, 100.0, "Largest sigma of x and y at which a target is claimed."
+        0.5,
+        "root of area",
+        0.01,
+        100.0,
+        "Largest standard deviation of x and y with which a target is claimed.",
     )
-    maximum_gap: float = number(5.0, "s", 0.1, 3600.0, "A longer pause between frames starts anew.")
+    maximum_gap: float = number(
+        5.0,
+        "s",
+        0.1,
+        3600.0,
+        "Longest pause between two frames; after a longer one the search begins anew.",
+    )
 
     blob_weights: str = word(
         "eq30",
         ("eq30", "product", "likelihood_ratio"),
-        "Blobs: weights by Ha's (30) as printed, the product that his text says, or a ratio.",
+        "Blobs: weights of the particles by Ha's (30) as printed, by the product in his text,"
+        " or by a likelihood ratio.",
     )
     blob_model: str = word(
         "generic",
         ("generic", "near_horizon", "boundary"),
-        "Blobs: Ha's sections 6.2, 6.5 or 6.6.",
+        "Blobs: contour model of Ha's section 6.2, 6.5 or 6.6.",
     )
-    blob_iterations: int = number(5, "", 1, 1000, "Blobs: iterations of a particle's contour.")
+    blob_iterations: int = number(
+        5, "", 1, 1000, "Blobs: number of iterations of a particle's contour."
+    )
     blob_contrast: float = number(
-        0.1, "", 0.0, 1.0, "Blobs: difference of the means above which a contour evolves."
+        0.1,
+        "",
+        0.0,
+        1.0,
+        "Blobs: difference of the mean levels inside and outside above which a contour evolves.",
     )
     blob_shape_limit: float = number(
         25.0,
         "px²",
         0.0,
         1e6,
-        "Blobs: shape energy below which a contour becomes the prior (our choice).",
+        "Blobs: largest shape energy with which a contour becomes the prior of the next frame"
+        " (our choice).",
     )
 
     def with_detector(self) -> Self:
