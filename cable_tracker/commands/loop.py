@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,25 +10,19 @@ from typing import Annotated, Any
 
 import typer
 
-from cable_tracker.atomic_output import output_folder
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
-from cable_tracker.campaigns.folder_tasks import MARKER
-from cable_tracker.campaigns.result_store import stored_beside
-from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.campaigns.loops import (
     MOST_WORKERS,
     LoopTask,
-    is_folder_of_run,
-    run_loops,
+    follow_several,
+    format_measure,
 )
 from cable_tracker.commands.console.ros_part import need_ros
 from cable_tracker.commands.console.terminal import (
-    advance,
     advance_to,
     console,
     print_facts,
     print_files,
-    print_table,
     progress_bar,
 )
 from cable_tracker.commands.options.campaigns import (
@@ -44,14 +36,6 @@ from cable_tracker.commands.options.campaigns import (
 )
 from cable_tracker.commands.options.common import ForceOption, parse_size, refuse_without_effect
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.closed_loop.loop_campaign import (
-    METHODS_TABLE,
-    RUNS,
-    LoopOutcome,
-    totals_by_method,
-    write_methods,
-    write_runs,
-)
 from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.live_world import LiveSettings
@@ -168,7 +152,7 @@ def loop(  # noqa: PLR0917
     files = _files_of(params, scheduler)
     tasks = [LoopTask(method, each, arguments, files) for method in methods for each in chosen]
     path = output if output is not None else Path("loop_runs")
-    _run_several(tasks, path, cluster, force=force, resume=resume)
+    follow_several(tasks, path, cluster, force=force, resume=resume)
 
 
 def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dict[str, object]:
@@ -235,50 +219,6 @@ def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None: 
     print_files(folder, ros.file_names(request))
 
 
-def _run_several(
-    tasks: Sequence[LoopTask],
-    path: Path,
-    cluster: ClusterSettings,
-    *,
-    force: bool,
-    resume: bool,
-) -> None:
-    with (
-        output_folder(
-            path, RUNS, overwrite=force or resume, is_own_name=_is_of_several_runs
-        ) as folder,
-        stored_beside(path, cluster, resume=resume) as settings,
-    ):
-        assert settings.store is not None
-        if resume and path.is_dir():
-            for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
-                # A run of a newer campaign, which was ended, is kept instead.
-                if not (settings.store / run.name).exists():
-                    shutil.copytree(run, settings.store / run.name)
-        with progress_bar("runs", len(tasks)) as progress:
-            outcomes = run_loops(
-                tasks, settings.store, cluster, resume=resume, advance=lambda: advance(progress)
-            )
-        totals = totals_by_method(outcomes)
-        write_runs(folder / RUNS, outcomes)
-        write_methods(folder / METHODS_TABLE, totals)
-        # The folders of the runs stand beside the tables. They come last: what stops the writing of
-        # the tables must not take the runs with it.
-        for run in settings.store.iterdir():
-            shutil.move(run, folder / run.name)
-        settings.store.rmdir()
-    _print_runs(outcomes)
-    _print_totals(totals)
-    print_files(path, (RUNS, METHODS_TABLE))
-    if any(each["failed"] for each in totals):
-        raise typer.Exit(1)
-
-
-def _is_of_several_runs(name: str) -> bool:
-    """Tell by its name whether several runs write a file or a folder beside each other."""
-    return name in {RUNS, METHODS_TABLE} or is_folder_of_run(name)
-
-
 LABELS = {
     "seed": "seed",
     "frames": "frames",
@@ -300,38 +240,15 @@ LABELS = {
     "lost_for_good": "lost for good",
 }
 
-RUN_HEADINGS = {
-    "way": "way [m]",
-    "rms": "RMS [m]",
-    "most": "max [m]",
-    "rms_offset": "y [m]",
-    "wrong": "wrong",
-    "losses": "losses",
-    "longest_loss": "longest [s]",
-    "lost_for_good": "lost for good",
-}
-"""Columns of the table of several runs on the terminal, with their headings."""
-
 MOST_DIGITS = 6
 """An RMS that cannot be told from the goal by so many decimals is as good as equal to it."""
-
-TOTAL_HEADINGS = {
-    "method": "method",
-    "runs": "runs",
-    "failed": "failed",
-    "kept": "kept",
-    "within_goal": "in goal",
-    "way": "way [m]",
-    "rms": "RMS [m]",
-    "worst_rms": "worst [m]",
-    "most": "max [m]",
-    "wrong": "wrong",
-}
 
 
 def _print(summary: LoopSummary) -> None:
     facts = asdict(summary).items()
-    print_facts("closed loop", ((LABELS[name], _cell(name, value)) for name, value in facts))
+    print_facts(
+        "closed loop", ((LABELS[name], format_measure(name, value)) for name, value in facts)
+    )
     console.print(verdict_on(summary))
 
 
@@ -346,34 +263,3 @@ def verdict_on(summary: LoopSummary) -> str:
         f"The cable was {end}; the run is {goal} the goal:"
         f" RMS {summary.rms:.{digits}f} m, goal {GOAL:g} m."
     )
-
-
-def _print_runs(outcomes: Sequence[LoopOutcome]) -> None:
-    rows = ((each.method, str(each.seed), *_cells_of(each.summary)) for each in outcomes)
-    headings = ("method", "seed", *RUN_HEADINGS.values())
-    print_table("closed loops", headings, rows, left=(0,), narrow=True)
-    for outcome in outcomes:
-        if outcome.failure:
-            console.print(f"{outcome.method}, seed {outcome.seed}: {outcome.failure}")
-
-
-def _cells_of(summary: LoopSummary | None) -> list[str]:
-    if summary is None:
-        return ["failed"]
-    return [_cell(name, getattr(summary, name)) for name in RUN_HEADINGS]
-
-
-def _print_totals(totals: Sequence[dict[str, Any]]) -> None:
-    title = f"by method; kept: not lost for good; goal: RMS of {GOAL:g} m; way, RMS: medians"
-    rows = ([_cell(name, each[name]) for name in TOTAL_HEADINGS] for each in totals)
-    print_table(title, TOTAL_HEADINGS.values(), rows, left=(0,), narrow=True)
-
-
-def _cell(name: str, value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if not isinstance(value, float):
-        return str(value)
-    if math.isnan(value):
-        return "-"
-    return f"{value:.1%}" if name in {"answered", "measured", "wrong"} else f"{value:.3g}"

@@ -7,7 +7,8 @@ import pytest
 
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands import loop as loop_command
-from cable_tracker.commands.loop import _run_several, verdict_on
+from cable_tracker.commands.campaigns.loops import follow_several
+from cable_tracker.commands.loop import verdict_on
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS, LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
@@ -108,7 +109,9 @@ def test_each_run_of_several_finds_the_parameter_file_from_any_folder(
 ):
     (tmp_path / "mine.yaml").write_text("particle_count: 100\n")
     chosen = []
-    monkeypatch.setattr(loop_command, "_run_several", lambda tasks, *_, **__: chosen.append(tasks))
+    monkeypatch.setattr(
+        loop_command, "follow_several", lambda tasks, *_, **__: chosen.append(tasks)
+    )
     assert command("loop", "--seeds", "2", "--length", "20", "--params", "mine.yaml").code == 0
     assert [(task.method, task.seed) for task in chosen[0]] == [("default", 0), ("default", 1)]
     for task in chosen[0]:
@@ -121,18 +124,18 @@ def leave_a_run(_tasks, store, *_, **__):
 
 
 def test_the_folder_of_several_runs_is_replaced(monkeypatch, tmp_path):
-    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", leave_a_run)
+    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.run_loops", leave_a_run)
     for force in (False, True):
-        _run_several([], tmp_path / "out", ClusterSettings(), force=force, resume=False)
+        follow_several([], tmp_path / "out", ClusterSettings(), force=force, resume=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {RUNS, METHODS_TABLE, "default_0"}
 
 
 def test_runs_stay_where_the_tables_cannot_be_written(monkeypatch, tmp_path, full_disk):
-    monkeypatch.setattr("cable_tracker.commands.loop.run_loops", leave_a_run)
-    monkeypatch.setattr("cable_tracker.commands.loop.write_runs", full_disk)
+    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.run_loops", leave_a_run)
+    monkeypatch.setattr("cable_tracker.commands.campaigns.loops.write_runs", full_disk)
     with pytest.raises(OutputError):
-        _run_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
+        follow_several([], tmp_path / "out", ClusterSettings(), force=False, resume=False)
     assert (tmp_path / "out.tasks" / "default_0").is_dir()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import fcntl
+import math
 import os
 import shutil
 import signal
@@ -15,14 +16,42 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from cable_tracker.atomic_output import any_name
-from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
+import typer
+
+from cable_tracker.atomic_output import any_name, output_folder
+from cable_tracker.campaigns.folder_tasks import (
+    MARKER,
+    Outcome,
+    TaskState,
+    fingerprint_of_files,
+)
+from cable_tracker.campaigns.result_store import stored_beside
 from cable_tracker.campaigns.runner import run_folder_tasks
 from cable_tracker.campaigns.settings import ClusterSettings
+from cable_tracker.commands.console.terminal import (
+    advance,
+    console,
+    print_files,
+    print_table,
+    progress_bar,
+)
 from cable_tracker.errors import RecordingError, RosError
-from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
-from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
+from cable_tracker.evaluation.closed_loop.loop_campaign import (
+    METHODS_TABLE,
+    RUNS,
+    LoopOutcome,
+    totals_by_method,
+    write_methods,
+    write_runs,
+)
+from cable_tracker.evaluation.closed_loop.loop_table import (
+    GOAL,
+    SUMMARY,
+    LoopSummary,
+    read_summary,
+)
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.ros.process.child_process import GRACE, end_process, last_line_of
 from cable_tracker.ros.process.environment import DOMAIN_VARIABLE
@@ -41,6 +70,32 @@ NODES_OF_RUN = 3
 RUN_GRACE = (NODES_OF_RUN + 1) * GRACE
 """Time that a run gets to end after SIGTERM [s]. It stops its nodes one after the other, and each
 of them gets its own time: a run that is killed before leaves nodes behind that nothing stops."""
+
+RUN_HEADINGS = {
+    "way": "way [m]",
+    "rms": "RMS [m]",
+    "most": "max [m]",
+    "rms_offset": "y [m]",
+    "wrong": "wrong",
+    "losses": "losses",
+    "longest_loss": "longest [s]",
+    "lost_for_good": "lost for good",
+}
+"""Columns of the table of several runs on the terminal, with their headings."""
+
+TOTAL_HEADINGS = {
+    "method": "method",
+    "runs": "runs",
+    "failed": "failed",
+    "kept": "kept",
+    "within_goal": "in goal",
+    "way": "way [m]",
+    "rms": "RMS [m]",
+    "worst_rms": "worst [m]",
+    "most": "max [m]",
+    "wrong": "wrong",
+}
+
 
 PR_SET_PDEATHSIG = 1
 """Number of the operation of prctl that sets the signal which a process gets when its parent
@@ -116,12 +171,6 @@ class LoopTask:
         result.rmdir()
 
 
-def is_folder_of_run(name: str) -> bool:
-    """Tell by its name whether a run of several has its results in a folder."""
-    method, _, seed = name.rpartition("_")
-    return method in METHODS and seed.isdecimal()
-
-
 def _end_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
@@ -183,3 +232,92 @@ def _outcome(task: LoopTask, outcome: Outcome, folder: Path) -> LoopOutcome:
         return LoopOutcome(task.method, task.seed, read_summary(folder / task.name / SUMMARY))
     except RecordingError as error:
         return LoopOutcome(task.method, task.seed, None, str(error))
+
+
+def follow_several(
+    tasks: Sequence[LoopTask],
+    path: Path,
+    cluster: ClusterSettings,
+    *,
+    force: bool,
+    resume: bool,
+) -> None:
+    """Follow the cable in several runs, write their tables beside their folders, and print them.
+
+    Raises
+    ------
+    typer.Exit
+        A run has failed.
+    """
+    with (
+        output_folder(
+            path, RUNS, overwrite=force or resume, is_own_name=_is_of_several_runs
+        ) as folder,
+        stored_beside(path, cluster, resume=resume) as settings,
+    ):
+        assert settings.store is not None
+        if resume and path.is_dir():
+            _copy_runs(path, settings.store)
+        with progress_bar("runs", len(tasks)) as progress:
+            outcomes = run_loops(
+                tasks, settings.store, cluster, resume=resume, advance=lambda: advance(progress)
+            )
+        totals = totals_by_method(outcomes)
+        write_runs(folder / RUNS, outcomes)
+        write_methods(folder / METHODS_TABLE, totals)
+        # The folders of the runs stand beside the tables. They come last: what stops the writing of
+        # the tables must not take the runs with it.
+        for run in settings.store.iterdir():
+            shutil.move(run, folder / run.name)
+        settings.store.rmdir()
+    _print_runs(outcomes)
+    _print_totals(totals)
+    print_files(path, (RUNS, METHODS_TABLE))
+    if any(each["failed"] for each in totals):
+        raise typer.Exit(1)
+
+
+def _copy_runs(path: Path, store: Path) -> None:
+    """Copy the folders of earlier runs into a store that holds no newer ones of these names."""
+    for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
+        if not (store / run.name).exists():
+            shutil.copytree(run, store / run.name)
+
+
+def _is_of_several_runs(name: str) -> bool:
+    """Tell by its name whether several runs write a file or a folder beside each other."""
+    method, _, seed = name.rpartition("_")
+    is_of_run = method in METHODS and seed.isdecimal()
+    return is_of_run or name in {RUNS, METHODS_TABLE}
+
+
+def _print_runs(outcomes: Sequence[LoopOutcome]) -> None:
+    rows = ((each.method, str(each.seed), *_cells_of(each.summary)) for each in outcomes)
+    headings = ("method", "seed", *RUN_HEADINGS.values())
+    print_table("closed loops", headings, rows, left=(0,), narrow=True)
+    for outcome in outcomes:
+        if outcome.failure:
+            console.print(f"{outcome.method}, seed {outcome.seed}: {outcome.failure}")
+
+
+def _cells_of(summary: LoopSummary | None) -> list[str]:
+    if summary is None:
+        return ["failed"]
+    return [format_measure(name, getattr(summary, name)) for name in RUN_HEADINGS]
+
+
+def _print_totals(totals: Sequence[dict[str, Any]]) -> None:
+    title = f"by method; kept: not lost for good; goal: RMS of {GOAL:g} m; way, RMS: medians"
+    rows = ([format_measure(name, each[name]) for name in TOTAL_HEADINGS] for each in totals)
+    print_table(title, TOTAL_HEADINGS.values(), rows, left=(0,), narrow=True)
+
+
+def format_measure(name: str, value: object) -> str:
+    """Write a field of a run's summary, or of a method's totals, for people."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, float):
+        return str(value)
+    if math.isnan(value):
+        return "-"
+    return f"{value:.1%}" if name in {"answered", "measured", "wrong"} else f"{value:.3g}"
