@@ -11,7 +11,7 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.poses import LONGEST_GAP, Poses
+from cable_tracker.survey.navigation.trajectory import LONGEST_GAP, Trajectory
 from cable_tracker.tracking import succession
 
 
@@ -52,8 +52,8 @@ class CountedRows:
     seconds: float = 0.0
 
 
-def count_rows(dive: ForwardDive, places: FloatArray, maximum_gap: float) -> CountedRows:
-    """Go through the rows of a dive, whose vehicle was at places (N, 3).
+def count_rows(dive: ForwardDive, poses: FloatArray, maximum_gap: float) -> CountedRows:
+    """Go through the rows of a dive, whose vehicle had poses (N, 3).
 
     After a pause longer than `maximum_gap` [s], a parameter of the tracker, it has started anew.
     """
@@ -61,7 +61,7 @@ def count_rows(dive: ForwardDive, places: FloatArray, maximum_gap: float) -> Cou
     found = CountedRows(np.zeros(kinds, np.int64))
     before = rows["stamp"][:1]
     for part in dive.disk.blocks(len(rows)):
-        some, known = rows[part], np.isfinite(places[part])
+        some, known = rows[part], np.isfinite(poses[part])
         claimed = some["status"] == TRACKING
         found.tracked += int(claimed.sum())
         found.refused += int((some["status"] == REFUSED).sum())
@@ -82,27 +82,30 @@ def count_rows(dive: ForwardDive, places: FloatArray, maximum_gap: float) -> Cou
 
 
 def find_faults(
-    dive: ForwardDive, poses: Poses, counted: CountedRows, maximum_gap: float
+    dive: ForwardDive, trajectory: Trajectory, counted: CountedRows, maximum_gap: float
 ) -> list[str]:
     """Say why there is no route, or why it has gaps; `maximum_gap` [s] as for `count_rows`."""
-    of_odometry = [*_reason_for_gaps(dive, poses, counted), *_faults_of_odometry(dive, poses)]
+    of_odometry = [
+        *_reason_for_gaps(dive, trajectory, counted),
+        *_faults_of_odometry(dive, trajectory),
+    ]
     of_pictures = _faults_of_pictures(len(dive.table.rows), counted, maximum_gap)
     return of_odometry + of_pictures + _missing_metres(counted, dive.table.reasons)
 
 
-def _reason_for_gaps(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[str]:
+def _reason_for_gaps(dive: ForwardDive, trajectory: Trajectory, counted: CountedRows) -> list[str]:
     """Say why the vehicle's place is not known in all frames: one reason, or none."""
     rows = dive.table.rows
-    if len(poses.stamps) < 2:
-        what = "a single reading of odometry" if len(poses.stamps) else "no odometry"
+    if len(trajectory.stamps) < 2:
+        what = "a single reading of odometry" if len(trajectory.stamps) else "no odometry"
         return [f"there is {what}: the cable is known in pixels only, and has no route"]
-    if not counted.placed_partly and not _overlap_in_time(poses, counted):
-        apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / NANOSECONDS
+    if not counted.placed_partly and not _overlap_in_time(trajectory, counted):
+        apart = abs(float(rows["stamp"][0] - trajectory.stamps[0])) / NANOSECONDS
         return [
             f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
             " clocks alike"
         ]
-    if not counted.placed_partly and (pause := _usual_pause(poses, dive.disk)) > LONGEST_GAP:
+    if not counted.placed_partly and (pause := _usual_pause(trajectory, dive.disk)) > LONGEST_GAP:
         return [
             f"odometry is too slow: {pause:.1f} s from one reading to the next; give one that"
             f" speaks every {LONGEST_GAP:g} s or more often"
@@ -114,14 +117,16 @@ def _reason_for_gaps(dive: ForwardDive, poses: Poses, counted: CountedRows) -> l
     return []
 
 
-def _faults_of_odometry(dive: ForwardDive, poses: Poses) -> list[str]:
+def _faults_of_odometry(dive: ForwardDive, trajectory: Trajectory) -> list[str]:
     """Say which readings of odometry do not count, or do not go on from those before."""
     notes = []
-    if poses.jumps:
-        notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
-    if poses.strays:
+    if trajectory.jumps:
         notes.append(
-            f"readings of odometry with stamps of another time do not count: {poses.strays}"
+            f"odometry began anew or jumped {len(trajectory.jumps)} times; the way was joined"
+        )
+    if trajectory.strays:
+        notes.append(
+            f"readings of odometry with stamps of another time do not count: {trajectory.strays}"
         )
     if dive.unusable_poses:
         notes.append(
@@ -149,17 +154,17 @@ def _faults_of_pictures(count: int, counted: CountedRows, maximum_gap: float) ->
     return notes
 
 
-def _overlap_in_time(poses: Poses, counted: CountedRows) -> bool:
+def _overlap_in_time(trajectory: Trajectory, counted: CountedRows) -> bool:
     """Tell whether odometry and pictures are of one time."""
-    first, last = int(poses.stamps[0]), int(poses.stamps[-1])
+    first, last = int(trajectory.stamps[0]), int(trajectory.stamps[-1])
     return first <= counted.latest and last >= counted.earliest
 
 
-def _usual_pause(poses: Poses, disk: Disk) -> float:
+def _usual_pause(trajectory: Trajectory, disk: Disk) -> float:
     """Return the median time from one of at least two poses to the next [s]."""
     pauses = disk.growing(np.float64)
-    for part in disk.blocks(len(poses.stamps), 1):
-        pauses.extend(np.diff(poses.stamps[part.start - 1 : part.stop]) / NANOSECONDS)
+    for part in disk.blocks(len(trajectory.stamps), 1):
+        pauses.extend(np.diff(trajectory.stamps[part.start - 1 : part.stop]) / NANOSECONDS)
     return disk.median_in_place(pauses)
 
 

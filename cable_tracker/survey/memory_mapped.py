@@ -194,22 +194,22 @@ class GrowingArray:
         return self._stored
 
 
-def interpolated_locally(wanted: FloatArray, places: FloatArray, values: FloatArray) -> FloatArray:
-    """Return values (N,) at places (N,) that grow, interpolated at wanted ones (M,), any order.
+def interpolated_locally(wanted: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
+    """Return values (N,) at ascending known x (N,), interpolated at wanted x (M,) in any order.
 
-    As `numpy.interp`, reading no more than what lies around the wanted places.
+    As `numpy.interp`, reading no more than what lies around the wanted x.
     """
-    around = surroundings(places, wanted)
-    return np.asarray(np.interp(wanted, places[around], values[around]))
+    around = surroundings(known, wanted)
+    return np.asarray(np.interp(wanted, known[around], values[around]))
 
 
-def surroundings(places: FloatArray | IndexArray, wanted: FloatArray | IndexArray) -> slice:
-    """Return the slice of at least two ascending places (N,) around all wanted ones (M,)."""
+def surroundings(known: FloatArray | IndexArray, wanted: FloatArray | IndexArray) -> slice:
+    """Return the slice of at least two ascending known x (N,) around all wanted ones (M,)."""
     if not len(wanted):
         return slice(0, 2)
-    first = int(np.searchsorted(places, wanted.min())) - 1
-    last = int(np.searchsorted(places, wanted.max(), "right")) + 1
-    first = min(max(first, 0), len(places) - 2)
+    first = int(np.searchsorted(known, wanted.min())) - 1
+    last = int(np.searchsorted(known, wanted.max(), "right")) + 1
+    first = min(max(first, 0), len(known) - 2)
     return slice(max(first, 0), max(last, first + 2))
 
 

@@ -25,7 +25,11 @@ from cable_tracker.survey.frames.forward_pass import (
 from cable_tracker.survey.frames.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation.georeference import Georeference, georeference
-from cable_tracker.survey.navigation.poses import Poses, joined_poses, poses_of_rows
+from cable_tracker.survey.navigation.trajectory import (
+    Trajectory,
+    joined_trajectory,
+    poses_of_rows,
+)
 from cable_tracker.survey.outputs.frames import FRAMES, write_frames
 from cable_tracker.survey.outputs.pictures import write_pictures
 from cable_tracker.survey.outputs.surveyed_dive import PICTURES, Origin, SurveyedDive, write_summary
@@ -109,8 +113,8 @@ def middle_fix(fixes: FloatArray) -> tuple[float, float]:
     def usual_distance(fix: tuple[float, float]) -> float:
         return float(np.median(LocalFrame(*fix).distances(fixes[:, 0], fixes[:, 1])))
 
-    places = [(float(latitude), float(longitude)) for latitude, longitude in fixes]
-    return min(places, key=usual_distance)
+    positions = [(float(latitude), float(longitude)) for latitude, longitude in fixes]
+    return min(positions, key=usual_distance)
 
 
 def survey_recording(
@@ -153,18 +157,18 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     """Smooth a tracked dive and find its events; the course is None without metres."""
     rows, disk = dive.table.rows, dive.disk
     notes = list(dive.notes)
-    poses = joined_poses(dive.poses, disk)
-    places = poses_of_rows(rows, poses, disk)
+    trajectory = joined_trajectory(dive.poses, disk)
+    poses = poses_of_rows(rows, trajectory, disk)
     maximum_gap = settings.forward.parameters.maximum_gap
-    counted = count_rows(dive, places, maximum_gap)
-    notes += find_faults(dive, poses, counted, maximum_gap)
+    counted = count_rows(dive, poses, maximum_gap)
+    notes += find_faults(dive, trajectory, counted, maximum_gap)
     course, routes, on_earth = None, [], False
     if counted.placed_partly and counted.in_metres:
-        course = _course(dive, poses, places)
+        course = _course(dive, trajectory, poses)
         if redetect_cable(dive, course):
-            course = _course(dive, poses, places)
+            course = _course(dive, trajectory, poses)
         keyframes = course.keyframes
-        earth = _on_earth(dive, poses, settings.datum, notes)
+        earth = _on_earth(dive, trajectory, settings.datum, notes)
         on_earth = earth is not None
         routes = make_routes(keyframes, course.cable, rows, disk, earth)
     name = dive.name
@@ -183,13 +187,13 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     )  # fmt: skip
 
 
-def _course(dive: ForwardDive, poses: Poses, places: FloatArray) -> Course:
-    keyframes = make_keyframes(dive.table.rows, places, dive.disk)
-    return Course(poses, keyframes, smooth(keyframes, dive.disk))
+def _course(dive: ForwardDive, trajectory: Trajectory, poses: FloatArray) -> Course:
+    keyframes = make_keyframes(dive.table.rows, poses, dive.disk)
+    return Course(trajectory, keyframes, smooth(keyframes, dive.disk))
 
 
 def _on_earth(
-    dive: ForwardDive, poses: Poses, datum: tuple[float, float] | None, notes: list[str]
+    dive: ForwardDive, trajectory: Trajectory, datum: tuple[float, float] | None, notes: list[str]
 ) -> Georeference | None:
     if datum is None:
         return None
@@ -203,7 +207,7 @@ def _on_earth(
             " is in the frame of odometry and is not merged"
         )
         return None
-    earth = georeference(poses, dive.fixes, frame, dive.disk)
+    earth = georeference(trajectory, dive.fixes, frame, dive.disk)
     if earth is None:
         notes.append(
             "too few fixes, or over too short a way, to lay the dive on the earth; its route is in"

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import PROFILE_BINS, TRACKING, Samples
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.poses import Poses, joined_poses
+from cable_tracker.survey.navigation.trajectory import Trajectory, joined_trajectory
 
 SPEED, RATE, LOOK = 0.5, 10.0, 0.7
 START = 1_000_000_000
@@ -103,8 +103,8 @@ def _true_aside(x: float, y: float, yaw: float, bend: float) -> tuple[float, flo
     return float(np.interp(LOOK, ahead, aside)), float(np.interp(LOOK, ahead, headings) - yaw)
 
 
-def poses_of(dive: ForwardDive) -> Poses:
-    return joined_poses(dive.poses, DISK)
+def poses_of(dive: ForwardDive) -> Trajectory:
+    return joined_trajectory(dive.poses, DISK)
 
 
 def way(count: int = 400, turn: float = 0.0) -> np.ndarray:

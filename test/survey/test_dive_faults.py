@@ -6,7 +6,7 @@ from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import REFUSED, STATUSES
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.poses import Poses
+from cable_tracker.survey.navigation.trajectory import Trajectory
 from cable_tracker.survey.recording import SurveySettings, analyse
 
 CLAIMS = 20
@@ -29,8 +29,10 @@ def faults():
                 row["reason"] = dive.table.reason_number(reason)
                 row["aside"] = np.nan if reason else 0.1
         none = np.zeros(0, np.int64)
-        poses = Poses(none, np.zeros((0, 3)))
-        return find_faults(dive, poses, count_rows(dive, NO_PLACES, MAXIMUM_GAP), MAXIMUM_GAP)[1:]
+        trajectory = Trajectory(none, np.zeros((0, 3)))
+        return find_faults(dive, trajectory, count_rows(dive, NO_PLACES, MAXIMUM_GAP), MAXIMUM_GAP)[
+            1:
+        ]
 
     return tell
 
@@ -72,8 +74,10 @@ def test_a_note_says_where_the_tracker_starts_anew(stamps, words):
     for stamp in stamps:
         row = dive.table.append()
         row["status"], row["stamp"] = STATUSES.index("LOST"), round(stamp * SECOND)
-    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP)[1:]
+    trajectory = Trajectory(np.zeros(0, np.int64), np.zeros((0, 3)))
+    notes = find_faults(
+        dive, trajectory, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP
+    )[1:]
     assert notes == [] if words is None else (len(notes) == 1 and words in notes[0])
 
 
@@ -83,8 +87,8 @@ def test_pictures_that_could_not_be_used_are_counted():
         row = dive.table.append()
         row["status"] = REFUSED if index else STATUSES.index("LOST")
         row["stamp"] = index * SECOND
-    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP)
+    trajectory = Trajectory(np.zeros(0, np.int64), np.zeros((0, 3)))
+    notes = find_faults(dive, trajectory, count_rows(dive, NO_PLACES[:4], MAXIMUM_GAP), MAXIMUM_GAP)
     assert any(note.startswith("3 of 4 pictures could not be used") for note in notes)
 
 
@@ -102,17 +106,17 @@ def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(readings, 
     for index in range(4 * CLAIMS):
         dive.table.append()["stamp"] = index * SECOND // 4
     stamps = (readings * SECOND).astype(np.int64)
-    poses = Poses(stamps, np.zeros((len(stamps), 3)))
-    places = poses.at(dive.table.rows["stamp"])
-    (note,) = find_faults(dive, poses, count_rows(dive, places, MAXIMUM_GAP), MAXIMUM_GAP)
+    trajectory = Trajectory(stamps, np.zeros((len(stamps), 3)))
+    poses = trajectory.at(dive.table.rows["stamp"])
+    (note,) = find_faults(dive, trajectory, count_rows(dive, poses, MAXIMUM_GAP), MAXIMUM_GAP)
     assert words in note
 
 
 def test_odometry_that_does_not_count_for_want_of_an_orientation_is_told():
     dive = ForwardDive("dive", DISK, unusable_poses=7)
     dive.table.append()["status"] = STATUSES.index("LOST")
-    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    said = find_faults(dive, poses, count_rows(dive, NO_PLACES[:1], MAXIMUM_GAP), MAXIMUM_GAP)
+    trajectory = Trajectory(np.zeros(0, np.int64), np.zeros((0, 3)))
+    said = find_faults(dive, trajectory, count_rows(dive, NO_PLACES[:1], MAXIMUM_GAP), MAXIMUM_GAP)
     assert any(note.startswith("7 readings of odometry have no orientation") for note in said)
 
 

@@ -14,7 +14,7 @@ from cable_tracker.metric.local_frame import LocalFrame
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frames.frame_table import Samples
 from cable_tracker.survey.memory_mapped import Disk
-from cable_tracker.survey.navigation.poses import JUMP, Poses, turned
+from cable_tracker.survey.navigation.trajectory import JUMP, Trajectory, turned
 from cable_tracker.tracking.robust import GAUSSIAN_MAD, RAYLEIGH_MEDIAN
 
 FEWEST_FIXES = 3
@@ -80,8 +80,8 @@ class Georeference:
     turn_variance: float
     ends: FloatArray
 
-    def apply(self, places: FloatArray, stamps: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """Return places of the dive's frame (N, 2) in the local one, and variances (N,) [m²]."""
+    def apply(self, points: FloatArray, stamps: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """Return points of the dive's frame (N, 2) in the local one, and variances (N,) [m²]."""
         base = self.stamps[0]
         own, asked = (self.stamps - base) / NANOSECONDS, (stamps - base) / NANOSECONDS
         drift = interpolated(asked, own, self.drift)
@@ -90,9 +90,9 @@ class Georeference:
         variances = variances + DRIFT_NOISE * beyond + FIRST_RATE * beyond**2
         # Between fixes the drift takes up an error of the turn, beyond them nothing does.
         last = self.ends[np.where(asked < own[0], 0, 1)]
-        squares = np.where(beyond > 0.0, ((places - last) ** 2).sum(axis=1), 0.0)
+        squares = np.where(beyond > 0.0, ((points - last) ** 2).sum(axis=1), 0.0)
         variances = variances + self.turn_variance * squares
-        return turned(places, self.turn) + self.shift + drift, variances
+        return turned(points, self.turn) + self.shift + drift, variances
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,28 +103,28 @@ class _Fixes:
     ----------
     stamps : IndexArray
         Shape (F,) [ns].
-    places : FloatArray
-        Where the vehicle was by odometry, x, y in the dive's frame, shape (F, 2) [m].
+    odometry : FloatArray
+        Position of the vehicle by odometry, x, y in the dive's frame, shape (F, 2) [m].
     measured : FloatArray
-        Where it was by the fixes, east and north in the local frame, shape (F, 2) [m].
+        Position by the fixes, east and north in the local frame, shape (F, 2) [m].
     variances : FloatArray
         Variance of each component, shape (F,) [m²].
     """
 
     stamps: IndexArray
-    places: FloatArray
+    odometry: FloatArray
     measured: FloatArray
     variances: FloatArray
 
     def chosen(self, rows: BoolArray) -> _Fixes:
         """Return some of them, given by a mask (F,)."""
         return _Fixes(
-            self.stamps[rows], self.places[rows], self.measured[rows], self.variances[rows]
+            self.stamps[rows], self.odometry[rows], self.measured[rows], self.variances[rows]
         )
 
     def residuals(self, turn: float, shift: FloatArray) -> FloatArray:
         """Return by how much they miss the turned [rad] and shifted [m] poses, shape (F, 2) [m]."""
-        missed: FloatArray = self.measured - (turned(self.places, turn) + shift)
+        missed: FloatArray = self.measured - (turned(self.odometry, turn) + shift)
         return missed
 
 
@@ -150,20 +150,20 @@ class _Joints:
 
 
 def georeference(
-    poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk
+    trajectory: Trajectory, fixes: Samples, frame: LocalFrame, disk: Disk
 ) -> Georeference | None:
     """Lay a dive on the earth by its fixes; None where they are too few or too close together.
 
     The dive is turned and shifted as a whole so that it fits best; what is left over is how
     odometry drifts, a random walk with a rate that wanders, smoothed over all fixes.
     """
-    joints, placed = _joints_of(poses), _placed(poses, fixes, frame, disk)
+    joints, placed = _joints_of(trajectory), _placed(trajectory, fixes, frame, disk)
     if len(placed.stamps) < FEWEST_FIXES:
         return None
     candidates = placed.chosen(_of_one_way(placed, joints))
     kept = candidates
     for _ in range(3):
-        if len(kept.stamps) < FEWEST_FIXES or np.ptp(kept.places, axis=0).max() < LEAST_EXTENT:
+        if len(kept.stamps) < FEWEST_FIXES or np.ptp(kept.odometry, axis=0).max() < LEAST_EXTENT:
             return None
         turn, shift, turn_variance = _fitted(kept)
         kept = candidates.chosen(
@@ -172,24 +172,24 @@ def georeference(
     if len(kept.stamps) < FEWEST_FIXES:
         return None
     times, drift, variances = _smoothed_drift(kept, kept.residuals(turn, shift), joints, disk)
-    left_out, ends = len(placed.stamps) - len(kept.stamps), kept.places[[0, -1]]
+    left_out, ends = len(placed.stamps) - len(kept.stamps), kept.odometry[[0, -1]]
     return Georeference(turn, shift, times, drift, variances, left_out, turn_variance, ends)
 
 
-def _placed(poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk) -> _Fixes:
+def _placed(trajectory: Trajectory, fixes: Samples, frame: LocalFrame, disk: Disk) -> _Fixes:
     """Return the fixes of which odometry says where the vehicle was."""
     stamps, values = fixes.arrays()
-    places = disk.filled(len(stamps), lambda rows: poses.at(stamps[rows]))
+    poses = disk.filled(len(stamps), lambda rows: trajectory.at(stamps[rows]))
     measured = frame.from_degrees(values[:, 0], values[:, 1])
-    placed = _Fixes(stamps, places[:, :2], measured, values[:, 2:4].mean(axis=1))
-    placed = placed.chosen(np.isfinite(places).all(axis=1))
+    placed = _Fixes(stamps, poses[:, :2], measured, values[:, 2:4].mean(axis=1))
+    placed = placed.chosen(np.isfinite(poses).all(axis=1))
     # After a clock set back a time has no second place: the poses are those of its first pass.
     return placed.chosen(placed.stamps >= np.maximum.accumulate(placed.stamps))
 
 
-def _joints_of(poses: Poses) -> _Joints:
-    rows = np.array(poses.joints, np.int64)
-    before, after = poses.stamps[rows - 1], poses.stamps[rows]
+def _joints_of(trajectory: Trajectory) -> _Joints:
+    rows = np.array(trajectory.joints, np.int64)
+    before, after = trajectory.stamps[rows - 1], trajectory.stamps[rows]
     return _Joints(before, after, (JUMP + UNSEEN_SPEED * (after - before) / NANOSECONDS) ** 2)
 
 
@@ -199,7 +199,7 @@ def _of_one_way(fixes: _Fixes, joints: _Joints) -> BoolArray:
     A receiver may begin with places of long ago, and they would turn the whole dive.
     """
     measured, moved = (
-        np.hypot(*np.diff(places, axis=0).T) for places in (fixes.measured, fixes.places)
+        np.hypot(*np.diff(points, axis=0).T) for points in (fixes.measured, fixes.odometry)
     )
     # Where fixes state less than they are off by, their scatter counts.
     scatter = (GAUSSIAN_MAD * float(np.median(np.abs(measured - moved)))) ** 2
@@ -224,7 +224,7 @@ def _fit_together(fixes: _Fixes, first: int, second: int, joints: _Joints, scatt
     `scatter` is the least variance of the difference [m²].
     """
     measured = math.dist(fixes.measured[first], fixes.measured[second])
-    moved = math.dist(fixes.places[first], fixes.places[second])
+    moved = math.dist(fixes.odometry[first], fixes.odometry[second])
     start, end = int(fixes.stamps[first]), int(fixes.stamps[second])
     variance = max(float(fixes.variances[first] + fixes.variances[second]), scatter)
     variance += joints.added(start, end) + FIRST_RATE * ((end - start) / NANOSECONDS) ** 2
@@ -232,11 +232,11 @@ def _fit_together(fixes: _Fixes, first: int, second: int, joints: _Joints, scatt
 
 
 def _fitted(fixes: _Fixes) -> tuple[float, FloatArray, float]:
-    """Return turn and shift that take the places to the measured ones, and the turn's variance."""
+    """Return turn and shift from positions by odometry to fixes, and the turn's variance."""
     weights = 1.0 / fixes.variances
     total = weights.sum()
-    own, other = (weights @ fixes.places) / total, (weights @ fixes.measured) / total
-    a, b = fixes.places - own, fixes.measured - other
+    own, other = (weights @ fixes.odometry) / total, (weights @ fixes.measured) / total
+    a, b = fixes.odometry - own, fixes.measured - other
     turn = math.atan2(
         float(weights @ (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(weights @ (a * b).sum(1))
     )

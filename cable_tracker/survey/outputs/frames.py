@@ -14,7 +14,7 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.state import POSE_SYMBOLS
 from cable_tracker.survey.frames.forward_pass import ForwardDive
 from cable_tracker.survey.frames.frame_table import AGAIN, STATUSES
-from cable_tracker.survey.navigation.poses import poses_of_rows
+from cable_tracker.survey.navigation.trajectory import poses_of_rows
 from cable_tracker.survey.routes.route import Course
 
 FRAMES = "frames.parquet"
@@ -40,12 +40,14 @@ ROW_GROUP = 4096
 def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
     """Write the table of a dive, some rows at a time."""
     count = len(dive.table)
-    poses = None if course is None else poses_of_rows(dive.table.rows, course.poses, dive.disk)
+    all_poses = (
+        None if course is None else poses_of_rows(dive.table.rows, course.trajectory, dive.disk)
+    )
     with ExitStack() as stack:
         writer: pq.ParquetWriter | None = None
         for first in range(0, max(count, 1), ROW_GROUP):
             part = slice(first, min(first + ROW_GROUP, count))
-            table = _table(recording, dive, course, poses, part)
+            table = _table(recording, dive, course, all_poses, part)
             if writer is None:
                 writer = stack.enter_context(
                     pq.ParquetWriter(path, table.schema, compression="zstd")
@@ -55,9 +57,13 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
 
 
 def _table(
-    recording: str, dive: ForwardDive, course: Course | None, poses: FloatArray | None, part: slice
+    recording: str,
+    dive: ForwardDive,
+    course: Course | None,
+    all_poses: FloatArray | None,
+    part: slice,
 ) -> pa.Table:
-    """Return some rows of the table; `poses` (N, 3) are those of the vehicle in all of them."""
+    """Return some rows of the table; `all_poses` (N, 3) are those of the vehicle in all of them."""
     rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
@@ -68,17 +74,17 @@ def _table(
         columns[name] = pa.array(rows[name], from_pandas=rows[name].dtype.kind == "f")
     columns["no_metres"] = _words(rows["reason"], dive.table.reasons)
     columns["again"] = _words(rows["again"], AGAIN)
-    places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
-    if course is not None and poses is not None:
-        places = poses[part]
+    poses, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
+    if course is not None and all_poses is not None:
+        poses = all_poses[part]
         cable, keyframe = course.cable, course.keyframes.of_rows(part)
-        known = (keyframe >= 0) & np.isfinite(places).all(axis=1)
+        known = (keyframe >= 0) & np.isfinite(poses).all(axis=1)
         keyframe = keyframe[known]
         sigma = np.sqrt(cable.covariances[keyframe, 0, 0])
         smoothed[known] = np.column_stack(
             (cable.states[keyframe, :2], sigma, cable.along[keyframe])
         )
-    for name, column in zip(("x", "y", "yaw"), places.T, strict=True):
+    for name, column in zip(("x", "y", "yaw"), poses.T, strict=True):
         columns[name] = pa.array(column, from_pandas=True)
     names = ("smoothed_aside", "smoothed_heading", "smoothed_sigma", "along")
     for name, column in zip(names, smoothed.T, strict=True):

@@ -69,7 +69,7 @@ def find_crossings(dive: ForwardDive, course: Course, start: float, piece: int) 
             heading = float(cable.states[keyframe, 1])
             beyond = (observation.ahead - float(row["look"])) / math.cos(heading)
             along = float(cable.along[keyframe]) + beyond - start
-            direction = float(keyframes.places[keyframe, 2]) + observation.angle
+            direction = float(keyframes.look_lines[keyframe, 2]) + observation.angle
             across = math.remainder(observation.angle - heading, math.pi)
             observations.append(LocatedObservation(along, direction, across, observation.row))
     return [

@@ -368,7 +368,7 @@ def _navigation(maker: _EventMaker) -> list[Event]:
     reach = round(JUMP_REACH * NANOSECONDS)
     earliest, latest = int(route.stamps.min()) - reach, int(route.stamps.max()) + reach
     events = []
-    for stamp in maker.course.poses.jumps:
+    for stamp in maker.course.trajectory.jumps:
         if not earliest <= stamp <= latest:
             continue
         point = int(np.abs(route.stamps - stamp).argmin())

@@ -13,7 +13,7 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.survey.frames.frame_table import Rows, is_claimed
 from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
 from cable_tracker.survey.navigation.georeference import Georeference
-from cable_tracker.survey.navigation.poses import Poses
+from cable_tracker.survey.navigation.trajectory import Trajectory
 from cable_tracker.survey.routes.dive_route import DiveRoute
 from cable_tracker.survey.routes.profile import LEAST_WEIGHT, SmoothedDive, make_profile
 from cable_tracker.survey.smoothing.curve_filter import SmoothedCable
@@ -43,15 +43,15 @@ class Course:
 
     Attributes
     ----------
-    poses : Poses
-        Poses of the vehicle.
+    trajectory : Trajectory
+        Trajectory of the vehicle.
     keyframes : Keyframes
         Keyframes of the dive.
     cable : SmoothedCable
         Smoothed states of the cable at the keyframes.
     """
 
-    poses: Poses
+    trajectory: Trajectory
     keyframes: Keyframes
     cable: SmoothedCable
 
@@ -138,8 +138,8 @@ def _with_margin(dive: SmoothedDive, piece: slice, claimed: _Claimed) -> slice:
 
 def _cable_points(dive: SmoothedDive, part: slice) -> FloatArray:
     """Return where the cable crosses the look lines of some keyframes, shape (K, 2) [m]."""
-    aside, yaw = dive.cable.states[part, 0], dive.keyframes.places[part, 2]
-    points: FloatArray = dive.keyframes.places[part, :2].copy()
+    aside, yaw = dive.cable.states[part, 0], dive.keyframes.look_lines[part, 2]
+    points: FloatArray = dive.keyframes.look_lines[part, :2].copy()
     points[:, 0] -= aside * np.sin(yaw)
     points[:, 1] += aside * np.cos(yaw)
     return points
@@ -168,7 +168,7 @@ class _Piece:
     def route(self) -> DiveRoute:
         """Return the route along these keyframes."""
         wanted, keyframes, disk = self._wanted, self._dive.keyframes, self._disk
-        found, following = self._at_places()
+        found, following = self._at_wanted()
         route = DiveRoute(
             start=float(wanted[0]),
             along=wanted - wanted[0],
@@ -187,10 +187,10 @@ class _Piece:
         disk.release_pages()
         return route
 
-    def _at_places(self) -> tuple[FloatArray, IndexArray]:
-        """Return the `_columns` at the wanted places (N, C), and keyframes (N,).
+    def _at_wanted(self) -> tuple[FloatArray, IndexArray]:
+        """Return the `_columns` at the wanted arc lengths (N, C), and keyframes (N,).
 
-        They are the first keyframes at or beyond the wanted places, along the cable.
+        They are the first keyframes at or beyond the wanted arc lengths.
 
         Keyframes are averaged in bins of a quarter of the spacing: a stretch seen twice is one.
         """
@@ -221,7 +221,7 @@ class _Piece:
             return mean
 
         along = means(totals[0])
-        found = [_at_even_places(wanted, along, means(total), disk) for total in totals[1:]]
+        found = [_at_even_spacing(wanted, along, means(total), disk) for total in totals[1:]]
         return np.column_stack(found), following + self._own.start
 
     def _headings(self, order: IndexArray) -> FloatArray:
@@ -235,7 +235,7 @@ class _Piece:
         turn = 0.0 if self._dive.earth is None else self._dive.earth.turn
         for part in self._disk.blocks(len(order)):
             own = order[part] + self._own.start
-            raw = keyframes.places[own, 2] + cable.states[own, 1]
+            raw = keyframes.look_lines[own, 2] + cable.states[own, 1]
             headings[order[part]] = unwrapping.apply(raw) + turn
         return headings
 
@@ -285,14 +285,14 @@ class _Piece:
             seen.extend(some)
         values = seen.rows()
         order = np.argsort(values["place"], kind="stable")
-        edges = np.cumsum(self._places_seen(values))
+        edges = np.cumsum(self._counts_of(values))
         found = np.full(len(wanted), np.nan)
         for place, (start, end) in enumerate(pairwise([0, *edges.tolist()])):
             if end > start:
                 found[place] = np.median(values["value"][order[start:end]])
         return found
 
-    def _places_seen(self, values: Rows) -> IndexArray:
+    def _counts_of(self, values: Rows) -> IndexArray:
         """Return how many values there are of each wanted place, shape (N,)."""
         counts = np.zeros(len(self._wanted), np.int64)
         for part in self._disk.blocks(len(values)):
@@ -300,13 +300,13 @@ class _Piece:
         return counts
 
 
-def _at_even_places(
-    wanted: FloatArray, places: FloatArray, values: FloatArray, disk: Disk
+def _at_even_spacing(
+    wanted: FloatArray, along: FloatArray, values: FloatArray, disk: Disk
 ) -> FloatArray:
-    """Return values (M,) at places (M,) that grow, interpolated at wanted ones (N,)."""
-    if len(places) < 2:
+    """Return values (M,) at arc lengths (M,) that grow, interpolated at wanted ones (N,)."""
+    if len(along) < 2:
         return np.full(len(wanted), values[0])
     found = np.zeros(len(wanted))
     for part in disk.blocks(len(wanted)):
-        found[part] = interpolated_locally(wanted[part], places, values)
+        found[part] = interpolated_locally(wanted[part], along, values)
     return found

@@ -61,12 +61,12 @@ class SmoothedCable(NamedTuple):
 
 
 @compiled
-def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArray:
-    """Return a cable's state at the next look line, and the arc length to it: y, h, kappa, s."""
-    turn = after[2] - place[2]
+def _moved(before: FloatArray, after: FloatArray, state: FloatArray) -> FloatArray:
+    """Return y, h, kappa of a cable at the next look line (3,), and the arc length to it."""
+    turn = after[2] - before[2]
     cos, sin = math.cos(turn), math.sin(turn)
-    dx, dy = after[0] - place[0], after[1] - place[1]
-    c0, s0 = math.cos(place[2]), math.sin(place[2])
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    c0, s0 = math.cos(before[2]), math.sin(before[2])
     ahead, aside = dx * c0 + dy * s0, -dx * s0 + dy * c0
     bx = -ahead * cos + (state[0] - aside) * sin
     by = ahead * sin + (state[0] - aside) * cos
@@ -150,14 +150,19 @@ def filter_forwards(
     `noise` is that of their claims, shape (K, 3); of the other arrays one row before the first is
     read.
     """
-    places, stamps, claims, bend = keyframes.places, keyframes.stamps, keyframes.claims, cable.bend
+    look_lines, stamps, claims, bend = (
+        keyframes.look_lines,
+        keyframes.stamps,
+        keyframes.claims,
+        cable.bend,
+    )
     along, states, covariances, piece = cable.along, cable.states, cable.covariances, cable.piece
     moved = np.zeros(4)
     for k in range(first, first + len(noise)):
         piece[k] = piece[k - 1] if k > 0 else -1
         is_new = keyframes.breaks[k]
         if not is_new:
-            moved = _moved(places[k - 1], places[k], states[k - 1])
+            moved = _moved(look_lines[k - 1], look_lines[k], states[k - 1])
             is_new = not np.isfinite(moved[3])
         if is_new:
             # The arc length since then is not of the cable before: a vehicle that has turned away
@@ -177,13 +182,13 @@ def filter_forwards(
 @compiled
 def smooth_backwards(keyframes: Keyframes, first: int, last: int, cable: SmoothedCable) -> None:
     """Smooth `cable` at the keyframes from the one before `last` back to `first`."""
-    places, stamps = keyframes.places, keyframes.stamps
+    look_lines, stamps = keyframes.look_lines, keyframes.stamps
     states, covariances, piece = cable.states, cable.covariances, cable.piece
-    for k in range(min(last, len(places) - 1) - 1, first - 1, -1):
+    for k in range(min(last, len(look_lines) - 1) - 1, first - 1, -1):
         if piece[k + 1] != piece[k]:
             continue
         # What was predicted is worked out again: kept, it would be most of what this takes.
-        moved = _moved(places[k], places[k + 1], states[k])
+        moved = _moved(look_lines[k], look_lines[k + 1], states[k])
         seconds = (stamps[k + 1] - stamps[k]) / NANOSECONDS
         mean, spread, move = _predicted(states[k], covariances[k], moved, seconds, cable.bend)
         back = covariances[k] @ move.T @ np.linalg.inv(spread)

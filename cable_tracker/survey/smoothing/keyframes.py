@@ -37,7 +37,7 @@ class Keyframes(NamedTuple):
 
     Attributes
     ----------
-    places : FloatArray
+    look_lines : FloatArray
         Position and direction of the look line in the dive's frame, shape (S, 3) [m, rad].
     stamps : IndexArray
         Shape (S,) [ns].
@@ -55,7 +55,7 @@ class Keyframes(NamedTuple):
         Those between two keyframes have no place.
     """
 
-    places: FloatArray
+    look_lines: FloatArray
     stamps: IndexArray
     claims: FloatArray
     covariances: FloatArray
@@ -88,19 +88,19 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     """
     look = filled(rows["look"], disk)
 
-    def look_lines(part: slice) -> FloatArray:
+    def look_lines_at(part: slice) -> FloatArray:
         (x, y, yaw), reach = poses[part].T, look[part]
         return np.column_stack((x + reach * np.cos(yaw), y + reach * np.sin(yaw), yaw))
 
-    places = disk.filled(len(rows), look_lines)
-    first, last = _first_and_last(places, disk)
+    look_lines = disk.filled(len(rows), look_lines_at)
+    first, last = _first_and_last(look_lines, disk)
     count = len(first)
-    own = disk.filled(count, lambda part: places[first[part]])
+    own = disk.filled(count, lambda part: look_lines[first[part]])
     claims, covariances = disk.array((count, 2)), disk.array((count, 3))
     diameters, border_steps = disk.array(count), disk.array(count)
     for part in disk.blocks(count):
         _write_claims(
-            rows, places, (first[part], last[part]),
+            rows, look_lines, (first[part], last[part]),
             (claims[part], covariances[part], diameters[part], border_steps[part]),
         )  # fmt: skip
     gaps = disk.filled(count, lambda part: step_lengths(own, part))
@@ -128,21 +128,21 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk) -> Keyframes:
     )
 
 
-def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
-    """Return rows from which, and up to but without which, keyframes go; places (N, 3).
+def _first_and_last(look_lines: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
+    """Return rows from which, and up to but without which, keyframes go; look_lines (N, 3).
 
     What was seen after the last row with a place, as while odometry is silent, is of none.
     """
     starts, ends, usable = disk.growing(np.int64), disk.growing(np.int64), -1
     latest = np.full(2, np.inf)
-    for part in disk.blocks(len(places)):
-        known = np.flatnonzero(np.isfinite(places[part]).all(axis=1))
-        found = _starts(places[part][known, :2], latest, LEAST_SPACING)
+    for part in disk.blocks(len(look_lines)):
+        known = np.flatnonzero(np.isfinite(look_lines[part]).all(axis=1))
+        found = _starts(look_lines[part][known, :2], latest, LEAST_SPACING)
         rows = known + part.start
         starts.extend(rows[found])
         ends.extend(np.append(usable, rows)[found] + 1)
         if len(found):
-            latest = places[rows[found[-1]], :2].copy()
+            latest = look_lines[rows[found[-1]], :2].copy()
         if len(rows):
             usable = int(rows[-1])
     first = starts.rows()
@@ -154,7 +154,7 @@ def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexAr
 
 def _write_claims(
     rows: Rows,
-    places: FloatArray,
+    look_lines: FloatArray,
     bounds: tuple[IndexArray, IndexArray],
     columns: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
 ) -> None:
@@ -164,10 +164,12 @@ def _write_claims(
     """
     first, last = bounds
     start, end = int(first[0]), int(last[-1])
-    rows, places = rows[start:end], places[start:end]
+    rows, look_lines = rows[start:end], look_lines[start:end]
     names = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
     table = np.column_stack([rows[name].astype(np.float64) for name in names])
-    tracked = is_claimed(rows) & np.isfinite(table).all(axis=1) & np.isfinite(places).all(axis=1)
+    tracked = (
+        is_claimed(rows) & np.isfinite(table).all(axis=1) & np.isfinite(look_lines).all(axis=1)
+    )
     clear = border_step_of(rows["profile_score"].astype(np.float32))
     claims, covariances, diameters, border_steps = columns
     for column in columns:
@@ -176,8 +178,8 @@ def _write_claims(
     edges = np.searchsorted(claimed, np.append(first, end) - start)
     for number in np.flatnonzero(np.diff(edges)):
         members = claimed[edges[number] : edges[number + 1]]
-        reference = places[first[number] - start]
-        seen = _in_frame(reference, places[members], table[members, :2])
+        reference = look_lines[first[number] - start]
+        seen = _in_frame(reference, look_lines[members], table[members, :2])
         if len(members) == 1:
             claims[number], covariances[number] = seen[0], table[members[0], 2:]
             diameters[number], border_steps[number] = (
@@ -191,9 +193,9 @@ def _write_claims(
         border_steps[number] = np.median(clear[members])
 
 
-def step_lengths(places: FloatArray, part: slice) -> FloatArray:
-    """Return how far it is to each of some places (N, 2 or more) from the one before [m]."""
-    some = places[max(part.start - 1, 0) : part.stop, :2]
+def step_lengths(points: FloatArray, part: slice) -> FloatArray:
+    """Return how far it is to each of some points (N, 2 or more) from the one before [m]."""
+    some = points[max(part.start - 1, 0) : part.stop, :2]
     steps: FloatArray = np.hypot(*np.diff(some, axis=0, prepend=some[:1]).T)
     return steps[len(steps) - (part.stop - part.start) :]
 
@@ -210,13 +212,13 @@ def summed(steps: FloatArray, disk: Disk) -> FloatArray:
 
 def filled(values: FloatArray, disk: Disk) -> FloatArray:
     """Return values (N,) with those between for what is not known."""
-    places, known = disk.growing(np.float64), disk.growing(np.float64)
+    indices, known = disk.growing(np.float64), disk.growing(np.float64)
     for part in disk.blocks(len(values)):
         some = values[part]
         there = np.flatnonzero(np.isfinite(some))
-        places.extend(there + part.start)
+        indices.extend(there + part.start)
         known.extend(some[there])
-    where, what = places.rows(), known.rows()
+    where, what = indices.rows(), known.rows()
 
     def between(part: slice) -> FloatArray:
         if len(where) < 2:
@@ -265,11 +267,11 @@ def _isolated_claims(travelled: FloatArray, claims: FloatArray, disk: Disk) -> B
     return isolated
 
 
-def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:
-    """Return claims (K, 2) made at places (K, 3) as seen from one place (3,), shape (K, 2)."""
-    turn = places[:, 2] - reference[2]
+def _in_frame(reference: FloatArray, look_lines: FloatArray, claims: FloatArray) -> FloatArray:
+    """Return claims (K, 2) at look lines (K, 3) as seen from one look line (3,), shape (K, 2)."""
+    turn = look_lines[:, 2] - reference[2]
     cos, sin = math.cos(reference[2]), math.sin(reference[2])
-    apart = places[:, :2] - reference[:2]
+    apart = look_lines[:, :2] - reference[:2]
     x = apart[:, 0] * cos + apart[:, 1] * sin - claims[:, 0] * np.sin(turn)
     y = -apart[:, 0] * sin + apart[:, 1] * cos + claims[:, 0] * np.cos(turn)
     heading = claims[:, 1] + turn
@@ -277,19 +279,19 @@ def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> 
 
 
 @compiled
-def _starts(places: FloatArray, before: FloatArray, spacing: float) -> IndexArray:
-    """Return the first of each run of places (N, 2) that are nearer together than a spacing.
+def _starts(points: FloatArray, before: FloatArray, spacing: float) -> IndexArray:
+    """Return the first of each run of points (N, 2) that are nearer together than a spacing.
 
-    The run of the place `before` (2,) may go on.
+    The run of the point `before` (2,) may go on.
     """
-    starts = np.empty(len(places), np.int64)
+    starts = np.empty(len(points), np.int64)
     x, y = before[0], before[1]
     count = 0
-    for k in range(len(places)):
-        dx, dy = places[k, 0] - x, places[k, 1] - y
+    for k in range(len(points)):
+        dx, dy = points[k, 0] - x, points[k, 1] - y
         if dx * dx + dy * dy < spacing * spacing:
             continue
-        x, y = places[k, 0], places[k, 1]
+        x, y = points[k, 0], points[k, 1]
         starts[count] = k
         count += 1
     return starts[:count]

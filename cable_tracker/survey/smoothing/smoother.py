@@ -91,7 +91,7 @@ def smooth(keyframes: Keyframes, disk: Disk, *, backward_pass: bool = True) -> S
         (1.0, 1.0),
         BEND,
     )
-    steps = disk.filled(count, lambda part: step_lengths(keyframes.places, part))
+    steps = disk.filled(count, lambda part: step_lengths(keyframes.look_lines, part))
     inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
     usual = _usual_variance(keyframes, disk)
     for _ in range(ROUNDS):

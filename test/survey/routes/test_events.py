@@ -154,7 +154,7 @@ def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
         again.poses.add(int(stamp), list(value))
     again.table = dive.table
     surveyed, course = analyse(again, SurveySettings())
-    assert len(surveyed.routes) == 2 and len(course.poses.jumps) == 1
+    assert len(surveyed.routes) == 2 and len(course.trajectory.jumps) == 1
     kinds = [[event.kind for event in placed.events] for placed in surveyed.routes]
     assert EventKind.NAVIGATION in kinds[0] and EventKind.NAVIGATION not in kinds[1]
 

@@ -9,7 +9,7 @@ def test_a_vehicle_that_stands_still_is_one_look():
     dive = make_dive(Plan(length=5.0))
     rows = dive.table.rows
     poses = np.tile([1.0, 2.0, 0.1], (len(rows), 1))
-    assert len(make_keyframes(rows, poses, DISK).places) == 1
+    assert len(make_keyframes(rows, poses, DISK).look_lines) == 1
 
 
 def test_rows_after_the_last_one_with_a_place_are_of_no_keyframe():

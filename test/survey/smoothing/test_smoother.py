@@ -11,7 +11,7 @@ def smoothed(plan: Plan):
     rows = dive.table.rows
     keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]), DISK)
     cable = smooth(keyframes, DISK)
-    where = keyframes.places.copy()
+    where = keyframes.look_lines.copy()
     where[:, 0] -= 0.7 * np.cos(where[:, 2])
     where[:, 1] -= 0.7 * np.sin(where[:, 2])
     truth = np.array([true_aside(pose, plan.bend)[0] for pose in where])
@@ -121,7 +121,7 @@ def test_claims_that_are_off_by_alike_where_sand_begins_make_nothing_sure():
     cable = smooth(keyframes, DISK)
     truth = np.array([true_aside(pose, 0.03)[0] for pose in poses[keyframes.first]])
     sigma = np.sqrt(cable.covariances[:, 0, 0])
-    edge = (keyframes.places[:, 0] > 11.0) & (keyframes.places[:, 0] < 16.0)
+    edge = (keyframes.look_lines[:, 0] > 11.0) & (keyframes.look_lines[:, 0] < 16.0)
     assert cable.scales[0] < 0.5
     assert (np.abs(cable.states[:, 0] - truth) < 1.96 * sigma)[edge].all()
 

@@ -1,4 +1,4 @@
-"""Poses of the vehicle: odometry with its jumps removed."""
+"""Trajectory of the vehicle: odometry with its jumps removed."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ BAD_PLACE = 1e7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Poses:
+class Trajectory:
     """A vehicle's trajectory in one frame, without jumps.
 
     Attributes
     ----------
     stamps : IndexArray
         Shape (N,) [ns].
-    places : FloatArray
+    poses : FloatArray
         x, y, yaw (unwrapped), shape (N, 3) [m, rad].
     jumps : tuple of int
         Stamps at which odometry began anew or jumped, or its clock did [ns].
@@ -52,7 +52,7 @@ class Poses:
     """
 
     stamps: IndexArray
-    places: FloatArray
+    poses: FloatArray
     jumps: tuple[int, ...] = ()
     strays: int = 0
     joints: tuple[int, ...] = ()
@@ -69,7 +69,7 @@ class Poses:
         around = surroundings(self.stamps, stamps)
         known = self.stamps[around]
         own, asked = (known - base) / NANOSECONDS, (stamps - base) / NANOSECONDS
-        found = interpolated(asked, own, self.places[around])
+        found = interpolated(asked, own, self.poses[around])
         after = np.clip(np.searchsorted(known, stamps), 1, len(known) - 1)
         gap = own[after] - own[after - 1]
         outside = (asked < -0.1) | (asked > end + 0.1)
@@ -77,57 +77,57 @@ class Poses:
         return found
 
 
-def joined_poses(samples: Samples, disk: Disk) -> Poses:
+def joined_trajectory(samples: Samples, disk: Disk) -> Trajectory:
     """Return the trajectory of a vehicle, with the pieces of an odometry that jumps put together.
 
     Over a jump the vehicle is taken to have gone on as before: how far it moved meanwhile is not
     known, and nothing else is.
     """
-    trajectory, jumps, strays = _in_order(samples, disk)
-    if not len(trajectory):
-        return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
-    stamps = disk.filled(len(trajectory), lambda rows: trajectory["stamp"][rows], np.int64)
-    places = disk.filled(len(trajectory), lambda rows: trajectory["place"][rows])
-    if not _states_its_speed(trajectory, disk):
-        for rows in disk.blocks(len(trajectory)):
-            trajectory["speed"][rows] = FASTEST
+    readings, jumps, strays = _in_order(samples, disk)
+    if not len(readings):
+        return Trajectory(np.zeros(0, np.int64), np.zeros((0, 3)))
+    stamps = disk.filled(len(readings), lambda rows: readings["stamp"][rows], np.int64)
+    poses = disk.filled(len(readings), lambda rows: readings["pose"][rows])
+    if not _states_its_speed(readings, disk):
+        for rows in disk.blocks(len(readings)):
+            readings["speed"][rows] = FASTEST
     broken: list[int] = []
-    for rows in disk.blocks(len(trajectory), 1):
-        broken += _broken(trajectory[rows.start - 1 : rows.stop], rows.start)
+    for rows in disk.blocks(len(readings), 1):
+        broken += _broken(readings[rows.start - 1 : rows.stop], rows.start)
     for start in broken:
-        _join_at(places, start, stamps, disk)
+        _join_at(poses, start, stamps, disk)
     jumps += [int(stamps[k]) for k in broken]
-    return Poses(stamps, places, tuple(sorted(set(jumps))), strays, tuple(broken))
+    return Trajectory(stamps, poses, tuple(sorted(set(jumps))), strays, tuple(broken))
 
 
-def poses_of_rows(rows: Rows, poses: Poses, disk: Disk) -> FloatArray:
+def poses_of_rows(rows: Rows, trajectory: Trajectory, disk: Disk) -> FloatArray:
     """Return x, y, yaw of the vehicle in the frames of a table (N,), shape (N, 3); NaN: not known.
 
     Where the clock has gone back, a time that comes again is that of two places: it counts as that
     of the first. A time without a place takes none away: the stamp of a single picture may be far
     ahead of all others.
     """
-    places: FloatArray = disk.array((len(rows), 3))
+    poses: FloatArray = disk.array((len(rows), 3))
     latest = -(2**62)
     for part in disk.blocks(len(rows)):
         stamps = rows["stamp"][part]
-        found = poses.at(stamps)
+        found = trajectory.at(stamps)
         placed = np.where(np.isfinite(found).all(axis=1), stamps, latest)
         running = np.maximum.accumulate(np.concatenate(([latest], placed)))
         found[stamps < running[:-1]] = np.nan
-        places[part], latest = found, int(running[-1])
-    return places
+        poses[part], latest = found, int(running[-1])
+    return poses
 
 
-POSE = np.dtype([("stamp", "i8"), ("place", "f8", (3,)), ("speed", "f8"), ("hidden", "f8")])
-"""x, y, yaw without jumps by a whole turn [m, rad], speed [m/s], and for how long the vehicle went
-on unseen before, as the clock had gone back [s]."""
+READING = np.dtype([("stamp", "i8"), ("pose", "f8", (3,)), ("speed", "f8"), ("hidden", "f8")])
+"""A reading of odometry: x, y, yaw without jumps by a whole turn [m, rad], speed [m/s], and for how
+long the vehicle went on unseen before, as the clock had gone back [s]."""
 
 
 def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
-    """Return usable poses whose stamps grow, where the clock went back [ns], and how many stray."""
+    """Return usable readings in order, where the clock went back [ns], and how many are strays."""
     all_stamps, all_values = samples.arrays()
-    trajectory, jumps, yaws = disk.growing(POSE), list[int](), Unwrapping()
+    readings, jumps, yaws = disk.growing(READING), list[int](), Unwrapping()
     strays = _strays(all_stamps, disk)
     latest: int | None = None
     before = hidden = 0
@@ -145,13 +145,13 @@ def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
         back = np.diff(stamps, prepend=before) < -NANOSECONDS
         jumps += running[1:][back].tolist()
         latest, before = int(running[-1]), int(stamps[-1])
-        poses = np.zeros(int(fresh.sum()), POSE)
-        poses["stamp"], poses["speed"] = stamps[fresh], values[fresh, 3]
-        poses["hidden"], hidden = _hidden(running[:-1] - stamps, fresh, hidden)
-        poses["place"][:, :2] = values[fresh, :2]
-        poses["place"][:, 2] = yaws.apply(values[fresh, 2])
-        trajectory.extend(poses)
-    return trajectory.rows(), jumps, len(strays)
+        fresh_readings = np.zeros(int(fresh.sum()), READING)
+        fresh_readings["stamp"], fresh_readings["speed"] = stamps[fresh], values[fresh, 3]
+        fresh_readings["hidden"], hidden = _hidden(running[:-1] - stamps, fresh, hidden)
+        fresh_readings["pose"][:, :2] = values[fresh, :2]
+        fresh_readings["pose"][:, 2] = yaws.apply(values[fresh, 2])
+        readings.extend(fresh_readings)
+    return readings.rows(), jumps, len(strays)
 
 
 def _strays(stamps: IndexArray, disk: Disk) -> list[int]:
@@ -207,56 +207,58 @@ def _hidden(back: IndexArray, fresh: BoolArray, before: int) -> tuple[FloatArray
     return most[:-1] / NANOSECONDS, int(most[-1])
 
 
-def _states_its_speed(poses: Rows, disk: Disk) -> bool:
-    """Tell whether the speeds of poses (N,) are those of their steps, or at least of half.
+def _states_its_speed(readings: Rows, disk: Disk) -> bool:
+    """Tell whether the speeds of readings (N,) are those of their steps, or at least of half.
 
     Odometry without a twist says 0.
     """
     moving = too_far = 0
-    for rows in disk.blocks(len(poses), 1):
-        seconds, steps = _steps(poses[rows.start - 1 : rows.stop])
-        speeds = np.maximum(poses["speed"][rows], poses["speed"][rows.start - 1 : rows.stop - 1])
+    for rows in disk.blocks(len(readings), 1):
+        seconds, steps = _steps(readings[rows.start - 1 : rows.stop])
+        speeds = np.maximum(
+            readings["speed"][rows], readings["speed"][rows.start - 1 : rows.stop - 1]
+        )
         moving += int(np.count_nonzero(steps > SLOW * seconds))
         too_far += int(np.count_nonzero(steps > (2.0 * speeds + SLOW) * seconds))
     return 2 * too_far <= moving
 
 
-def _steps(poses: Rows) -> tuple[FloatArray, FloatArray]:
-    """Return times between poses (N,), and distances, shapes (N - 1,) [s, m]."""
-    seconds = np.maximum(np.diff(poses["stamp"]) / NANOSECONDS, 0.0) + poses["hidden"][1:]
-    return seconds, np.hypot(*np.diff(poses["place"][:, :2], axis=0).T)
+def _steps(readings: Rows) -> tuple[FloatArray, FloatArray]:
+    """Return times between readings (N,), and distances, shapes (N - 1,) [s, m]."""
+    seconds = np.maximum(np.diff(readings["stamp"]) / NANOSECONDS, 0.0) + readings["hidden"][1:]
+    return seconds, np.hypot(*np.diff(readings["pose"][:, :2], axis=0).T)
 
 
-def _broken(poses: Rows, first: int) -> list[int]:
-    """Return where poses (N,) jump, the second of which has the number `first`."""
-    seconds, steps = _steps(poses)
-    speeds = np.maximum(poses["speed"][1:], poses["speed"][:-1])
+def _broken(readings: Rows, first: int) -> list[int]:
+    """Return where readings (N,) jump, the second of which has the number `first`."""
+    seconds, steps = _steps(readings)
+    speeds = np.maximum(readings["speed"][1:], readings["speed"][:-1])
     reach = JUMP + seconds * np.minimum(2.0 * speeds + SLOW, FASTEST)
-    turns = np.abs(np.diff(poses["place"][:, 2]))
+    turns = np.abs(np.diff(readings["pose"][:, 2]))
     jumps = (steps > reach) | (turns > JUMP_TURN + 2.0 * seconds)
     return [first + int(k) for k in np.flatnonzero(jumps)]
 
 
-def _join_at(places: FloatArray, start: int, stamps: IndexArray, disk: Disk) -> None:
+def _join_at(poses: FloatArray, start: int, stamps: IndexArray, disk: Disk) -> None:
     """Shift the poses from a row on so that the trajectory continues as before it."""
     before = max(start - 2, 0)
     step = max(float(stamps[start - 1] - stamps[before]), 1.0)
     share = min(float(stamps[start] - stamps[start - 1]) / step, 3.0)
-    expected = places[start - 1] + share * (places[start - 1] - places[before])
+    expected = poses[start - 1] + share * (poses[start - 1] - poses[before])
     if start - 1 == before:
-        expected = places[start - 1].copy()
-    origin = places[start].copy()
+        expected = poses[start - 1].copy()
+    origin = poses[start].copy()
     turn = float(expected[2] - origin[2])
-    for rows in disk.blocks(len(places), start):
-        places[rows, :2] = turned(places[rows, :2] - origin[:2], turn) + expected[:2]
-        places[rows, 2] += turn
+    for rows in disk.blocks(len(poses), start):
+        poses[rows, :2] = turned(poses[rows, :2] - origin[:2], turn) + expected[:2]
+        poses[rows, 2] += turn
 
 
-def turned(places: FloatArray, turn: float) -> FloatArray:
-    """Return places (N, 2) turned by an angle to the left [rad].
+def turned(points: FloatArray, turn: float) -> FloatArray:
+    """Return points (N, 2) turned by an angle to the left [rad].
 
     Written out: the last bit of a product of matrices depends on how many rows they have.
     """
     cos, sin = math.cos(turn), math.sin(turn)
-    x, y = places.T
+    x, y = points.T
     return np.column_stack((x * cos - y * sin, x * sin + y * cos))
