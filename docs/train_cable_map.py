@@ -17,19 +17,20 @@ runs, in which these came in, one after the other:
   trained on the overlap with the true map rose from 0.65 to 0.81, on two simulators that were
   written apart from this project wrong claims fell from 6.6 to 3.6 %;
 * with the third, soft, straight bands and steps of light, as lamps and the shadow of the vehicle
-  throw them, and streaks (`Changes.veiled`, `STREAKED`);
+  throw them, and streaks (`add_light_bands`, `STREAKED`);
 * with the fourth, other ground along one side of a cable or along both, single stones or another
-  tone and grain (`Changes.banked`), and dark seams (`SEAMED`): without them the network took dumped
+  tone and grain (`add_banks`), and dark seams (`SEAMED`): without them the network took dumped
   rock, or the plain ground on the other side, for a wide cable;
 * with 5000 steps more and 3500 in which there were more of them (half of the scenes in both, and in
   the fourth), trenches, strakes, overgrown cables, nets of light, animals, slack ropes, ledges of
   rock and soft bands as narrow as cables. Its weights are means of those before these 8500 steps
   and those after (`--blend`): what was new is known, and what was known is less forgotten;
-* with 4800 steps more, crisp shadows of the vehicle's frame in which the ground shows (`barred`),
-  scars of trawls (`scarred`), other ground that begins apart from the cable, so that the ground
-  between has two borders (`APART`), and cables buried over whole stretches or from one side on, a
-  quarter or more left to see (`BURIED`). Its weights are again means, chosen by the worlds to tune
-  on among shares of a half, three quarters and all of the further trained one.
+* with 4800 steps more, crisp shadows of the vehicle's frame in which the ground shows
+  (`add_frame_shadows`), scars of trawls (`add_grooves`), other ground that begins apart from the
+  cable, so that the ground between has two borders (`APART`), and cables buried over whole
+  stretches or from one side on, a quarter or more left to see (`BURIED`). Its weights are again
+  means, chosen by the worlds to tune on among shares of a half, three quarters and all of the
+  further trained one.
 
 Frames of the simulated worlds to tune on, crisp strips, and scenes in three dimensions under lamps
 (`lamplit_scenes.py`) are rendered into FOLDER once, and used again; every second frame of a world

@@ -9,9 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.map.map_network import CELL
-from map_pictures.grounds import GROUNDS, seen_aslant, waves
-from map_pictures.light import about_any_place
-from map_pictures.surface import Surface, at_pixels, coarse_noise, logistic, surface
+from map_pictures.grounds import GROUNDS, view_in_perspective, waves
+from map_pictures.light import random_coordinates
+from map_pictures.surface import Surface, coarse_noise, logistic, shares_at_pixels, surface
 
 TRENCHED = 0.2
 """Share of the cables that lie in a trench."""
@@ -23,18 +23,20 @@ SEAMED = 0.2
 """Share of the cables with a dark seam along one flank or both, where they touch the ground."""
 
 
-def visited(levels: Image, rng: np.random.Generator) -> Image:
+def add_animals_and_rope(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture with animals and, in every second one, a slack rope, in front of all."""
     deviation = float(levels.std()) + 3.0
     seen: Image = levels
     for _ in range(rng.integers(0, 6)):
-        seen = _in_front(seen, _animal(levels.shape, rng), deviation, rng)
+        seen = _draw_in_front(seen, _animal(levels.shape, rng), deviation, rng)
     if rng.random() < 0.5:
-        seen = _in_front(seen, _slack_rope(levels.shape, rng), deviation, rng)
+        seen = _draw_in_front(seen, _slack_rope(levels.shape, rng), deviation, rng)
     return seen
 
 
-def _in_front(levels: Image, shape: Image, deviation: float, rng: np.random.Generator) -> Image:
+def _draw_in_front(
+    levels: Image, shape: Image, deviation: float, rng: np.random.Generator
+) -> Image:
     """Return a picture with a shape (H, W), uint8, of one grey level, mostly with a shadow."""
     share = cv2.GaussianBlur(shape, (0, 0), rng.uniform(0.5, 1.5)).astype(np.float32) / 255.0
     if rng.random() < 0.7:
@@ -73,7 +75,7 @@ def _slack_rope(shape: tuple[int, ...], rng: np.random.Generator) -> Image:
     )
 
 
-def rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+def add_ripples(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture whose bottom has ripples: bands as straight and clear as a cable.
 
     In one of five pictures they go over the cable, too, fainter.
@@ -88,30 +90,30 @@ def rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     warp += rng.random() * np.sin(across / rng.uniform(40.0, 120.0))
     wave = np.sin(2.0 * math.pi * (across / length + phase) + warp)
     wave = np.sign(wave) * np.abs(wave) ** math.exp(rng.uniform(-1.5, 1.5))
-    cable = at_pixels(cells, levels.shape)
+    cable = shares_at_pixels(cells, levels.shape)
     over_cable = rng.uniform(0.0, 0.6) if rng.random() < 0.2 else 0.0
     share = 1.0 - cable * (1.0 - over_cable)
     return levels + np.float32(30.0 * rng.random() ** 2) * wave.astype(np.float32) * share
 
 
-def covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+def add_other_ground(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with other ground added, of one kind or two."""
-    cable = at_pixels(cells, levels.shape)
+    cable = shares_at_pixels(cells, levels.shape)
     for kind in rng.choice(len(GROUNDS), rng.integers(1, 3), replace=False):
-        ground = seen_aslant(GROUNDS[kind](rng), levels.shape, rng)
+        ground = view_in_perspective(GROUNDS[kind](rng), levels.shape, rng)
         ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
         levels = levels + ground * (1.0 - cable)
     return levels
 
 
-def banked(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+def add_banks(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with other ground along one side of the cable, or along both.
 
     Dumped rock, gravel, weed, or sand of another tone: it lies closest at the cable, or begins
     farther off, so that the ground between has two borders. Where there is no cable, it lies along
     any line: what has one border is none.
     """
-    cable = at_pixels(cells, levels.shape)
+    cable = shares_at_pixels(cells, levels.shape)
     outside, side = _sides(cells, levels.shape, rng)
     if rng.random() < APART:
         outside = outside - np.float32(5.0 * 16.0 ** rng.random())
@@ -122,9 +124,9 @@ def banked(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         is_beside = (each * side > 0.0) & (outside > -2.0)
         beside = np.where(is_beside, np.maximum(outside, 0.0) / np.float32(reach), np.inf)
         if rng.random() < 0.5:
-            levels = _dumped(levels, beside, rng)
+            levels = _add_stones(levels, beside, rng)
         else:
-            levels = _other_ground(levels, beside, 1.0 - cable, rng)
+            levels = _add_ground_beside(levels, beside, 1.0 - cable, rng)
     return levels
 
 
@@ -135,7 +137,7 @@ def _sides(cells: Image, shape: tuple[int, ...], rng: np.random.Generator) -> tu
     """
     rows, columns = np.nonzero(cells > 0.5)
     if len(rows) < 2:
-        _, aside = about_any_place(shape, math.pi * rng.random(), rng)
+        _, aside = random_coordinates(shape, math.pi * rng.random(), rng)
         return np.abs(aside), aside
     is_cable = (cells > 0.5).astype(np.uint8)
     off, deep = (
@@ -151,7 +153,7 @@ def _sides(cells: Image, shape: tuple[int, ...], rng: np.random.Generator) -> tu
     return outside, (x * across[0] + y * across[1]).astype(np.float32)
 
 
-def _dumped(levels: Image, beside: Image, rng: np.random.Generator) -> Image:
+def _add_stones(levels: Image, beside: Image, rng: np.random.Generator) -> Image:
     """Return a picture with stones, lit from one side, fewer the farther from the cable.
 
     `beside`: distance from it in units of that over which they become fewer, infinite elsewhere.
@@ -191,19 +193,19 @@ def _draw_stone(
     cv2.ellipse(picture, centre, lengths, *ends, float(level), cv2.FILLED, cv2.LINE_8, 3)
 
 
-def _other_ground(
+def _add_ground_beside(
     levels: Image, beside: Image, ground_share: Image, rng: np.random.Generator
 ) -> Image:
     """Return a picture with ground of another tone and grain beside the cable, ragged at its end.
 
-    `beside` is that of `_dumped`; `ground_share`: share of each pixel that is no cable.
+    `beside` is that of `_add_stones`; `ground_share`: share of each pixel that is no cable.
     """
-    rough = seen_aslant(waves(rng), levels.shape, rng)
+    rough = view_in_perspective(waves(rng), levels.shape, rng)
     rough *= np.float32(rng.uniform(0.0, 0.5) / max(float(rough.std()), 0.3))
     soft = np.float32(0.03 * 15.0 ** rng.random())
     shown = logistic((1.0 - np.minimum(beside, 20.0) + rough) / soft) * (beside < np.inf)
     deviation = float(levels.std()) + 3.0
-    ground = seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    ground = view_in_perspective(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
     ground *= np.float32(1.5 * rng.random() * deviation / max(float(ground.std()), 0.3))
     level = np.float32(levels.mean() + deviation * rng.normal())
     kept = np.float32(rng.random())
@@ -211,7 +213,7 @@ def _other_ground(
     return np.asarray(levels + shown * ground_share * (other - levels), np.float32)
 
 
-def seamed(levels: Image, at: Surface, both: float, rng: np.random.Generator) -> Image:
+def add_seams(levels: Image, at: Surface, both: float, rng: np.random.Generator) -> Image:
     """Return a picture with a dark seam along both flanks of a cable, or along one.
 
     `both`: probability that it is along both.
@@ -228,7 +230,7 @@ def seamed(levels: Image, at: Surface, both: float, rng: np.random.Generator) ->
     return np.asarray(levels * (1.0 - dark), np.float32)
 
 
-def trenched(levels: Image, at: Surface, rng: np.random.Generator) -> Image:
+def add_trench(levels: Image, at: Surface, rng: np.random.Generator) -> Image:
     """Return a picture whose cable lies in a trench: walls, lit from one side, and its floor."""
     rough = coarse_noise(levels.shape, (30, 40), rng)
     slope, floor = rng.normal(0.0, 0.8), rng.normal(-0.2, 0.3)
@@ -246,16 +248,16 @@ def trenched(levels: Image, at: Surface, rng: np.random.Generator) -> Image:
     return np.asarray(levels * np.exp(light * shown), np.float32)
 
 
-def scarred(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+def add_grooves(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with grooves in the ground, as trawls and anchors leave them.
 
     Their slopes are lit from one side, the ground goes on in them, and they end at the cable.
     """
-    cable = at_pixels(cells, levels.shape)
+    cable = shares_at_pixels(cells, levels.shape)
     light = np.zeros_like(levels)
     turn, slope = math.pi * rng.random(), rng.normal(0.0, 0.7)
     for _ in range(rng.integers(1, 4)):
-        _, aside = about_any_place(levels.shape, turn + 0.1 * rng.normal(), rng)
+        _, aside = random_coordinates(levels.shape, turn + 0.1 * rng.normal(), rng)
         half = np.float32(3.0 * 12.0 ** rng.random())
         aside = aside + np.float32(0.5 * rng.random()) * half * coarse_noise(
             levels.shape, (12, 16), rng
@@ -271,7 +273,7 @@ def scarred(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     return np.asarray(levels * np.exp(light * (1.0 - cable)), np.float32)
 
 
-def twinned(
+def add_parallel_cable(
     levels: Image, cells: Image, pose: FloatArray, rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Return a picture, and its map, with a second cable beside the first, wider or narrower."""
@@ -294,15 +296,15 @@ def twinned(
     return np.asarray(levels + share * (other - levels), np.float32), both
 
 
-def littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+def add_debris(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     """Return a picture with plates and blocks beside the cable, which cast their shadows one way.
 
     Their borders are as straight as those of a cable, and shorter.
     """
     height, width = levels.shape
-    cable = at_pixels(cells, levels.shape)
+    cable = shares_at_pixels(cells, levels.shape)
     deviation = np.float32(levels.std() + 5.0)
-    light, littered = 2.0 * math.pi * rng.random(), levels
+    light, found = 2.0 * math.pi * rng.random(), levels
     for _ in range(rng.integers(1, 9)):
         angles = np.sort(2.0 * math.pi * rng.random(rng.integers(3, 9)))
         radius = 6.0 * 15.0 ** rng.random()
@@ -312,12 +314,12 @@ def littered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
         thrown = radius * rng.uniform(0.0, 0.8) * np.array([math.cos(light), math.sin(light)])
         soft = rng.uniform(0.3, 1.5)
         shadow = _filled(np.vstack([corners, corners + thrown]), levels.shape, soft)
-        littered = littered * (1.0 - np.float32(rng.uniform(0.2, 0.9)) * shadow)
-        ground = seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
-        block = littered.mean() + deviation * np.float32(1.5 * rng.normal())
+        found = found * (1.0 - np.float32(rng.uniform(0.2, 0.9)) * shadow)
+        ground = view_in_perspective(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+        block = found.mean() + deviation * np.float32(1.5 * rng.normal())
         block = block + np.float32(rng.random() ** 2 / max(ground.std(), 0.3)) * deviation * ground
-        littered = littered + _filled(corners, levels.shape, soft) * (block - littered)
-    return np.asarray(littered + cable * (levels - littered), np.float32)
+        found = found + _filled(corners, levels.shape, soft) * (block - found)
+    return np.asarray(found + cable * (levels - found), np.float32)
 
 
 def _filled(corners: FloatArray, shape: tuple[int, ...], soft: float) -> Image:

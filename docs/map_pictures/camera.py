@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from map_pictures.surface import at_pixels
+from map_pictures.surface import shares_at_pixels
 
 BLURRED, STREAKED = 0.4, 0.4
 """Shares of the pictures that are blurred, and of these that are blurred one way, as by motion."""
@@ -17,25 +17,25 @@ CAPTIONED = 0.15
 """Share of the pictures with text, boxes and thin lines burned in."""
 
 
-def recorded(levels: Image, rng: np.random.Generator) -> Image:
+def record_by_camera(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture as a camera and a display record it."""
     levels = 255.0 * np.clip(levels / 255.0, 0.0, 1.0) ** np.float32(math.exp(0.3 * rng.normal()))
     if rng.random() < BLURRED:
         is_streaked = rng.random() < STREAKED
-        levels = streaked(levels, rng) if is_streaked else _defocused(levels, rng)
+        levels = blur_by_motion(levels, rng) if is_streaked else _defocus(levels, rng)
     noise = np.float32(12.0) * rng.random() ** 3
     levels = levels + noise * rng.standard_normal(levels.shape, np.float32)
     if rng.random() < CAPTIONED:
-        levels = _captioned(levels, rng)
+        levels = _add_captions(levels, rng)
     return levels.astype(np.float32)
 
 
-def _defocused(levels: Image, rng: np.random.Generator) -> Image:
+def _defocus(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture that is blurred alike in all directions."""
     return cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
 
 
-def streaked(levels: Image, rng: np.random.Generator) -> Image:
+def blur_by_motion(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture that is blurred one way, as by motion while the shutter is open."""
     length, turn = 2.0 * 8.0 ** rng.random(), math.pi * rng.random()
     reach = math.ceil(0.5 * length)
@@ -46,7 +46,7 @@ def streaked(levels: Image, rng: np.random.Generator) -> Image:
     return cv2.filter2D(levels, -1, within / within.sum(), borderType=cv2.BORDER_REFLECT)
 
 
-def _captioned(levels: Image, rng: np.random.Generator) -> Image:
+def _add_captions(levels: Image, rng: np.random.Generator) -> Image:
     """Return a picture with what a display burns in: text, some of it in boxes, and thin lines."""
     height, width = levels.shape
     written = np.clip(levels, 0.0, 255.0).astype(np.uint8)
@@ -73,23 +73,23 @@ def _captioned(levels: Image, rng: np.random.Generator) -> Image:
     return np.asarray(written, np.float32)
 
 
-def bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+def warp(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return a picture, and its map, turned, enlarged or made smaller, and bent."""
     height, width = levels.shape
     angle, zoom = 0.25 * rng.normal(), math.exp(rng.uniform(-0.15, 0.5))
     cos, sin = math.cos(angle) / zoom, math.sin(angle) / zoom
     x = np.arange(width, dtype=np.float32) - 0.5 * (width - 1)
     y = np.arange(height, dtype=np.float32)[:, None] - 0.5 * (height - 1)
-    across, down = bends(levels.shape, 8.0, (3, 4), rng)
+    across, down = random_shifts(levels.shape, 8.0, (3, 4), rng)
     across = across + np.float32(cos) * x - np.float32(sin) * y + np.float32(0.5 * (width - 1))
     down = down + np.float32(sin) * x + np.float32(cos) * y + np.float32(0.5 * (height - 1))
     moved = cv2.remap(levels, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
-    shares = at_pixels(cells, levels.shape)
+    shares = shares_at_pixels(cells, levels.shape)
     shares = cv2.remap(shares, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
     return moved, cv2.resize(shares, cells.shape[::-1], interpolation=cv2.INTER_AREA)
 
 
-def bends(
+def random_shifts(
     shape: tuple[int, ...], most: float, coarse: tuple[int, int], rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Return by how much pixels (H, W) are shifted across and down where a picture is bent [px].

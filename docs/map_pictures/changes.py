@@ -9,17 +9,24 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from map_pictures.beside_cables import (
-    banked,
-    covered,
-    littered,
-    rippled,
-    scarred,
-    twinned,
-    visited,
+    add_animals_and_rope,
+    add_banks,
+    add_debris,
+    add_grooves,
+    add_other_ground,
+    add_parallel_cable,
+    add_ripples,
 )
-from map_pictures.camera import bent, recorded
-from map_pictures.light import barred, dappled, lit, pooled, snowed, veiled
-from map_pictures.skins import with_any_skin
+from map_pictures.camera import record_by_camera, warp
+from map_pictures.light import (
+    add_caustics,
+    add_frame_shadows,
+    add_light_bands,
+    add_light_pools,
+    add_marine_snow,
+    add_uneven_light,
+)
+from map_pictures.skins import with_random_cable
 from map_pictures.surface import true_map
 
 INVERTED = 0.3
@@ -48,37 +55,55 @@ class Changes:
         What lies on the ground, or is cut into it, and in part on the cable.
     in_front : tuple of (float, View)
         Animals, a slack rope and particles before all else.
-    bent : float
-        Share of the pictures that are bent, and their maps with them.
+    warped : float
+        Share of the pictures that are warped, and their maps with them.
     of_light : tuple of (float, View)
         Light and shade.
     """
 
     of_ground: tuple[tuple[float, Ground], ...]
     in_front: tuple[tuple[float, View], ...]
-    bent: float
+    warped: float
     of_light: tuple[tuple[float, View], ...]
 
 
 OF_FRAMES = Changes(
-    of_ground=((0.3, rippled), (0.5, covered), (0.35, banked), (0.15, scarred), (0.3, littered)),
-    in_front=((0.2, visited), (0.3, snowed)),
-    bent=0.5,
-    of_light=((0.3, lit), (0.2, dappled), (0.3, pooled), (0.3, veiled), (0.15, barred)),
+    of_ground=(
+        (0.3, add_ripples),
+        (0.5, add_other_ground),
+        (0.35, add_banks),
+        (0.15, add_grooves),
+        (0.3, add_debris),
+    ),
+    in_front=((0.2, add_animals_and_rope), (0.3, add_marine_snow)),
+    warped=0.5,
+    of_light=(
+        (0.3, add_uneven_light),
+        (0.2, add_caustics),
+        (0.3, add_light_pools),
+        (0.3, add_light_bands),
+        (0.15, add_frame_shadows),
+    ),
 )
 
 OF_INVERTED_FRAMES = replace(
     OF_FRAMES,
-    of_ground=tuple(each for each in OF_FRAMES.of_ground if littered not in each),
-    of_light=tuple(each for each in OF_FRAMES.of_light if barred not in each),
+    of_ground=tuple(each for each in OF_FRAMES.of_ground if add_debris not in each),
+    of_light=tuple(each for each in OF_FRAMES.of_light if add_frame_shadows not in each),
 )
 """Without plates and the vehicle's frame, which throw shadows."""
 
 OF_SCENES = Changes(
-    of_ground=((0.1, rippled), (0.15, covered), (0.25, banked)),
-    in_front=((0.1, visited), (0.3, snowed)),
-    bent=0.5,
-    of_light=((0.15, lit), (0.1, dappled), (0.15, pooled), (0.2, veiled), (0.12, barred)),
+    of_ground=((0.1, add_ripples), (0.15, add_other_ground), (0.25, add_banks)),
+    in_front=((0.1, add_animals_and_rope), (0.3, add_marine_snow)),
+    warped=0.5,
+    of_light=(
+        (0.15, add_uneven_light),
+        (0.1, add_caustics),
+        (0.15, add_light_pools),
+        (0.2, add_light_bands),
+        (0.12, add_frame_shadows),
+    ),
 )
 """Fewer: what is added to a scene has no part in its shadows."""
 
@@ -86,37 +111,37 @@ OF_SCENES = Changes(
 def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return levels float32 (H, W) and the true map, changed as other dives would be."""
     is_inverted = rng.random() < INVERTED
-    levels, pose = with_any_skin(image.astype(np.float32), pose, not is_inverted, rng)
+    levels, pose = with_random_cable(image.astype(np.float32), pose, not is_inverted, rng)
     cells = true_map(pose)
     if not np.isnan(pose).any() and rng.random() < TWINNED:
-        levels, cells = twinned(levels, cells, pose, rng)
+        levels, cells = add_parallel_cable(levels, cells, pose, rng)
     changes = OF_INVERTED_FRAMES if is_inverted else OF_FRAMES
-    levels, cells = _changed(levels, cells, changes, rng)
-    return recorded(255.0 - levels if is_inverted else levels, rng), cells
+    levels, cells = _with_changes(levels, cells, changes, rng)
+    return record_by_camera(255.0 - levels if is_inverted else levels, rng), cells
 
 
 def augmented_scene(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return levels float32 (H, W) and the map of a scene, changed but for its shadows."""
     levels, shares = image.astype(np.float32), cells.astype(np.float32) / np.float32(255.0)
-    levels, shares = _changed(levels, shares, OF_SCENES, rng)
-    return recorded(levels, rng), shares
+    levels, shares = _with_changes(levels, shares, OF_SCENES, rng)
+    return record_by_camera(levels, rng), shares
 
 
-def _changed(
+def _with_changes(
     levels: Image, cells: Image, changes: Changes, rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Return a picture and its map with some of the changes, mirrored or not."""
     for share, change in changes.of_ground:
         if rng.random() < share:
             levels = change(levels, cells, rng)
-    levels = _viewed(levels, changes.in_front, rng)
-    if rng.random() < changes.bent:
-        levels, cells = bent(levels, cells, rng)
-    levels = _viewed(levels, changes.of_light, rng)
-    return _mirrored(levels, cells, rng)
+    levels = _with_chosen(levels, changes.in_front, rng)
+    if rng.random() < changes.warped:
+        levels, cells = warp(levels, cells, rng)
+    levels = _with_chosen(levels, changes.of_light, rng)
+    return _flip_randomly(levels, cells, rng)
 
 
-def _viewed(
+def _with_chosen(
     levels: Image, changes: tuple[tuple[float, View], ...], rng: np.random.Generator
 ) -> Image:
     """Return a picture with some changes of what lies before it, or of its light."""
@@ -126,7 +151,7 @@ def _viewed(
     return levels
 
 
-def _mirrored(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+def _flip_randomly(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return a picture and its map, mirrored along none, one or both of their sides."""
     for axis in range(2):
         if rng.random() < 0.5:

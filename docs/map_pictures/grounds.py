@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from map_pictures.surface import coarse_noise, logistic, nearest_of_any
+from map_pictures.surface import coarse_noise, logistic, nearest_random_point
 
 
-def seen_aslant(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
+def view_in_perspective(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
     """Return ground (H, W) as a camera sees it that is turned, and tilted more or less."""
     height, width = shape
     side, angle, far = len(ground), 2.0 * math.pi * rng.random(), rng.uniform(0.3, 1.0)
@@ -44,7 +44,7 @@ def waves(rng: np.random.Generator) -> Image:
 def _cobbles(rng: np.random.Generator) -> Image:
     """Return stones side by side, each of one grey level and lit from one side, dark between."""
     count = round(40.0 * 100.0 ** rng.random())
-    off, stone = nearest_of_any(count, GROUND_SIDE, rng)
+    off, stone = nearest_random_point(count, GROUND_SIDE, rng)
     levels = rng.standard_normal(int(stone.max()) + 1, np.float32)
     size = np.float32(GROUND_SIDE / math.sqrt(count))
     lit = np.gradient(off)[int(rng.integers(2))] * off / size

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from map_pictures.beside_cables import SEAMED, TRENCHED, seamed, trenched
-from map_pictures.grounds import GROUNDS, seen_aslant, waves
-from map_pictures.surface import Surface, any_pose, logistic, roughened, surface
+from map_pictures.beside_cables import SEAMED, TRENCHED, add_seams, add_trench
+from map_pictures.grounds import GROUNDS, view_in_perspective, waves
+from map_pictures.surface import Surface, logistic, random_pose, roughen, surface
 
 PAINTED = 0.4
 """Share of the cables that are painted over with a skin that no world has."""
@@ -36,28 +36,28 @@ PLAIN = 0.4
 """Share of the pictures without a cable whose ground is made plain before."""
 
 
-def with_any_skin(
+def with_random_cable(
     levels: Image, pose: FloatArray, may_be_shaded: bool, rng: np.random.Generator
 ) -> tuple[Image, FloatArray]:
     """Return a picture, and its pose, with a cable painted over, added or beside its shadow."""
     has_cable = not np.isnan(pose).any()
     if rng.random() < (PAINTED if has_cable else ADDED):
-        pose = pose if has_cable else any_pose(rng)
-        paint = _overgrown if rng.random() < OVERGROWN else _painted
+        pose = pose if has_cable else random_pose(rng)
+        paint = _overgrow_cable if rng.random() < OVERGROWN else _paint_cable
         levels, has_cable = paint(levels, pose, may_be_shaded, rng), True
     elif not has_cable and rng.random() < PLAIN:
         levels = levels.mean() + np.float32(rng.random()) * (levels - levels.mean())
     elif has_cable and may_be_shaded and rng.random() < SHADED:
         at = surface(pose, levels.shape)
-        levels = _beside_a_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
+        levels = _add_shadow(levels, at, rng.choice((-1.0, 1.0)), rng)
     if has_cable and may_be_shaded and rng.random() < SEAMED:
-        levels = seamed(levels, surface(pose, levels.shape), 0.3, rng)
+        levels = add_seams(levels, surface(pose, levels.shape), 0.3, rng)
     if has_cable and rng.random() < TRENCHED:
-        levels = trenched(levels, surface(pose, levels.shape), rng)
+        levels = add_trench(levels, surface(pose, levels.shape), rng)
     return levels, pose
 
 
-def _painted(
+def _paint_cable(
     levels: Image, pose: FloatArray, may_be_shaded: bool, rng: np.random.Generator
 ) -> Image:
     """Return a picture whose cable has a skin of any kind: shaded, striped, wound, patched.
@@ -66,22 +66,22 @@ def _painted(
     """
     at, deviation = surface(pose, levels.shape), float(levels.std()) + 3.0
     fins = _fins(at, rng) if rng.random() < FINNED else np.zeros_like(at.across)
-    skin = _bands(at, rng) + _shading(at, rng) + _relief_lit(fins, rng)
-    grain = seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    skin = _bands(at, rng) + _shading(at, rng) + _shade_relief(fins, rng)
+    grain = view_in_perspective(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
     skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
-    outside = roughened(at, rng) - np.float32(at.width * rng.uniform(0.0, 0.12)) * fins
+    outside = roughen(at, rng) - np.float32(at.width * rng.uniform(0.0, 0.12)) * fins
     share = logistic(-outside / np.float32(rng.uniform(0.3, 1.5)))
     if rng.random() < BURIED:
         share *= shown_share(at, rng)
     side = rng.choice((-1.0, 1.0))
     if may_be_shaded and rng.random() < SHADED:
-        levels = _beside_a_shadow(levels, at, side, rng)
+        levels = _add_shadow(levels, at, side, rng)
     beside = levels[(at.outside > 0.0) & (at.outside < max(at.width, 10.0))]
     around = float(beside.mean()) if len(beside) else float(levels.mean())
     painted = around + np.float32(deviation) * (contrast + np.float32(rng.uniform(0.3, 1.5)) * skin)
     if may_be_shaded and rng.random() < LAMPLIT:
-        levels, painted = _lamplit(levels, painted, at, side, rng)
+        levels, painted = _light_from_side(levels, painted, at, side, rng)
     mixed: Image = levels + share.astype(np.float32) * (painted - levels)
     return mixed
 
@@ -92,7 +92,7 @@ def shown_share(at: Surface, rng: np.random.Generator) -> Image:
     It covers patches, whole stretches, or the cable from one side on, and leaves a quarter or more
     of it.
     """
-    cover = seen_aslant(waves(rng), at.across.shape, rng)
+    cover = view_in_perspective(waves(rng), at.across.shape, rng)
     cover /= np.float32(max(float(cover.std()), 0.3))
     lying = rng.random()
     if lying < 0.3:
@@ -108,7 +108,7 @@ def shown_share(at: Surface, rng: np.random.Generator) -> Image:
     return cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
 
 
-def _overgrown(
+def _overgrow_cable(
     levels: Image, pose: FloatArray, may_be_shaded: bool, rng: np.random.Generator
 ) -> Image:
     """Return a picture with a cable that is grown over with what lies beside it.
@@ -122,13 +122,13 @@ def _overgrown(
     beside = cv2.warpAffine(levels, moved, levels.shape[::-1], borderMode=cv2.BORDER_REFLECT)
     skin = np.float32(0.3 * rng.normal()) + np.float32(rng.uniform(0.3, 1.5)) * _shading(at, rng)
     grown = beside + np.float32(deviation) * skin
-    share = logistic(-roughened(at, rng) / np.float32(rng.uniform(0.5, 3.0)))
+    share = logistic(-roughen(at, rng) / np.float32(rng.uniform(0.5, 3.0)))
     mixed = levels + share.astype(np.float32) * (grown - levels)
     # A single seam on ground that goes on behind it would be a thin cable.
-    return seamed(mixed, at, 1.0, rng) if may_be_shaded else mixed
+    return add_seams(mixed, at, 1.0, rng) if may_be_shaded else mixed
 
 
-def _beside_a_shadow(levels: Image, at: Surface, side: float, rng: np.random.Generator) -> Image:
+def _add_shadow(levels: Image, at: Surface, side: float, rng: np.random.Generator) -> Image:
     """Return ground on which a cable casts a shadow to one side.
 
     It fades out, or it has an end; then the ground in it shows through, and it may lie apart from
@@ -152,7 +152,7 @@ def _beside_a_shadow(levels: Image, at: Surface, side: float, rng: np.random.Gen
     return np.asarray(levels * (1.0 - rng.uniform(0.1, 0.9) * within), np.float32)
 
 
-def _lamplit(
+def _light_from_side(
     levels: Image, painted: Image, at: Surface, side: float, rng: np.random.Generator
 ) -> tuple[Image, Image]:
     """Return ground and cable under a lamp at one side: the other lies in the body's shadow.
@@ -205,7 +205,7 @@ def _fins(at: Surface, rng: np.random.Generator) -> Image:
     return heights
 
 
-def _relief_lit(heights: Image, rng: np.random.Generator) -> Image:
+def _shade_relief(heights: Image, rng: np.random.Generator) -> Image:
     """Return the shading of heights, 0 to 1, lit from one side and of another grey level."""
     slope = np.gradient(cv2.GaussianBlur(heights, (0, 0), 1.0))[int(rng.integers(2))]
     lit = np.float32(rng.normal()) * slope / np.float32(max(float(np.abs(slope).max()), 0.05))

@@ -28,7 +28,7 @@ def true_map(pose: FloatArray) -> Image:
     return strip_shares(np.concatenate([pose, np.zeros(4)]), where)
 
 
-def any_pose(rng: np.random.Generator) -> FloatArray:
+def random_pose(rng: np.random.Generator) -> FloatArray:
     """Draw the pose of a cable: d [px], alpha [rad], w [px], beta [rad]."""
     distance = rng.uniform(-0.35, 0.35) * WORLD_SIZE[0]
     is_thin = rng.random() < 0.5
@@ -79,7 +79,7 @@ def surface(pose: FloatArray, shape: tuple[int, ...]) -> Surface:
     )
 
 
-def roughened(at: Surface, rng: np.random.Generator) -> Image:
+def roughen(at: Surface, rng: np.random.Generator) -> Image:
     """Return `outside` [px] with borders roughened at random."""
     rough = coarse_noise(at.outside.shape, (40, 53), rng)
     return np.asarray(at.outside + np.float32(0.15 * at.width * rng.random() ** 2) * rough)
@@ -92,7 +92,9 @@ def coarse_noise(
     return cv2.resize(rng.standard_normal(coarse, np.float32), shape[::-1])
 
 
-def nearest_of_any(count: int, side: int, rng: np.random.Generator) -> tuple[Image, IndexArray]:
+def nearest_random_point(
+    count: int, side: int, rng: np.random.Generator
+) -> tuple[Image, IndexArray]:
     """Return the distance of pixels (side, side) from the nearest random point, and its number."""
     apart = np.ones((side, side), np.uint8)
     points = rng.integers(0, side, (count, 2))
@@ -102,7 +104,7 @@ def nearest_of_any(count: int, side: int, rng: np.random.Generator) -> tuple[Ima
     )
 
 
-def at_pixels(cells: Image, shape: tuple[int, ...]) -> Image:
+def shares_at_pixels(cells: Image, shape: tuple[int, ...]) -> Image:
     """Return shares of cells (H / 4, W / 4) interpolated to the pixels (H, W)."""
     return cv2.resize(cells, shape[::-1], interpolation=cv2.INTER_LINEAR)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_pictures.camera import bent
+from map_pictures.camera import warp
 from map_pictures.changes import augmented, augmented_scene
-from map_pictures.surface import any_pose, true_map
+from map_pictures.surface import random_pose, true_map
 
 SHAPE = (240, 320)
 UPRIGHT = np.array([0.0, 0.0, 60.0, 0.0])
@@ -28,7 +28,7 @@ def rng():
 @given(seed=seeds, has_cable=st.booleans())
 def test_a_changed_picture_is_finite_and_its_map_has_shares(seed, has_cable):
     rng = np.random.default_rng(seed)
-    pose = any_pose(rng) if has_cable else NO_CABLE
+    pose = random_pose(rng) if has_cable else NO_CABLE
     levels, cells = augmented(ground(rng).astype(np.uint8), pose, rng)
     assert levels.shape == SHAPE
     assert levels.dtype == np.float32
@@ -56,7 +56,7 @@ def test_a_map_covers_the_cable_and_nothing_else():
 def test_a_picture_that_is_bent_takes_its_map_with_it(rng):
     cells = true_map(UPRIGHT)
     levels = 200.0 * np.kron(cells, np.ones((4, 4), np.float32))
-    moved, shares = bent(levels, cells, rng)
+    moved, shares = warp(levels, cells, rng)
     seen = moved.reshape(60, 4, 80, 4).mean((1, 3)) / 200.0
     assert np.abs(seen - shares).mean() < 0.02
     assert not np.allclose(shares, cells)

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_pictures import lamplit_scenes as scenes
+from map_pictures import ray_casting
 
 DOWN = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
 FOCAL_LENGTH = 300.0
 
 
 def upright_tube(*, radius, height):
-    skin = np.full((scenes.SIDE, scenes.SIDE), 0.3, np.float32)
-    return scenes.Tube((0.0, 0.0, height), (0.0, 1.0, 0.0), radius, skin, 0.0)
+    skin = np.full((ray_casting.SIDE, ray_casting.SIDE), 0.3, np.float32)
+    return ray_casting.Tube((0.0, 0.0, height), (0.0, 1.0, 0.0), radius, skin, 0.0)
 
 
 def scene(tube, *lamps):
-    flat = np.zeros((scenes.SIDE, scenes.SIDE), np.float32)
-    return scenes.Scene(
+    flat = np.zeros((ray_casting.SIDE, ray_casting.SIDE), np.float32)
+    return ray_casting.Scene(
         view=DOWN,
         focal_length=FOCAL_LENGTH,
         relief=flat,
@@ -38,7 +38,7 @@ ABOVE = (0.0, 0.0, 1.0)
 @settings(max_examples=10, deadline=None)
 @given(radius=st.floats(0.03, 0.2), height=st.floats(0.0, 0.4))
 def test_a_cable_is_as_wide_as_its_silhouette(radius, height):
-    _, cable = scenes.rendered(scene(upright_tube(radius=radius, height=height), ABOVE))
+    _, cable = ray_casting.render_scene(scene(upright_tube(radius=radius, height=height), ABOVE))
     away = 1.0 - height
     if height >= radius:
         half = radius / math.sqrt(away**2 - radius**2)
@@ -51,8 +51,10 @@ def test_a_cable_is_as_wide_as_its_silhouette(radius, height):
 
 
 def test_the_shadow_lies_on_the_side_away_from_the_lamp():
-    with_it, cable = scenes.rendered(scene(upright_tube(radius=0.05, height=0.05), LEFT_OF_IT))
-    without_it, _ = scenes.rendered(scene(None, LEFT_OF_IT))
+    with_it, cable = ray_casting.render_scene(
+        scene(upright_tube(radius=0.05, height=0.05), LEFT_OF_IT)
+    )
+    without_it, _ = ray_casting.render_scene(scene(None, LEFT_OF_IT))
     darker = np.flatnonzero(((with_it < 0.4 * without_it) & (cable == 0.0))[120])
     assert darker.size > 5
     assert darker.min() > 160
