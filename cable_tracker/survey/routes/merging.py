@@ -13,27 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
-from cable_tracker.survey.routes.dive_route import DiveRoute
-from cable_tracker.survey.routes.events import Event, EventKind
-from cable_tracker.survey.routes.merged_events import merged_events
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, interpolated, true_runs
+from cable_tracker.survey.routes.axis import Axis, directions_of
+from cable_tracker.survey.routes.events import HIDDEN_WORDS, Event, EventKind, hidden_detail
 from cable_tracker.survey.routes.merged_route import MergedRoute, PlacedRoute
 from cable_tracker.survey.routes.route import SPACING
 
-REACH = 5.0
-"""Routes farther apart are not of one cable [m]; `SIGMAS` standard deviations if these are more."""
-
-SIGMAS = 4.0
-
 LEAST_OVERLAP = 5.0
 """Dives that share a shorter stretch are not of one route [m]."""
-
-ALONG, ROUGHLY_ALONG = 0.9, 0.5
-"""Least cosine of the angle between two routes of one cable, whichever way they run, and of that
-with the points of an axis that are far apart."""
-
-NOT_ALONG = 1e6
-"""What another direction counts for, beside the distance [m]."""
 
 DISAGREEMENT = 10.8
 """Chi square of one degree of freedom that sound dives exceed once in a thousand times."""
@@ -42,24 +29,16 @@ LEAST_DISAGREEMENT = 2.0
 """Dives that disagree over a shorter stretch are no event [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Axis:
-    """What routes are laid beside.
+SAME_EVENT = 3.0
+"""Events of one kind in several dives are one if their beginnings and their ends are so near [m],
+or if they share `SAME_SHARE` of the longer one."""
 
-    Attributes
-    ----------
-    places : FloatArray
-        x, y, shape (N, 2) [m].
-    sigmas : FloatArray
-        Standard deviation across it, shape (N,) [m].
-    """
-
-    places: FloatArray
-    sigmas: FloatArray
+SAME_SHARE = 0.5
+"""See `SAME_EVENT`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Beside:
+class _RouteOnAxis:
     """A route as seen from an axis of N points; NaN where it does not reach.
 
     Where it has left the cable of the axis it does not count. `along` holds the arc
@@ -108,15 +87,15 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     while left:
         # The longest first.
         left.sort(key=lambda each: float(each.route.along[0] - each.route.along[-1]))
-        axis, begin = _Axis(left[0].route.places, left[0].route.total_sigmas), 0
+        axis, begin = Axis(left[0].route.places, left[0].route.total_sigmas), 0
         group, left = [left[0]], left[1:]
         # What prolongs the axis may bring others within reach.
         while True:
-            near = [each for each in left if _overlap(axis, each.route) >= LEAST_OVERLAP]
+            near = [each for each in left if axis.overlap(each.route) >= LEAST_OVERLAP]
             if not near:
                 break
             for each in near:
-                axis, added = _prolonged(axis, each.route)
+                axis, added = axis.extended(each.route)
                 begin += added
             group += near
             left = [each for each in left if each not in near]
@@ -128,10 +107,10 @@ def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
     return merged
 
 
-def _departed(axis: _Axis, placed: PlacedRoute) -> list[PlacedRoute]:
+def _departed(axis: Axis, placed: PlacedRoute) -> list[PlacedRoute]:
     """Return the stretches on which a dive has left an axis, with their events."""
     route = placed.route
-    away = ~_of_one_cable(axis, route, *_along_and_aside(axis.places, route.places))
+    away = ~axis.is_along(route, *axis.coordinates(route.places))
     return [
         _stretch(placed, slice(first, last))
         for first, last in true_runs(away)
@@ -158,162 +137,56 @@ def _without(placed: PlacedRoute, stretches: Sequence[PlacedRoute]) -> PlacedRou
     return replace(placed, events=tuple(e for e in placed.events if id(e) not in moved))
 
 
-def _directions(axis: FloatArray) -> FloatArray:
-    steps = np.gradient(axis, axis=0)
-    length = np.maximum(np.hypot(*steps.T), 1e-9)
-    directions: FloatArray = steps / length[:, None]
-    return directions
-
-
-def _along_and_aside(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return for the points of a route (M, 2) how far along an axis [points] and to its left [m].
-
-    Places beyond its ends have an arc length below 0 or above N - 1. Where the axis crosses itself,
-    the branch counts that runs as the route does.
-    """
-    from_axis = np.empty((len(places), 2))
-    directions, own_directions = _directions(axis), _directions(places)
-    block = 512
-    for begin in range(0, len(places), block):
-        part = places[begin : begin + block]
-        nearest = _nearest(axis, directions, part, own_directions[begin : begin + block])
-        apart = part - axis[nearest]
-        beyond = (apart * directions[nearest]).sum(axis=1) / SPACING
-        normal = np.column_stack((-directions[nearest, 1], directions[nearest, 0]))
-        from_axis[begin : begin + block, 0] = nearest + beyond
-        from_axis[begin : begin + block, 1] = (apart * normal).sum(axis=1)
-    return from_axis[:, 0], from_axis[:, 1]
-
-
-def _nearest(
-    axis: FloatArray, directions: FloatArray, places: FloatArray, own_directions: FloatArray
-) -> IndexArray:
-    """Return the axis' nearest point for each place: of every 16th first, then of those around.
-
-    What runs along the place's own direction, whichever way, is nearer than all that does not.
-    """
-    stride = 16
-
-    def away(points: FloatArray, courses: FloatArray, least: float) -> FloatArray:
-        squares: FloatArray = ((places[:, None] - points) ** 2).sum(axis=2)
-        cosines = np.abs((own_directions[:, None] * courses).sum(axis=2))
-        return np.where(cosines > least, squares, squares + NOT_ALONG**2)
-
-    coarse = away(axis[None, ::stride], directions[None, ::stride], ROUGHLY_ALONG).argmin(axis=1)
-    begin = np.clip((coarse - 1) * stride, 0, max(len(axis) - 2 * stride - 1, 0))
-    window = np.minimum(begin[:, None] + np.arange(2 * stride + 1), len(axis) - 1)
-    fine = away(axis[window], directions[window], ALONG).argmin(axis=1)
-    nearest: IndexArray = window[np.arange(len(places)), fine]
-    return nearest
-
-
-def _overlap(axis: _Axis, route: DiveRoute) -> float:
-    """Return the length of the longest stretch that a route shares with an axis [m]."""
-    along, aside = _along_and_aside(axis.places, route.places)
-    shared = (
-        (along >= 0) & (along <= len(axis.places) - 1) & _of_one_cable(axis, route, along, aside)
-    )
-    return max((last - first for first, last in true_runs(shared)), default=0) * SPACING
-
-
-def _nearest_points(axis: _Axis, along: FloatArray) -> IndexArray:
-    """Return the points of an axis that are nearest to arc lengths along it (M,), in points."""
-    nearest: IndexArray = np.clip(np.round(along), 0, len(axis.places) - 1).astype(np.int64)
-    return nearest
-
-
-def _in_reach(axis: _Axis, route: DiveRoute, along: FloatArray, aside: FloatArray) -> BoolArray:
-    """Tell which points of a route (N,) are not too far from an axis for one cable.
-
-    `along` and `aside` are those of `_along_and_aside`.
-    """
-    sigmas = np.hypot(route.total_sigmas, axis.sigmas[_nearest_points(axis, along)])
-    in_reach: BoolArray = np.abs(aside) <= np.maximum(REACH, SIGMAS * sigmas)
-    return in_reach
-
-
-def _of_one_cable(axis: _Axis, route: DiveRoute, along: FloatArray, aside: FloatArray) -> BoolArray:
-    """Tell which points of a route (N,) are near an axis, and run along it; see `_in_reach`."""
-    directions = _directions(axis.places)[_nearest_points(axis, along)]
-    cosines = (_directions(route.places) * directions).sum(axis=1)
-    fits: BoolArray = _in_reach(axis, route, along, aside) & (np.abs(cosines) > ALONG)
-    return fits
-
-
-def _prolonged(axis: _Axis, route: DiveRoute) -> tuple[_Axis, int]:
-    """Return an axis with what a route has beyond its ends, unless it left the cable before.
-
-    And how many points that is before its beginning.
-    """
-    along, aside = _along_and_aside(axis.places, route.places)
-    places, sigmas, in_reach = (
-        route.places, route.total_sigmas, _in_reach(axis, route, along, aside)
-    )  # fmt: skip
-    if along[-1] < along[0]:
-        along, places, sigmas, in_reach = along[::-1], places[::-1], sigmas[::-1], in_reach[::-1]
-    before = np.flatnonzero(along < -0.5)
-    after = np.flatnonzero(along > len(axis.places) - 0.5)
-    parts, doubts, added = [axis.places], [axis.sigmas], 0
-    if len(before) and in_reach[before[-1]]:
-        shift = axis.places[0] - _directions(axis.places)[0] * SPACING - places[before[-1]]
-        parts.insert(0, places[before] + shift)
-        doubts.insert(0, sigmas[before])
-        added = len(before)
-    if len(after) and in_reach[after[0]]:
-        shift = axis.places[-1] + _directions(axis.places)[-1] * SPACING - places[after[0]]
-        parts.append(places[after] + shift)
-        doubts.append(sigmas[after])
-    return _Axis(np.concatenate(parts), np.concatenate(doubts)), added
-
-
-def _beside(axis: _Axis, placed: PlacedRoute, begin: int | None) -> _Beside:
-    """Lay a route beside an axis.
+def _on_axis(axis: Axis, placed: PlacedRoute, begin: int | None) -> _RouteOnAxis:
+    """Return a route at the points of an axis.
 
     `begin` is the index of its first point on an axis that was made of it, which counts all along;
     None for other routes.
     """
     route, is_axis = placed.route, begin is not None
     if begin is None:
-        all_along, aside = _along_and_aside(axis.places, route.places)
+        all_along, aside = axis.coordinates(route.places)
     else:
         # Not looked for: a cable that crosses itself comes near to itself.
         count = len(route.along)
         all_along, aside = begin + np.arange(count, dtype=np.float64), np.zeros(count)
     order = np.argsort(all_along, kind="stable")
-    along, asked = all_along[order], np.arange(len(axis.places), dtype=np.float64)
+    along, asked = all_along[order], np.arange(len(axis.points), dtype=np.float64)
     reaches = (asked >= along[0] - 0.5) & (asked <= along[-1] + 0.5)
     visible, unjudged = (x.astype(float) for x in (route.visible(), route.unjudged()))
 
-    def on_axis(values: FloatArray) -> FloatArray:
+    def interpolated_at(values: FloatArray) -> FloatArray:
         found = np.interp(asked, along, values[order])
         return np.where(reaches, found, np.nan)
 
-    of_one_cable = is_axis | _of_one_cable(axis, route, all_along, aside)[order]
+    of_one_cable = is_axis | axis.is_along(route, all_along, aside)[order]
     counts = reaches & (np.interp(asked, along, of_one_cable) == 1.0)
 
     def of_the_cable(values: FloatArray) -> FloatArray:
-        return np.where(counts, on_axis(values), np.nan)
+        return np.where(counts, interpolated_at(values), np.nan)
 
-    return _Beside(
+    return _RouteOnAxis(
         placed.recording,
         all_along,
-        on_axis(aside),
+        interpolated_at(aside),
         counts,
-        on_axis(route.total_sigmas**2),
-        np.where(counts & ~(on_axis(unjudged) > 0.5), on_axis(visible) > 0.5, np.nan),
+        interpolated_at(route.total_sigmas**2),
+        np.where(
+            counts & ~(interpolated_at(unjudged) > 0.5), interpolated_at(visible) > 0.5, np.nan
+        ),
         of_the_cable(route.diameters),
         of_the_cable(np.abs(route.asides)),
     )
 
 
-def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> MergedRoute:
+def _merged(of_group: Axis, begin: int, group: Sequence[PlacedRoute]) -> MergedRoute:
     """Merge a group; from its point number `begin` on, the axis is the first one's route."""
-    axis = of_group.places
-    beside = [_beside(of_group, each, begin if each is group[0] else None) for each in group]
+    axis = of_group.points
+    beside = [_on_axis(of_group, each, begin if each is group[0] else None) for each in group]
     counts = np.array([each.counts for each in beside])
     asides = np.where(counts, [each.asides for each in beside], np.nan)
     mean = _weighted_mean(asides, np.array([each.variances for each in beside]))
-    directions = _directions(axis)
+    directions = directions_of(axis)
     normal = np.column_stack((-directions[:, 1], directions[:, 0]))
     places = axis + mean.asides[:, None] * normal
     recordings = [each.recording for each in beside]
@@ -321,7 +194,7 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     merged = MergedRoute(
         along=np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T)))),
         places=places,
-        headings=np.unwrap(np.arctan2(*_directions(places).T[::-1])),
+        headings=np.unwrap(np.arctan2(*directions_of(places).T[::-1])),
         sigmas=mean.sigmas,
         visible=_mean([each.visible for each in beside]),
         diameters=_mean([each.diameters for each in beside]),
@@ -332,7 +205,7 @@ def _merged(of_group: _Axis, begin: int, group: Sequence[PlacedRoute]) -> Merged
     )
     apart = (mean.counts > 1) & (mean.excess > DISAGREEMENT)
     disagreements = _disagreements(merged, apart, asides, recordings)
-    events = [*merged_events(merged, group, [each.along for each in beside]), *disagreements]
+    events = [*_merged_events(merged, group, [each.along for each in beside]), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return replace(merged, events=tuple(events))
 
@@ -396,3 +269,66 @@ def _disagreements(
         kind = EventKind.DISAGREEMENT
         events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events
+
+
+def _merged_events(
+    route: MergedRoute, group: Sequence[PlacedRoute], along_axis: Sequence[FloatArray]
+) -> list[Event]:
+    """Take the events of all dives to the merged route; what was seen several times is one.
+
+    `along_axis` holds the arc lengths of the dives' own points along the axis, in points.
+    """
+    seen: list[tuple[int, Event]] = []
+    points = np.arange(len(route.along))
+    for number, (placed, along) in enumerate(zip(group, along_axis, strict=True)):
+        for event in placed.events:
+            ends = np.interp([event.along, event.end], placed.route.along, along)
+            start, end = np.interp(ends, points, route.along).tolist()
+            told = event if start <= end else event.reversed()
+            start, end = sorted((start, end))
+            x, y = interpolated(start, route.along, route.places).tolist()
+            seen.append((number, replace(told, along=start, end=end, place=(x, y))))
+    return _joined_events(route, sorted(seen, key=lambda each: (each[1].kind.value, each[1].along)))
+
+
+def _joined_events(route: MergedRoute, events: Sequence[tuple[int, Event]]) -> list[Event]:
+    """Join events (number of the dive, event): each dive has seen one once."""
+    groups: list[list[tuple[int, Event]]] = []
+    for number, event in events:
+        for group in reversed(groups[-4:]):
+            is_other_dive = all(number != each for each, _ in group)
+            if is_other_dive and _is_same_event(event, [each for _, each in group]):
+                group.append((number, event))
+                break
+        else:
+            groups.append([(number, event)])
+    return [_joined_event(route, [event for _, event in group]) for group in groups]
+
+
+def _is_same_event(event: Event, group: Sequence[Event]) -> bool:
+    """Tell whether an event is the one that several dives saw."""
+    if group[0].kind is not event.kind:
+        return False
+    start, end = _span_of(group)
+    shared = min(end, event.end) - max(start, event.along)
+    off = max(abs(event.along - start), abs(event.end - end))
+    return off <= SAME_EVENT or shared >= SAME_SHARE * max(end - start, event.end - event.along)
+
+
+def _span_of(group: Sequence[Event]) -> tuple[float, float]:
+    """Return from where to where an event goes that several dives saw [m]."""
+    along = float(np.median([each.along for each in group]))
+    return along, max(along, float(np.median([each.end for each in group])))
+
+
+def _joined_event(route: MergedRoute, group: Sequence[Event]) -> Event:
+    """Put an event that several dives saw together; the dive nearest to its beginning shows it."""
+    if len(group) == 1:
+        return group[0]
+    along, end = _span_of(group)
+    x, y = interpolated(along, route.along, route.places).tolist()
+    nearest = min(group, key=lambda each: abs(each.along - along))
+    others = tuple(sorted({each.recording for each in group} - {nearest.recording}))
+    is_hidden = nearest.kind in HIDDEN_WORDS
+    detail = hidden_detail(nearest.kind, end - along) if is_hidden else nearest.detail
+    return replace(nearest, along=along, end=end, place=(x, y), detail=detail, others=others)
