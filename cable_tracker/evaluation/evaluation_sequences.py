@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -21,10 +21,10 @@ from cable_tracker.sequences.source import open_chosen
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenarios.catalogue import SCENARIOS
 from cable_tracker.simulation.scenarios.scenario_dive import simulate_scenario
-from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world, worlds_of
 from cable_tracker.simulation.worlds.crisp import simulate_strip
 from cable_tracker.simulation.worlds.ground import photographs_of
-from cable_tracker.simulation.worlds.world import World
+from cable_tracker.simulation.worlds.world import Split
 
 THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 """Scenarios like the sequences of the thesis."""
@@ -307,14 +307,17 @@ def available_sequences(
     return tuple(each for each in sequences if each.name not in left_out), left_out
 
 
-def available_worlds(
-    worlds: Iterable[World], limit: int | None = None
-) -> tuple[tuple[SimulatedSequence, ...], dict[str, str]]:
-    """Return the worlds that can be drawn here, and why each other one cannot, by its name.
+def reported_worlds(
+    limit: int | None = None, *, with_cable: bool = False
+) -> tuple[tuple[SimulatedSequence, ...], tuple[str, ...]]:
+    """Return the worlds to report on that can be drawn here, and a note on each other one.
 
-    `limit`: number of frames used of each.
+    `limit`: number of frames used of each, None: all; `with_cable`: only worlds with a cable.
     """
-    return _drawable([WorldSequence(world.name, limit) for world in worlds])
+    worlds = (world for world in worlds_of(Split.REPORT) if world.has_cable or not with_cable)
+    drawable, left_out = _drawable([WorldSequence(world.name, limit) for world in worlds])
+    notes = tuple(f"`{name}` is left out: {reason}" for name, reason in left_out.items())
+    return drawable, notes
 
 
 def _drawable(
@@ -337,8 +340,3 @@ def frames_in_all(counts: Iterable[int | None], runs: int = 1) -> int | None:
     """Return how many frames sequences have in so many runs of each; None if one does not say."""
     known = list(counts)
     return None if None in known else runs * sum(count or 0 for count in known)
-
-
-def left_out_notes(left_out: Mapping[str, str]) -> tuple[str, ...]:
-    """Return a note in Markdown about each sequence left out; `left_out`: reasons by name."""
-    return tuple(f"`{name}` is left out: {reason}" for name, reason in left_out.items())

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.cable.model.state import ANGLE, POSE_COMPONENTS, POSE_SIZE
 from cable_tracker.evaluation.metrics.consistency import coverage
-from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.runs import RunResult, chosen, methods_of
 from cable_tracker.evaluation.sample_statistics import percentages
-from cable_tracker.evaluation.tables import chosen, methods_of
 from cable_tracker.evaluation.trace import Trace
 from cable_tracker.visualisation.figure_files import (
     broken_at_wraps,

@@ -12,21 +12,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.state import POSE_SYMBOLS
+from cable_tracker.evaluation.csv_files import CSV_FILES, runs_csv
 from cable_tracker.evaluation.failure_criteria import LOST_DISTANCE
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
 from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
 from cable_tracker.evaluation.metrics.run_metrics import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.result_table import format_number
-from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.runs import RunResult, chosen, methods_of, sequences_of
 from cable_tracker.evaluation.sample_statistics import Spread
-from cable_tracker.evaluation.tables import (
-    CSV_FILES,
-    chosen,
-    methods_of,
-    runs_csv,
-    sequences_of,
-)
 
 REPORT = "report.html"
 TEMPLATE = "report.html.j2"

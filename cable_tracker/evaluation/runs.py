@@ -215,3 +215,24 @@ def run_together(
             run.process(frame)
         advance(1)
     return [run.result(sequence) for run in runs]
+
+
+def sequences_of(results: Iterable[RunResult]) -> list[str]:
+    """Return the names of the sequences, in the order in which they come."""
+    return list(dict.fromkeys(result.sequence for result in results))
+
+
+def methods_of(results: Iterable[RunResult]) -> list[str]:
+    """Return the names of the methods, in the order in which they come."""
+    return list(dict.fromkeys(result.method for result in results))
+
+
+def chosen(
+    results: Iterable[RunResult], *, sequence: str | None = None, method: str | None = None
+) -> list[RunResult]:
+    """Return the runs of a sequence, or of a method, or of both."""
+    return [
+        result
+        for result in results
+        if sequence in (None, result.sequence) and method in (None, result.method)
+    ]

@@ -10,8 +10,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     WorldSequence,
     available_sequences,
-    available_worlds,
-    left_out_notes,
+    reported_worlds,
     simulated_sequences,
 )
 from cable_tracker.sequences.encodings import decode_grey
@@ -133,14 +132,13 @@ def test_a_world_is_judged_by_its_truth():
 
 def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
-    sequences, left_out = available_worlds(worlds_of(Split.REPORT), 7)
+    sequences, notes = reported_worlds(7)
     assert sequences
     assert {sequence.frame_count() for sequence in sequences} == {7}
     assert not any(sequence.name.startswith("tune") for sequence in sequences)
-    assert set(left_out) == {"report_inspection", "report_inspection_hard", "report_empty"}
-    notes = left_out_notes(left_out)
-    assert len(notes) == 3
-    assert all(note.startswith("`report_") and FOLDER_VARIABLE in note for note in notes)
+    named = {note.removeprefix("`").partition("` is left out: ")[0] for note in notes}
+    assert named == {"report_inspection", "report_inspection_hard", "report_empty"}
+    assert all(FOLDER_VARIABLE in note for note in notes)
 
 
 @pytest.fixture

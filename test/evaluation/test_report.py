@@ -5,6 +5,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from cable_tracker.evaluation.csv_files import CSV_FILES
 from cable_tracker.evaluation.report import (
     REPORT,
     ReportHeader,
@@ -15,7 +16,6 @@ from cable_tracker.evaluation.report import (
     write_report,
 )
 from cable_tracker.evaluation.sample_statistics import spread_of
-from cable_tracker.evaluation.tables import CSV_FILES
 
 HEADER = ReportHeader("Title <1>", "cable-tracker evaluate --x '<y>'", "a machine", "2026-01-02")
 VOID = {"meta", "img", "br", "link", "input", "hr"}

@@ -23,6 +23,7 @@ from cable_tracker.commands.options.campaigns import with_whole_paths
 from cable_tracker.commands.options.parameters import chosen_parameters, single_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
+from cable_tracker.evaluation.csv_files import CSV_FILES
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.report import (
     REPORT,
@@ -33,7 +34,6 @@ from cable_tracker.evaluation.report import (
     write_report,
 )
 from cable_tracker.evaluation.runs import RunResult, Start
-from cable_tracker.evaluation.tables import CSV_FILES
 from cable_tracker.followed_kinds import CABLE
 
 TITLE = "How well the cable is followed"

@@ -22,7 +22,7 @@ from cable_tracker.commands.console.terminal import (
 )
 from cable_tracker.commands.options.parameters import chosen_parameters
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN
+from cable_tracker.evaluation.experiments.experiment import TABLE_MARKDOWN
 from cable_tracker.evaluation.targets.comparison import (
     TargetCampaign,
     markdown_table,

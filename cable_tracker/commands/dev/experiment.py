@@ -26,15 +26,11 @@ from cable_tracker.commands.options.campaigns import (
 )
 from cable_tracker.commands.options.common import ForceOption
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.experiments.ablation import AblationExperiment
-from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
-from cable_tracker.evaluation.experiments.catalogue import (
-    EXPERIMENTS,
-    FILES,
-    Experiment,
-)
-from cable_tracker.evaluation.experiments.experiment_result import (
+from cable_tracker.evaluation.experiments.ablation import ROW_NAMES, AblationExperiment
+from cable_tracker.evaluation.experiments.catalogue import EXPERIMENTS, FILES
+from cable_tracker.evaluation.experiments.experiment import (
     TABLE_MARKDOWN,
+    Experiment,
     ExperimentResult,
     write_experiment,
 )

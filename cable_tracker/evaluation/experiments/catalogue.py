@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.campaigns.settings import CampaignSettings
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     StripSequence,
@@ -19,7 +18,7 @@ from cable_tracker.evaluation.experiments.ablation import (
     cold_ablation,
 )
 from cable_tracker.evaluation.experiments.coverage_experiment import reported_coverage
-from cable_tracker.evaluation.experiments.experiment_result import TABLE_MARKDOWN, ExperimentResult
+from cable_tracker.evaluation.experiments.experiment import TABLE_MARKDOWN, Experiment
 from cable_tracker.evaluation.experiments.metres_experiment import TABLES as METRES_TABLES
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.experiments.motion_experiment import (
@@ -35,19 +34,6 @@ from cable_tracker.evaluation.experiments.thesis_experiments import (
     speed_sequence,
 )
 from cable_tracker.evaluation.result_table import TABLE_CSV
-
-
-class Experiment(Protocol):
-    """An experiment that is ready to be run."""
-
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through; None if that is not known."""
-        ...
-
-    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it; `advance` is told now and then how many more frames are done."""
-        ...
-
 
 ExperimentMaker: TypeAlias = Callable[[tuple[int, ...], int | None], Experiment]
 """Makes an experiment from its seeds and the number of frames used of each dive; None: all."""

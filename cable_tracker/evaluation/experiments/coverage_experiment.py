@@ -13,12 +13,10 @@ from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
-    available_worlds,
-    left_out_notes,
+    reported_worlds,
     simulated_sequences,
 )
-from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
+from cable_tracker.evaluation.experiments.experiment import CampaignExperiment, ExperimentResult
 from cable_tracker.evaluation.metrics.consistency import (
     REGION_NEES,
     coverage,
@@ -26,12 +24,9 @@ from cable_tracker.evaluation.metrics.consistency import (
     sigma_factors,
 )
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.runs import RunResult, Start, chosen
 from cable_tracker.evaluation.sample_statistics import mean, median
-from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import Trace
-from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.world import Split
 
 METHOD = "default"
 
@@ -127,10 +122,9 @@ def reported_coverage(seeds: tuple[int, ...], limit: int | None = None) -> Cover
 
     `limit`: number of frames used of each; None: all.
     """
-    with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
-    worlds, left_out = available_worlds(with_cable, limit)
+    worlds, notes = reported_worlds(limit, with_cable=True)
     groups = (
-        SequenceGroup("all `report_*` with a cable", worlds, left_out_notes(left_out)),
+        SequenceGroup("all `report_*` with a cable", worlds, notes),
         SequenceGroup("S1 to S6", simulated_sequences(THESIS_SEQUENCES, limit)),
     )
     return CoverageExperiment(seeds, groups)

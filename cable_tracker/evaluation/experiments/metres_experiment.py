@@ -19,7 +19,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     frames_in_all,
 )
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult
+from cable_tracker.evaluation.experiments.experiment import ExperimentResult
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
     LOOK_AHEAD,
     SimulatedVehicle,

@@ -12,21 +12,20 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
-    available_worlds,
-    left_out_notes,
+    reported_worlds,
 )
-from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, FigureFile
+from cable_tracker.evaluation.experiments.experiment import (
+    CampaignExperiment,
+    ExperimentResult,
+    FigureFile,
+)
 from cable_tracker.evaluation.figures import as_png, trade_off_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.runs import RunResult, Start, chosen
 from cable_tracker.evaluation.sample_statistics import percentage
-from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import Trace
-from cable_tracker.simulation.worlds.catalogue import worlds_of
-from cable_tracker.simulation.worlds.world import Split
 
 PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98)
 """Values of `presence_to_track`, with the evidence asked for as in `default`."""
@@ -135,8 +134,7 @@ class RocExperiment(CampaignExperiment):
 
 def reported_roc(seeds: tuple[int, ...], limit: int | None = None) -> RocExperiment:
     """Return the experiment on the worlds to report on; `limit`: frames used of each, None: all."""
-    worlds, left_out = available_worlds(worlds_of(Split.REPORT), limit)
-    return RocExperiment(seeds, worlds, left_out_notes(left_out))
+    return RocExperiment(seeds, *reported_worlds(limit))
 
 
 def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:

@@ -16,8 +16,11 @@ from cable_tracker.evaluation.evaluation_sequences import (
     EvaluationSequence,
     ScenarioSequence,
 )
-from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, FigureFile
+from cable_tracker.evaluation.experiments.experiment import (
+    CampaignExperiment,
+    ExperimentResult,
+    FigureFile,
+)
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
@@ -28,9 +31,8 @@ from cable_tracker.evaluation.metrics.initialisation import (
     start_statistics,
 )
 from cable_tracker.evaluation.result_table import ResultTable, format_number
-from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.runs import RunResult, Start, chosen, methods_of, sequences_of
 from cable_tracker.evaluation.sample_statistics import mean, median, percentage, percentages
-from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
 
 THESIS_METHODS = ("default", "thesis")

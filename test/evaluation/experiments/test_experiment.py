@@ -3,7 +3,7 @@ import csv
 import cv2
 import numpy as np
 
-from cable_tracker.evaluation.experiments.experiment_result import (
+from cable_tracker.evaluation.experiments.experiment import (
     TABLE_MARKDOWN,
     ExperimentResult,
     FigureFile,

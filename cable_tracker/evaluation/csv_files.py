@@ -1,4 +1,4 @@
-"""The results of many runs as CSV, and grouped for reports."""
+"""The results of many runs as CSV files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from cable_tracker.evaluation.metric_table import METRIC_TABLE, metric_spread
-from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.runs import RunResult, chosen, methods_of, sequences_of
 from cable_tracker.sequences.tables.csv_tables import csv_text
 from cable_tracker.sequences.tables.estimates import format_stamp
 
@@ -23,27 +23,6 @@ SUMMARY_HEADINGS = (
     "sequence", "method", "metric", "unit", "runs",
     "mean", "standard_error", "median", "minimum", "maximum",
 )  # fmt: skip
-
-
-def sequences_of(results: Iterable[RunResult]) -> list[str]:
-    """Return the names of the sequences, in the order in which they come."""
-    return list(dict.fromkeys(result.sequence for result in results))
-
-
-def methods_of(results: Iterable[RunResult]) -> list[str]:
-    """Return the names of the methods, in the order in which they come."""
-    return list(dict.fromkeys(result.method for result in results))
-
-
-def chosen(
-    results: Iterable[RunResult], *, sequence: str | None = None, method: str | None = None
-) -> list[RunResult]:
-    """Return the runs of a sequence, or of a method, or of both."""
-    return [
-        result
-        for result in results
-        if sequence in (None, result.sequence) and method in (None, result.method)
-    ]
 
 
 def _text(value: float) -> str:

@@ -3,16 +3,9 @@ import io
 
 import pytest
 
+from cable_tracker.evaluation.csv_files import CSV_FILES, frames_csv, runs_csv, summary_csv
 from cable_tracker.evaluation.metric_table import METRIC_TABLE
-from cable_tracker.evaluation.tables import (
-    CSV_FILES,
-    chosen,
-    frames_csv,
-    methods_of,
-    runs_csv,
-    sequences_of,
-    summary_csv,
-)
+from cable_tracker.evaluation.runs import chosen, methods_of, sequences_of
 
 
 def rows(text):

@@ -1,12 +1,18 @@
-"""Results of an experiment: tables and figures, and how they are written into a folder."""
+"""What an experiment is, what it results in, and how that is written into a folder."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from cable_tracker.atomic_output import write_bytes
+from cable_tracker.campaigns.settings import CampaignSettings
+from cable_tracker.evaluation.campaign import Campaign, evaluate_methods
 from cable_tracker.evaluation.result_table import ResultTable, table_csv, table_markdown
+from cable_tracker.evaluation.runs import RunResult
 
 TABLE_MARKDOWN = "table.md"
 
@@ -41,6 +47,38 @@ class ExperimentResult:
         """Return the names of all files that `write_experiment` writes."""
         tables = (table.file_name for table in self.tables)
         return (TABLE_MARKDOWN, *tables, *(picture.file_name for picture in self.pictures))
+
+
+class Experiment(Protocol):
+    """An experiment that is ready to be run."""
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through; None if that is not known."""
+        ...
+
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it; `advance` is told now and then how many more frames are done."""
+        ...
+
+
+class CampaignExperiment(ABC):
+    """A campaign, and what is said of its runs."""
+
+    @abstractmethod
+    def campaign(self) -> Campaign:
+        """Return what is run."""
+
+    @abstractmethod
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through; None if that is not known."""
+        return self.campaign().frame_count()
+
+    def run(self, settings: CampaignSettings, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it; `advance` is told now and then how many more frames are done."""
+        return self.result_of(evaluate_methods(self.campaign(), settings, advance=advance))
 
 
 def result_markdown(result: ExperimentResult, note: str) -> str:
