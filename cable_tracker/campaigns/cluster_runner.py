@@ -122,8 +122,8 @@ def _readable_error(error: Exception) -> Exception:
     if not isinstance(error, KilledWorker):
         return error
     return ParameterError(
-        "a worker was ended several times, perhaps for want of memory; give more memory, or fewer"
-        " workers"
+        "a worker was killed several times, perhaps because it ran out of memory; give more"
+        " memory, or fewer workers"
     )
 
 

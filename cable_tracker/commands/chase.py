@@ -22,14 +22,17 @@ def chase(  # noqa: PLR0917
     output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("chase"),
     duration: Annotated[float, typer.Option(min=5.0, max=1e5, help="Simulated time [s].")] = 300.0,
     distance: Annotated[
-        float, typer.Option(min=0.5, max=50.0, help="To be kept behind the target [m].")
+        float, typer.Option(min=0.5, max=50.0, help="Distance to keep behind the target [m].")
     ] = 2.5,
     hidden_for: Annotated[
-        float, typer.Option(min=0.0, max=40.0, help="How long silt hides it every 50 s [s].")
+        float,
+        typer.Option(
+            min=0.0, max=40.0, help="Time for which silt hides the target every 50 s [s]."
+        ),
     ] = 6.0,
-    seed: Annotated[int, typer.Option(min=0, help="Of the world.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the world.")] = 0,
     preset_name: Annotated[
-        TargetPresetName, typer.Option("--preset", help="Of the target tracker.")
+        TargetPresetName, typer.Option("--preset", help="Preset of the target tracker.")
     ] = TargetPresetName["default"],
     force: ForceOption = False,
 ) -> None:

@@ -107,7 +107,8 @@ def evaluate(  # noqa: PLR0917
         Start, typer.Option(help="Tell the methods where the cable is in the first frame, or not.")
     ] = Start.TRUTH,
     frames: Annotated[
-        int | None, typer.Option(help="Use only so many frames of each scenario.", min=1)
+        int | None,
+        typer.Option(help="Number of frames used of each scenario.  [default: all]", min=1),
     ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("evaluation"),
     force: ForceOption = False,

@@ -65,7 +65,7 @@ def learn(  # noqa: PLR0917
     ] = None,
     frames: Annotated[
         int | None,
-        typer.Option(help="Use only so many frames of each of those dives.", min=1),
+        typer.Option(help="Number of frames used of each of those dives.  [default: all]", min=1),
     ] = None,
     every: Annotated[int, typer.Option(help="Use every K-th frame only.", min=1)] = 1,
     harder: Annotated[

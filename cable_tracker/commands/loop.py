@@ -55,23 +55,25 @@ def loop(  # noqa: PLR0917
     method: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"In the tracker's place: {' | '.join(METHODS)}; may be given several times."
+            help=f"Tracking method: {' | '.join(METHODS)}; may be given several times."
             "  [default: default]"
         ),
     ] = None,
-    length: Annotated[float, typer.Option(help="Of the cable [m].")] = 100.0,
+    length: Annotated[float, typer.Option(help="Length of the cable [m].")] = 100.0,
     buried: Annotated[
         float | None,
         typer.Option(help="Length of the stretch under sand [m].  [default: 5, if there is room]"),
     ] = None,
-    current: Annotated[float, typer.Option(help="Speed of the water [m/s].")] = 0.1,
-    altitude: Annotated[float, typer.Option(help="That the vehicle keeps [m].")] = 2.0,
-    speed: Annotated[float, typer.Option(help="Of the vehicle through the water [m/s].")] = 0.5,
-    size: Annotated[str, typer.Option(help="Of the images, in px.")] = "320x240",
+    current: Annotated[float, typer.Option(help="Speed of the water current [m/s].")] = 0.1,
+    altitude: Annotated[float, typer.Option(help="Altitude that the vehicle keeps [m].")] = 2.0,
+    speed: Annotated[
+        float, typer.Option(help="Speed of the vehicle through the water [m/s].")
+    ] = 0.5,
+    size: Annotated[str, typer.Option(help="Width and height of the images in px.")] = "320x240",
     rate: Annotated[float, typer.Option(help="Frames per second.")] = 12.5,
     standstill: Annotated[
         float,
-        typer.Option(help="End a run when the vehicle is told to stand still for so long [s]."),
+        typer.Option(help="Time of commands to stand still after which a run ends [s]."),
     ] = 15.0,
     detector: Annotated[
         str | None,
@@ -90,7 +92,7 @@ def loop(  # noqa: PLR0917
     ] = None,
     workers: Annotated[
         int | None,
-        typer.Option(help="So many runs at once, each of them four processes.  [default: 1]"),
+        typer.Option(help="Number of runs at once, each in four processes.  [default: 1]"),
     ] = None,
     scheduler: SchedulerOption = None,
     memory: MemoryOption = MEMORY,
@@ -204,7 +206,9 @@ def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
     for name in methods:
         check_name("method", name, METHODS)
         if is_tuned and name in BASELINES:
-            raise ParameterError(f"--params and --detector mean nothing to {name}; leave them out")
+            raise ParameterError(
+                f"--params and --detector have no effect on {name}; leave them out"
+            )
 
 
 def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None:  # noqa: ANN401

@@ -89,7 +89,8 @@ def simulate_command(  # noqa: PLR0917
     clutter: Annotated[
         float | None,
         typer.Option(
-            help=f"How overgrown, buried and distracting it is, 0 to 1.  [default: {CLUTTER:g}]"
+            help="Amount of growth, burial and distracting objects, 0 to 1."
+            f"  [default: {CLUTTER:g}]"
         ),
     ] = None,
     distortion: Annotated[
@@ -123,8 +124,8 @@ def simulate_command(  # noqa: PLR0917
     survey: Annotated[
         float | None,
         typer.Option(
-            help="A vehicle with all its instruments inspects so much cable instead [m]: the bag"
-            " holds odometry, imu, altitude, fixes and mounting too."
+            help="Length of cable [m] that a vehicle with all its instruments inspects instead: the"
+            " bag holds odometry, imu, altitude, fixes and mounting too."
         ),
     ] = None,
     cable_seed: Annotated[

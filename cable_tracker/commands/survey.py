@@ -68,18 +68,19 @@ def survey(  # noqa: PLR0917
     dashboard: DashboardOption = False,
     pictures: Annotated[bool, typer.Option(help="Keep a picture of each event.")] = True,
     least_burial: Annotated[
-        float, typer.Option(help="Shorter buried stretches are not reported [m].")
+        float, typer.Option(help="Length of the shortest buried stretch that is reported [m].")
     ] = 1.0,
     bend_radius: Annotated[
-        float, typer.Option(help="Bends with a smaller radius are events [m]; 0: none.")
+        float, typer.Option(help="Radius below which a bend is an event [m]; 0: never.")
     ] = 10.0,
     most_aside: Annotated[
-        float, typer.Option(help="The vehicle is too far beside the cable from here on [m].")
+        float,
+        typer.Option(help="Distance beside the cable above which the vehicle is too far off [m]."),
     ] = 1.2,
     most_rate: Annotated[
         float,
         typer.Option(
-            help="With odometry, track at most so many pictures per second; 0: all of them."
+            help="With odometry, largest number of pictures per second that are tracked; 0: all."
         ),
     ] = MOST_RATE,
     preset_name: PresetOption = None,
@@ -123,7 +124,7 @@ def survey(  # noqa: PLR0917
     if all(row.state != "done" for row in result.rows):
         kept = f"; the earlier map in {output} is as it was" if result.is_earlier_map_kept else ""
         raise RecordingError(
-            f"none of the {len(result.rows)} recordings could be surveyed; see what is said of each"
+            f"none of the {len(result.rows)} recordings could be surveyed; the reasons stand"
             f" above{kept}"
         )
 

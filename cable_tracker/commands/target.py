@@ -86,7 +86,7 @@ def target(  # noqa: PLR0917
         typer.Option(
             min=0.0,
             max=1000.0,
-            help="Root of the area that the target shows [m], for the range; 0: not known.",
+            help="Square root of the area that the target shows [m], for the range; 0: unknown.",
         ),
     ] = 0.0,
     vehicle: VehicleOption = None,

@@ -102,13 +102,13 @@ def _reason_for_gaps(dive: ForwardDive, trajectory: Trajectory, counted: Counted
     if not counted.placed_partly and not _overlap_in_time(trajectory, counted):
         apart = abs(float(rows["stamp"][0] - trajectory.stamps[0])) / NANOSECONDS
         return [
-            f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
-            " clocks alike"
+            f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart;"
+            " synchronise them"
         ]
     if not counted.placed_partly and (pause := _usual_pause(trajectory, dive.disk)) > LONGEST_GAP:
         return [
-            f"odometry is too slow: {pause:.1f} s from one reading to the next; give one that"
-            f" speaks every {LONGEST_GAP:g} s or more often"
+            f"odometry is too slow: {pause:.1f} s from one reading to the next; publish it"
+            f" every {LONGEST_GAP:g} s or more often"
         ]
     if counted.placed < len(rows):
         share = (len(rows) - counted.placed) / len(rows)
@@ -122,16 +122,16 @@ def _faults_of_odometry(dive: ForwardDive, trajectory: Trajectory) -> list[str]:
     notes = []
     if trajectory.jumps:
         notes.append(
-            f"odometry began anew or jumped {len(trajectory.jumps)} times; the way was joined"
+            f"odometry restarted or jumped {len(trajectory.jumps)} times; the trajectory was joined"
         )
     if trajectory.strays:
         notes.append(
-            f"readings of odometry with stamps of another time do not count: {trajectory.strays}"
+            f"readings of odometry with stamps of another time are ignored: {trajectory.strays}"
         )
     if dive.unusable_poses:
         notes.append(
             f"{dive.unusable_poses} readings of odometry have no orientation, a quaternion of"
-            " length 1, or no place, and do not count; let the vehicle's navigation fill them in"
+            " length 1, or no position, and are ignored; let the vehicle's navigation fill them in"
         )
     return notes
 

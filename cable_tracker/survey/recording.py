@@ -210,11 +210,11 @@ def _on_earth(
     earth = georeference(trajectory, dive.fixes, frame, dive.disk)
     if earth is None:
         notes.append(
-            "too few fixes, or over too short a way, to lay the dive on the earth; its route is in"
+            "too few fixes, or over too short a distance, to georeference the dive; its route is in"
             " the frame of odometry and is not merged"
         )
     elif earth.left_out:
-        notes.append(f"{earth.left_out} fixes lie far off the way and do not count")
+        notes.append(f"{earth.left_out} fixes lie far off the trajectory and are ignored")
     return earth
 
 

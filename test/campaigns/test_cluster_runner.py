@@ -179,7 +179,7 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
 def test_a_worker_that_was_ended_again_and_again_is_told_with_what_to_do():
     told = _readable_error(KilledWorker("task", None, 3))
     assert isinstance(told, ParameterError)
-    assert "ended several times" in str(told) and "give more memory" in str(told)
+    assert "killed several times" in str(told) and "give more memory" in str(told)
 
 
 @pytest.mark.parametrize("count", [60, pytest.param(200, marks=pytest.mark.slow)])

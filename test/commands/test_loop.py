@@ -68,7 +68,7 @@ def test_a_folder_that_is_taken_is_refused(command, tmp_path):
 def test_a_baseline_has_no_detector_of_the_filter_s(command, tmp_path):
     command(
         "loop", "--method", "lsd", "--detector", "none", "--output", str(tmp_path / "loop")
-    ).assert_refused("mean nothing to lsd")
+    ).assert_refused("have no effect on lsd")
 
 
 def test_there_are_not_more_runs_at_once_than_domains(command, tmp_path):

@@ -52,7 +52,7 @@ def experiment(  # noqa: PLR0917
         ),
     ] = None,
     frames: Annotated[
-        int | None, typer.Option(help="Use only so many frames of each dive.", min=1)
+        int | None, typer.Option(help="Number of frames used of each dive.  [default: all]", min=1)
     ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,

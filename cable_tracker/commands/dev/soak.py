@@ -31,13 +31,13 @@ PROGRESS_STEPS = 1000
 
 
 def soak(  # noqa: PLR0917
-    minutes: Annotated[float, typer.Option(help="How long.", min=0.0)] = 10.0,
+    minutes: Annotated[float, typer.Option(help="Duration [min].", min=0.0)] = 10.0,
     seed: Annotated[int, typer.Option(help="Seed of the faults.", min=0)] = 0,
     faults: Annotated[
         float, typer.Option(help="Share of the frames with a fault.", min=0.0, max=1.0)
     ] = 0.02,
     frames: Annotated[
-        int, typer.Option(help="End when so many frames have been answered; 0: never.", min=0)
+        int, typer.Option(help="Number of answered frames after which it ends; 0: never.", min=0)
     ] = 0,
     target: Annotated[
         bool, typer.Option("--target", help="Soak the tracker of targets, in colour.")

@@ -31,7 +31,7 @@ WorkersOption = Annotated[
 SchedulerOption = Annotated[
     str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
 ]
-MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
+MemoryOption = Annotated[str, typer.Option(help="Largest memory of each worker.")]
 DashboardOption = Annotated[
     bool, typer.Option("--dashboard", help=f"Serve Dask's pages at {DASHBOARD} while workers run.")
 ]
@@ -58,8 +58,8 @@ def chosen_cluster(
         )
     if dashboard and workers == 1:
         raise ParameterError(
-            "dashboard: one worker needs no Dask, which would serve it; give --workers 2 or more,"
-            " or leave out --dashboard"
+            "dashboard: Dask serves it, and a single worker runs without Dask; give --workers 2"
+            " or more, or leave out --dashboard"
         )
     return ClusterSettings(workers, scheduler, memory, dashboard, _print_address, print_note)
 

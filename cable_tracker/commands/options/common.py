@@ -77,7 +77,8 @@ VehicleOption = Annotated[
     Path | None,
     typer.Option(
         "--vehicle",
-        help="YAML file with mounting, calibration and doubts, where the bag does not hold them."
+        help="YAML file with mounting, calibration and standard deviations of instruments, where"
+        " the bag does not hold them."
         "  [default: vehicle.yaml in the bag's folder]",
     ),
 ]

@@ -85,8 +85,8 @@ class SimulationSettings:
         if not dive_camera(self.image_size, distortion=self.distortion).sees_all_pixels():
             given = ", ".join(f"{each:g}" for each in self.distortion)
             raise ParameterError(
-                f"distortion is {given}: a lens bent like that does not show the whole picture; "
-                "give smaller values, for instance -0.15, 0.02, 0, 0, 0"
+                f"distortion is {given}: such a lens does not show the whole picture; give"
+                " smaller values, for instance -0.15, 0.02, 0, 0, 0"
             )
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")

@@ -372,6 +372,6 @@ def _navigation(maker: _EventMaker) -> list[Event]:
         if not earliest <= stamp <= latest:
             continue
         point = int(np.abs(route.stamps - stamp).argmin())
-        detail = "odometry began anew or its clock jumped; the way was joined here"
+        detail = "odometry restarted or its clock jumped; the trajectory was joined here"
         events.append(maker.at(EventKind.NAVIGATION, float(route.along[point]), detail))
     return events
